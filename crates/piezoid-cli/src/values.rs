@@ -1,5 +1,5 @@
-//! Failures with an exit status of their own; checks of a command line that the parser cannot do: files must differ, and
-//! records have a format that is written.
+//! Failures with an exit status of their own; checks of a command line that the parser cannot do: files must differ,
+//! and records have a format that is written.
 
 use Ended::{Cancelled, Misused};
 use anyhow::{Result, bail};

@@ -1,5 +1,5 @@
-//! Which target serves which hysteresis operator. The rows of [`TARGETS`](super::TARGETS) state it, because trying takes
-//! seconds; a test tries every operator with every target.
+//! Which target serves which hysteresis operator. The rows of [`TARGETS`](super::TARGETS) state it, because trying
+//! takes seconds; a test tries every operator with every target.
 //!
 //! It does not do: the parameters of a model, which may exceed what a target holds, such as an offset of 1e5 strokes in
 //! fixed point.

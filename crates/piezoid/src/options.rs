@@ -159,7 +159,8 @@ impl OptionRow {
         }
     }
 
-    /// The value in `text`; for an option with several values, one of them. A number may carry its unit: `30V`, `0.5ms`.
+    /// The value in `text`; for an option with several values, one of them. A number may carry its unit: `30V`,
+    /// `0.5ms`.
     ///
     /// # Errors
     /// [`Error::Parameter`] if the text is not a valid value.

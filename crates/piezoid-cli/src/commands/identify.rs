@@ -105,9 +105,12 @@ impl Identify {
         };
         let said =
             [capitalised(&made.model.to_string()), capitalised(&verdict(made.model.verdict().as_ref())) + &wrote];
-        match is_free {
-            true => said.iter().try_for_each(|line| console.print(&console.paragraph(&format!("{line}."), ""))),
-            false => Ok(said.iter().for_each(|line| console.remark(line))),
+        for line in &said {
+            match is_free {
+                true => console.print(&console.paragraph(&format!("{line}."), ""))?,
+                false => console.remark(line),
+            }
         }
+        Ok(())
     }
 }

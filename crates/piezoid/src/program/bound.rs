@@ -5,10 +5,10 @@
 //! a loop      the number of passes times the longest pass
 //! a call      the bound of the function
 //! ```
-//! Operations are counted as a [`Machine`](super::Machine) counts them; of `&&` and `||` both sides are counted, because
-//! some languages evaluate both. The passes of a loop follow from its ends if these are constant; otherwise its text
-//! states them (`at most`), and a machine stops with an error if that is wrong. It does not do: conditions that exclude
-//! each other in different statements, so the bound need not be reached.
+//! Operations are counted as a [`Machine`](super::Machine) counts them; of `&&` and `||` both sides are counted,
+//! because some languages evaluate both. The passes of a loop follow from its ends if these are constant; otherwise its
+//! text states them (`at most`), and a machine stops with an error if that is wrong. It does not do: conditions that
+//! exclude each other in different statements, so the bound need not be reached.
 
 use super::{Expr, Op, Place, Program, Statement};
 use crate::error::Error;

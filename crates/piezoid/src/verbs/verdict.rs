@@ -31,7 +31,8 @@ const LONG: f64 = 60.0;
 /// let y = u.iter().map(|u| 30.0 * u + 5.0).collect();
 /// let options = IdentifyOptions { operator: "proportional".into(), order: Some(0), ..IdentifyOptions::default() };
 /// let records = [Record::new(1e-3, u, y)?];
-/// let made = options.prove(Records::from(&records), &["sine".into()], "", [].into(), &mut |_| std::ops::ControlFlow::Continue(()))?;
+/// let mut on = |_| std::ops::ControlFlow::Continue(());
+/// let made = options.prove(Records::from(&records), &["sine".into()], "", [].into(), &mut on)?;
 /// let said = made.model.verdict().unwrap().to_string();
 /// assert!(said.contains("+-10 V") && said.contains("unproven: "), "{said}");
 /// # Ok::<(), piezoid::Error>(())

@@ -45,10 +45,10 @@ pub struct OperatorTrial {
     pub refused: Option<String>,
 }
 
-/// The operators to try: those listed, and with `auto` only those that suit the records. Without minor loops in the records,
-/// operators that differ only there cannot be distinguished. Then only those are tried that follow and wipe out minor
-/// loops, as measured ceramics do, and whose minor loops the major loops determine. If large-signal records stand
-/// `alone`, rate-dependent operators are left out: their dynamics cannot be separated from the linear block.
+/// The operators to try: those listed, and with `auto` only those that suit the records. Without minor loops in the
+/// records, operators that differ only there cannot be distinguished. Then only those are tried that follow and wipe
+/// out minor loops, as measured ceramics do, and whose minor loops the major loops determine. If large-signal records
+/// stand `alone`, rate-dependent operators are left out: their dynamics cannot be separated from the linear block.
 pub(super) fn candidates(
     name: &str,
     large_signal: &[Record],
