@@ -76,7 +76,9 @@ mod tests {
     #[test]
     fn every_target_makes_what_its_row_states_for_every_operator() {
         for target in TARGETS {
-            for operator in OPERATORS {
+            // Fixed point takes seconds; `tests/export/fixed.rs` of the command line exports every operator.
+            let quick = |o: &&&Operator| target.name != "fixed" || ["preisach", "stop"].contains(&o.name);
+            for operator in OPERATORS.iter().filter(quick) {
                 assert_eq!(target.serves(operator), made(target, operator), "{} {}", target.name, operator.name);
             }
             assert_eq!(target.operators("auto,-stop").unwrap(), "auto,-stop");
