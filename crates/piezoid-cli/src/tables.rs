@@ -150,10 +150,9 @@ fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
     text
 }
 
-/// The noise floor, the drift, and whether the residuals are white.
+/// The noise floor, the drift, and the correlations of the residuals.
 fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
     let tested = compared.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
-    let word = |yes: bool| if yes { "yes" } else { "no" }.to_string();
     let row = |p: &Compared| {
         let (floor, whiteness) = (&p.validation.floor, &p.validation.whiteness);
         vec![
@@ -161,8 +160,8 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
             floor.map_or("-".into(), |f| number(f.rms)),
             floor.map_or("-".into(), |f| number(f.error_over_floor)),
             number(p.validation.drift_per_s),
-            whiteness.as_ref().map_or("-".into(), |w| word(w.is_white())),
-            whiteness.as_ref().map_or("-".into(), |w| word(w.correlates_with_input())),
+            whiteness.as_ref().map_or("-".into(), |w| number(w.autocorrelation[0])),
+            whiteness.as_ref().map_or("-".into(), |w| number(w.largest_correlation().0)),
         ]
     };
     let rows: Vec<_> = tested.map(row).collect();
@@ -170,7 +169,7 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
         return String::new();
     };
     let (floor, drift) = (format!("floor [{unit}]"), format!("drift [{unit}/s]"));
-    let header = ["residuals", &floor, "rmse/floor", &drift, "white", "correlated with u"];
+    let header = ["residuals", &floor, "rmse/floor", &drift, "lag-1 corr.", "corr. with u"];
     let mut text = table(&header, &rows, console.room());
     for p in compared.iter().filter(|_| full) {
         for said in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {

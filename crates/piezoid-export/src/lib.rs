@@ -96,7 +96,10 @@ impl ExportOptions {
     ) -> Result<Exported, Error> {
         let model = file.model()?;
         let r = reference.map(|(file, columns)| file.reference(columns, &model)).transpose()?;
-        let made = self.of(target, &model, r.as_deref(), compiler);
+        let made = self.of(target, &model, r.as_deref(), compiler).map(|mut made| {
+            made.notes.push(model.proven());
+            made
+        });
         // If there is a reference, it is what asks too much.
         made.map_err(|e| e.about(&reference.map_or(file, |(reference, _)| reference).name))
     }

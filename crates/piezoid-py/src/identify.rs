@@ -26,9 +26,7 @@ pub(crate) fn identify(
     let files: Value = serde_json::from_str(&made.1).map_err(|e| refused(&e.to_string()))?;
     let identified = watched(py, progress, |progress| options.prove(records, &[], &made.0, files, progress))?;
     let mut made = identified.model.provenance().clone();
-    if !identified.found.notes.is_empty() {
-        made["notes"] = json!(identified.found.notes);
-    }
+    made["notes"] = json!(identified.found.told());
     Ok(identified.model.with_provenance(made).into())
 }
 

@@ -106,7 +106,7 @@ pub enum Error {
         known: Vec<String>,
     },
     /// Two different sampling periods that must agree.
-    #[error("{left} is sampled every {left_ts} s but {right} every {right_ts} s: resample one of them")]
+    #[error("{left} is sampled every {left_ts} s but {right} every {right_ts} s: {}", other_rate(*left_ts, *right_ts))]
     Sampling {
         /// First object.
         left: String,
@@ -301,6 +301,14 @@ fn edits(a: &str, b: &str) -> usize {
     row[b.chars().count()]
 }
 
+/// What to do about two sampling periods [s] that differ.
+fn other_rate(left: f64, right: f64) -> String {
+    match [left, right].into_iter().find(|rate| (left * right - 1.0).abs() < 0.01 && *rate > 1.0) {
+        Some(rate) => format!("if {rate} is the sampling rate in Hz, state it as such"),
+        None => "resample one of them".into(),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -313,6 +321,15 @@ mod tests {
             "there is no plant called `pl14O`: known are paper, pl140; did you mean `pl140`?"
         );
         assert!(!Error::unknown("plant", "xyz", ["paper", "pl140"]).to_string().contains("did you mean"));
+    }
+
+    #[test]
+    fn a_period_that_is_the_rate_of_another_is_named() {
+        let told = |left_ts, right_ts| {
+            Error::Sampling { left: "one".into(), left_ts, right: "other".into(), right_ts }.to_string()
+        };
+        assert!(told(5e-4, 2000.0).ends_with("if 2000 is the sampling rate in Hz, state it as such"));
+        assert!(told(5e-4, 1e-3).ends_with("resample one of them"));
     }
 
     #[test]

@@ -63,7 +63,7 @@ impl Compensate {
         if self.json.as_deref() != stdout && Some(&*self.output) != stdout {
             console.print(&tables(&made, console))?;
         }
-        for note in &made.made.notes {
+        for note in made.made.notes.iter().chain([&made.proven]) {
             console.remark(note);
         }
         files::write_record(&self.output, |name| made.written(name), console)?;
@@ -71,17 +71,29 @@ impl Compensate {
     }
 }
 
-/// Tables of the errors that the model predicts, and of the peaks of the input with their limits.
+/// Error of the inverse on its own model that is only rounding [% of peak-to-peak].
+const ROUNDING: f64 = 1e-6;
+
+/// Tables of the error to expect, and of the peaks of the input with their limits.
 fn tables(made: &Compensation, console: &Console) -> String {
     let (unit, (metrics, of_requested)) = (&made.units.y, made.metrics());
-    let (rms, max) = (format!("rms error [{unit}]"), format!("max [{unit}]"));
+    let (rms, max) = (format!("rms [{unit}]"), format!("max [{unit}]"));
     let figures = |name: &str, m: &Metrics| {
         [vec![name.to_string()], [m.rmse, m.max_abs, m.rms_pp_percent].map(number).to_vec()].concat()
     };
-    let name = if of_requested.is_some() { "against the shaped reference" } else { "predicted" };
-    let rows = std::iter::once(figures(name, &metrics))
-        .chain(of_requested.map(|m| figures("against the requested reference", &m)));
-    let error = table(&["free run", &rms, &max, "% of peak-to-peak of r"], &rows.collect::<Vec<_>>(), console.room());
+    let expected = made.expected_rms().map(|rms| {
+        let percent = number(100.0 * rms / metrics.peak_to_peak);
+        vec!["to expect of the actuator".to_string(), number(rms), "-".into(), percent]
+    });
+    // What the inverse leaves is rounding, unless it is told to clip or to stop early.
+    let left = expected.is_none() || metrics.rms_pp_percent > ROUNDING;
+    let name = if of_requested.is_some() { "on the model, shaped reference" } else { "on the model" };
+    let rows: Vec<_> = expected
+        .into_iter()
+        .chain(left.then(|| figures(name, &metrics)))
+        .chain(of_requested.map(|m| figures("on the model, requested reference", &m)))
+        .collect();
+    let error = table(&["error", &rms, &max, "% of peak-to-peak of r"], &rows, console.room());
     let input = &made.units.u;
     let row = |peak: &piezoid::excitation::Peak| {
         let (quantity, unit) = (peak.quantity.trim_end_matches(" voltage"), peak.unit.replace('V', input));

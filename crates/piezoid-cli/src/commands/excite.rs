@@ -1,4 +1,4 @@
-//! `piezoid excite KIND`: writes a drive signal. Each row of the library's list is a subcommand, each of its parameters
+//! `piezoid excite KIND`: writes a drive signal or a reference. Each row of the library's list is a subcommand, each of its parameters
 //! a flag.
 
 use crate::console::Console;
@@ -22,6 +22,9 @@ Examples:
   A sine for the hysteresis, refused if the driver cannot follow:
     piezoid excite sine --frequency 20 --amplitude 30 --ts 5e-4 --duration 2 \\
         --driver pl140 -o sine20.csv
+  A path for `compensate`: a sine of +-500 um, in a column r_um:
+    piezoid excite sine --frequency 10 --amplitude 500 --unit um --ts 5e-4 \
+        --duration 1 -o path.csv
   Options of one kind:
     piezoid excite multisine --help";
 

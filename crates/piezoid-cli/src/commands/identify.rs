@@ -17,34 +17,30 @@ use std::path::{Path, PathBuf};
 const EXAMPLES: &str = "\
 Examples:
   A small PRBS for the linear block, rising sines for the hysteresis; operator and order are chosen:
-    piezoid identify --small-signal prbs.csv --large-signal rise1.csv rise20.csv rise80.csv \\
-        -o model.json
+    piezoid identify rise1.csv rise20.csv rise80.csv --small-signal prbs.csv -o model.json
   All available records, without their first 1.5 s, and one operator:
     piezoid identify run1.csv run2.csv --from 1.5 --operator preisach -o model.json
   The paper's method: two branches per frequency, ARX by particle swarm:
-    piezoid identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv \\
-        -o model.json
+    piezoid identify sine5.csv sine20.csv --small-signal prbs.csv --method paper -o model.json
   Columns of other names, and no time column:
     piezoid identify log.csv --ts 5ms --input-col cmd_V --output-col pos_um -o model.json";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
-#[command(override_usage = "\
-piezoid identify --small-signal <FILE>... --large-signal <FILE>...
-           [OPTIONS] -o <FILE>
-       piezoid identify <FILE>... [OPTIONS] -o <FILE>")]
+#[command(override_usage = "piezoid identify <FILE>... [--small-signal <FILE>...]\n           [OPTIONS] -o <FILE>")]
 pub(crate) struct Identify {
-    /// Records for linear block and hysteresis together, if there is no small-signal record.
-    #[arg(value_name = "FILE", conflicts_with_all = ["small_signal", "large_signal"])]
+    /// Large-signal records, which exercise the hysteresis: rising sines at some frequencies. Without a small-signal
+    /// record, they are for the linear block too.
+    #[arg(value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Small-signal records for the linear block: a PRBS of about 1 V.
     #[arg(long, alias = "linear", value_name = "FILE", num_args = 1..)]
     small_signal: Vec<PathBuf>,
-    /// Large-signal records, which exercise the hysteresis: rising sines at some frequencies.
+    /// The same as <FILE>...
     #[arg(long, alias = "rich", value_name = "FILE", num_args = 1.., required_unless_present_any = ["small_signal", "data", "files"])]
     large_signal: Vec<PathBuf>,
     /// The same as <FILE>...
-    #[arg(long, value_name = "FILE", num_args = 1.., conflicts_with_all = ["small_signal", "large_signal"])]
+    #[arg(long, value_name = "FILE", num_args = 1..)]
     data: Vec<PathBuf>,
     #[command(flatten)]
     options: Flags<IdentifyOptions>,
@@ -89,7 +85,8 @@ impl Identify {
         if is_free && self.verbose {
             console.print(&(summary(&made, console) + "\n"))?;
         }
-        for note in &made.found.notes {
+        let reasons = made.found.reasons.iter().filter(|_| self.verbose);
+        for note in reasons.chain(&made.found.notes) {
             console.remark(note);
         }
         for (file, seen) in small.iter().zip(&made.linearity) {
@@ -103,12 +100,11 @@ impl Identify {
             path if path == stdout => String::new(),
             path => format!("; wrote {}", path.display()),
         };
-        let said =
-            [capitalised(&made.model.to_string()), capitalised(&verdict(made.model.verdict().as_ref())) + &wrote];
-        for line in &said {
+        let said = [made.model.to_string(), capitalised(&verdict(made.model.verdict().as_ref())) + &wrote];
+        for line in said {
             match is_free {
                 true => console.print(&console.paragraph(&format!("{line}."), ""))?,
-                false => console.remark(line),
+                false => console.remark(&line),
             }
         }
         Ok(())

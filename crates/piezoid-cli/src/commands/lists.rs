@@ -8,7 +8,7 @@ use anyhow::Result;
 use clap::Args;
 use piezoid::control::{CONTROLLERS, FEED_FORWARDS};
 use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS};
-use piezoid::hysteresis::OPERATORS;
+use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::{self, PLANTS, Spec};
 use piezoid_export::{FEED_FORWARD, MODEL, TARGETS};
@@ -33,7 +33,13 @@ fn text<'a>(row: &'a Row, key: &str) -> &'a str {
 }
 
 pub(crate) fn operators() -> Vec<Row> {
-    OPERATORS.iter().map(|o| row(o.name, o.summary, o.reference)).collect()
+    let operator = |o: &&Operator| {
+        let also = if o.aliases.is_empty() { String::new() } else { format!(" (or {})", o.aliases.join(", ")) };
+        let mut row = row(o.name, &format!("{}{also}", o.summary), o.reference);
+        row["aliases"] = json!(o.aliases);
+        row
+    };
+    OPERATORS.iter().map(operator).collect()
 }
 
 pub(crate) fn excitations() -> Vec<Row> {

@@ -23,8 +23,7 @@ Examples:
 The model runs free: it sees only the input, and starts from the initial condition that fits the record best. \
 nrmse % is 100 rmse / standard deviation of y, noise % the part of it that is noise, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.
 
-The errors by frequency and by amplitude are computed from the cycles of the input, over all files; if the input has no cycles, from spectra, in third-octave bands. The noise floor is the scatter of y between repetitions of the same input or, if the input does not repeat, the level of the spectrum where the input does not drive y. A better model can gain what is left of the error without noise and drift: squares add up. The drift is the slope of the error over time, also if --offset drift removes it. The residuals are white if a Ljung-Box test cannot distinguish them from white noise. Residuals that are correlated with the input show \
-that the model lacks something.";
+The errors by frequency and by amplitude are computed from the cycles of the input, over all files; if the input has no cycles, from spectra, in third-octave bands. The noise floor is the scatter of y between repetitions of the same input or, if the input does not repeat, the level of the spectrum where the input does not drive y. A better model can gain what is left of the error without noise and drift: squares add up. The drift is the slope of the error over time, also if --offset drift removes it. Of the residuals, the correlation with the sample before and the largest correlation with the input are shown: both are near 0 if nothing but noise is left.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]

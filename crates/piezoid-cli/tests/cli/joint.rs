@@ -19,7 +19,7 @@ fn stocked() -> Bench {
 #[test]
 fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_this_one() {
     let bench = stocked();
-    let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv --operator bouc-wen -o m.json --json f.json";
+    let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv --operator bouc-wen --verbose -o m.json --json f.json";
     let run = bench.run(line).ok();
     let run = run.prints(&[
         "held-out error",
@@ -29,7 +29,7 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
         "standard error",
         "rise5.csv",
         "by",
-        "white",
+        "lag-1 corr.",
     ]);
     let found = bench.json("f.json");
     assert!(number(&found["trials"][0]["held_out_percent"]) < 0.01, "{}", found["trials"]);
@@ -61,7 +61,7 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
 #[test]
 fn auto_takes_the_law_the_actuator_has() {
     let bench = stocked();
-    let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv -o m.json --json f.json";
+    let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv --verbose -o m.json --json f.json";
     let run = bench.run(line).ok().prints(&["preisach", "tellinen", "duhem"]);
     let found = bench.json("f.json");
     assert_eq!(found["operator"], "bouc-wen", "{}", run.out);
@@ -97,7 +97,7 @@ fn settings_of_the_other_method_are_refused_and_a_driver_may_be_named() {
         bench.misused(line).says(&[says]);
     }
     bench.run("simulate --plant pl140 --input rise5.csv -o crept.csv").ok();
-    let line = "identify --data crept.csv --operator stop --driver pl140 --driver-lag 1e-4 -o m.json";
+    let line = "identify --data crept.csv --operator stop --driver pl140 --driver-lag 1e-4 --verbose -o m.json";
     bench.run(line).ok().prints(&["Driver: a lag of 0.1 ms, at most 60976 V/s", "Creep: ", " % (0.05 s)"]);
     let model = bench.json("m.json");
     assert!(

@@ -32,6 +32,21 @@ fn every_list_prints_its_rows_and_gives_them_as_json() {
 }
 
 #[test]
+fn operators_are_named_as_the_field_names_them() {
+    let bench = Bench::stocked();
+    bench.run("operators").ok().prints(&["(or PI,", "(or RDPI)"]);
+    let rows = bench.run("operators --json -").ok().out_json();
+    let row = rows.as_array().unwrap().iter().find(|row| row["name"] == "prandtl-ishlinskii").unwrap();
+    assert_eq!(row["aliases"][0], "PI");
+    for name in ["PI", "prandtl_ishlinskii", "Prandtl-Ishlinskii"] {
+        bench
+            .run(&format!("identify sine5.csv --operator {name} -o {name}.json"))
+            .ok()
+            .prints(&["prandtl-ishlinskii, gain"]);
+    }
+}
+
+#[test]
 fn drivers_and_actuators_give_their_figures() {
     let bench = Bench::new();
     let find = |list: &str, name: &str| {

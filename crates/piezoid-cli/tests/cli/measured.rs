@@ -29,7 +29,9 @@ fn run(bench: &Bench, line: &str, folder: &Path) -> Run {
 fn the_papers_method_holds_on_the_second_half_of_a_measured_record() {
     let Some(folder) = data() else { return };
     let bench = Bench::new();
-    let found = run(&bench, "identify --method paper --data model_1Hz.csv --from 1.5 --to 20 -o m.json", &folder).ok();
+    let found =
+        run(&bench, "identify --method paper --data model_1Hz.csv --from 1.5 --to 20 --verbose -o m.json", &folder)
+            .ok();
     found.says(&["pure gain", "one frequency (1", "Hz)"]).prints(&["two-branch", "cmdV"]);
     let total = run(&bench, "validate --model m.json --data model_1Hz.csv --from 20 --json -", &folder).ok().out_json();
     let nrmse = number(&total["total"]["nrmse_percent"]);
@@ -42,7 +44,7 @@ fn the_papers_method_holds_on_the_second_half_of_a_measured_record() {
 fn growing_amplitudes_are_told_to_be_beyond_the_method_and_why() {
     let Some(folder) = data() else { return };
     let bench = Bench::new();
-    run(&bench, "identify --method paper --data model_1Hz.csv --from 1.5 --to 20 -o m.json", &folder).ok();
+    run(&bench, "identify --method paper --data model_1Hz.csv --from 1.5 --to 20 --verbose -o m.json", &folder).ok();
     let proof =
         run(&bench, "validate --model m.json --data test_am_1Hz.csv --from 1.5 --offset free --json v.json", &folder);
     proof.ok().says(&["note:", "two-branch block has no minor loops"]);

@@ -6,7 +6,7 @@ use crate::bench::{Bench, number};
 fn a_model_is_identified_and_predicts_its_own_data() {
     let bench = Bench::stocked();
     let run = bench
-        .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv --large-signal sine20.csv -o m.json --json f.json");
+        .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv --large-signal sine20.csv --verbose -o m.json --json f.json");
     run.ok()
         .prints(&["Hysteresis block: rate-scheduled", "mode 1", "146.7", "sine5.csv", "sine20.csv"])
         .says(&["note: linear block: order 2, estimated by swarm"]);

@@ -29,14 +29,19 @@ use crate::error::{Error, finite};
 use crate::excitation::{LimitOptions, Limits, Usage};
 use crate::hammerstein::{Domain, Model};
 use crate::number::{round, short};
+use crate::record::Units;
 use crate::series::ends;
 use crate::system::System;
+use crate::validation::rough;
 
 /// Allowed input beyond the identified range, as a share of that range on each side: operators extrapolate well so far.
 const BEYOND: f64 = 0.05;
 
 /// Share of the range of an operator below which an error counts as zero.
 const REACHED: f64 = 1e-9;
+
+/// Range of a reference, over the displacements that can be held, from which its unit is doubted.
+const FAR: f64 = 5.0;
 
 /// Settings of the feed-forward. The default has no limits but the model's own, clips nothing, and makes no sweeps.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -317,19 +322,27 @@ impl FeedForward {
     }
 
     fn unreachable(&self, r: &[f64], sample: usize) -> Error {
-        let unit = &self.model.units().y;
+        let Units { u: input, y: unit } = self.model.units();
         let [low, high] = [self.ends.0, self.ends.1].map(round);
-        let (bottom, top) = self.reach();
+        let ((bottom, top), (lowest, highest)) = (self.reach(), ends(r.iter().copied()));
+        let times = (highest - lowest) / (top - bottom);
+        let [from, to] = [lowest, highest].map(round);
+        let is_inside = bottom <= lowest && highest <= top;
         let [value, at, bottom, top] = [r[sample], sample as f64 * self.model.ts(), bottom, top].map(round);
-        let (lowest, highest) = ends(r.iter().copied());
-        let instead = match self.reach().0 <= lowest && highest <= self.reach().1 {
-            true if sample < self.preview.fir().ahead() => {
-                "begin the reference with some milliseconds at a constant value, or smooth it"
-            }
-            true => "the reference changes too fast there: slow it down or smooth it",
-            false => "reduce the amplitude of the reference",
+        if !is_inside {
+            let why = match times > FAR {
+                true => format!("this is {} times the stroke: check the unit of the reference", rough(times)),
+                false => "reduce its amplitude".into(),
+            };
+            return Error::Unreachable(format!(
+                "it runs from {from} to {to} {unit}, but within {low} to {high} {input} only {bottom} to {top} {unit} \
+                 can be held; {why}, or clip"
+            ));
+        }
+        let instead = match sample < self.preview.fir().ahead() {
+            true => "begin the reference with some milliseconds at a constant value, or smooth it",
+            false => "the reference changes too fast there: slow it down or smooth it",
         };
-        let input = &self.model.units().u;
         Error::Unreachable(format!(
             "{value} {unit} at sample {sample} ({at} s) needs an input outside {low} to {high} {input} (at rest, \
              {bottom} to {top} {unit} can be held); {instead}, or clip"

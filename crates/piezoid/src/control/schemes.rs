@@ -319,7 +319,7 @@ mod tests {
         let far: Vec<f64> = sine(400).iter().map(|r| 5.0 * r).collect();
         let refused = drive("pi").check(&far).unwrap_err().to_string();
         assert!(
-            refused.contains("cannot be reached") && refused.contains("at rest, -987.9 to 995.9 um can be held"),
+            refused.contains("cannot be reached") && refused.contains("only -987.9 to 995.9 um can be held"),
             "{refused}"
         );
         let clipped = tuned("pi", FeedForwardSettings { clip: true, ..Default::default() }, 0);

@@ -17,6 +17,10 @@ use serde_json::{Value, json};
 const ROUNDED: f64 = 0.01;
 /// Relative deviation of the stamps from a stated period that is the rounding of the stamps.
 const NOMINAL: f64 = 1e-5;
+/// Relative deviation of a period that the user states from that of the file that is doubted.
+const DIFFERENT: f64 = 0.01;
+/// Sampling period that nobody means [s].
+const LONG: f64 = 20.0;
 /// Steps [s] from which on a time without a unit may be in milliseconds, or be the numbers of samples.
 const SLOW: f64 = 0.1;
 
@@ -188,6 +192,7 @@ impl Table {
                 steps.push(format!("the unit of the {} is not stated: {assumed} is assumed", role.what()));
             }
         }
+        steps.extend(self.doubt(selection));
         if !guessed.is_empty() {
             steps.insert(0, format!("{}, by names and units", guessed.join(", ")));
         }
@@ -199,6 +204,24 @@ impl Table {
             steps.push(format!("cut{}{}", end(selection.from, "from"), end(selection.to, "to")));
         }
         steps
+    }
+
+    /// A doubt about the sampling period that the user states.
+    fn doubt(&self, selection: &ColumnSelection) -> Option<String> {
+        let stated = selection.period().ok()??;
+        let stamps = Role::Time.find(self, selection).ok().and_then(|time| self.period(time, selection, None).ok());
+        let likely = match selection.fs {
+            Some(fs) => format!("if {fs} is the sampling period in s, state it as such"),
+            None => format!("if {stated} is the sampling rate in Hz, state it as such"),
+        };
+        match stamps.or(self.ts) {
+            Some(own) if (own / stated - 1.0).abs() > DIFFERENT => {
+                let likely = if (own * stated - 1.0).abs() < DIFFERENT { format!("; {likely}") } else { String::new() };
+                Some(format!("the file says {own} s for the sampling period, but {stated} s is stated{likely}"))
+            }
+            None if stated > LONG => Some(format!("the stated sampling period is {stated} s: {likely}")),
+            _ => None,
+        }
     }
 
     /// The sampling period [s], and the columns with these roles, which have no flaw.
@@ -382,6 +405,23 @@ mod tests {
 
     fn parsed(file: &str) -> Table {
         Table::parse(file.as_bytes()).unwrap()
+    }
+
+    #[test]
+    fn a_stated_sampling_period_is_doubted_if_the_file_says_another_or_nobody_means_it() {
+        let said = |text: &str, ts: Option<f64>, fs: Option<f64>| {
+            let selection = ColumnSelection { ts, fs, ..ColumnSelection::default() };
+            parsed(text).record(&selection).unwrap().history().join("; ")
+        };
+        let (timed, bare) = ("t_s,u_V,y_um\n0,1,2\n5e-4,2,3\n1e-3,3,4\n", "u_V,y_um\n1,2\n2,3\n");
+        assert_eq!(said(timed, Some(5e-4), None) + &said(bare, Some(2.0), None), "");
+        let doubt = said(timed, Some(2000.0), None);
+        assert!(doubt.contains("the file says 0.0005 s for the sampling period, but 2000 s is stated"), "{doubt}");
+        assert!(doubt.ends_with("if 2000 is the sampling rate in Hz, state it as such"), "{doubt}");
+        let doubt = said(timed, None, Some(1000.0));
+        assert!(doubt.ends_with("but 0.001 s is stated"), "{doubt}");
+        let doubt = said(bare, None, Some(5e-4));
+        assert!(doubt.ends_with("is 2000 s: if 0.0005 is the sampling period in s, state it as such"), "{doubt}");
     }
 
     #[test]

@@ -66,8 +66,17 @@ pub struct Identified {
     pub trials: Vec<OperatorTrial>,
     /// Physical parameters with standard errors; only the joint method has them.
     pub parameters: Vec<FittedParameter>,
+    /// Why this linear block and this operator, and how the search ended.
+    pub reasons: Vec<String>,
     /// Remarks for the user.
     pub notes: Vec<String>,
+}
+
+impl Identified {
+    /// All that is told about an identification: the reasons, then the remarks.
+    pub fn told(&self) -> Vec<String> {
+        [&self.reasons[..], &self.notes].concat()
+    }
 }
 
 /// The paper's steps 2, 4 and 5 (1, 3 and 6 are measurements). `linear` are small-signal records (a PRBS),
@@ -139,7 +148,15 @@ pub(crate) fn identify_paper(
         Some(domain) => model.with_identified(domain),
         None => model,
     };
-    Ok(Identified { model, linear: part, loops, trials: Vec::new(), parameters: Vec::new(), notes })
+    Ok(Identified {
+        model,
+        linear: part,
+        loops,
+        trials: Vec::new(),
+        parameters: Vec::new(),
+        reasons: Vec::new(),
+        notes,
+    })
 }
 
 /// Step 5: the hysteresis block of the loops, and its offset [output unit].

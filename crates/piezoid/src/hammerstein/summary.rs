@@ -10,7 +10,7 @@ use crate::system::System;
 /// use piezoid::{Model, hysteresis::Operator, linear::Arx};
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.3, 3.3])?;
 /// let model = Model::new((Operator::find("dahl")?.example)(5e-4)?, block, 0.0)?;
-/// assert_eq!(model.to_string(), "dahl, gain 32.51 um/V, mode at 146.7 Hz (damping 0.061), sampled every 0.0005 s");
+/// assert_eq!(model.to_string(), "dahl, gain 32.53 um/V, mode at 146.7 Hz (damping 0.06103), sampled every 5e-4 s");
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 impl std::fmt::Display for Model {

@@ -6,6 +6,7 @@
 //! only compared if their rates are similar. Records that excite a resonance, such as PRBS, have no gain here.
 
 use super::runs::quantile;
+use super::scale::{FAR, scales};
 use crate::error::Error;
 use crate::number::short;
 use crate::record::Record;
@@ -71,7 +72,7 @@ pub(crate) fn compare(records: &[(&str, &Record)], notes: &mut Vec<String>) -> R
                 "{name}: it has the opposite sign of other records {}: unless it is driven above a resonance, {remedy}",
                 both(NEAR)
             ));
-        } else if odd(NEAR, &|ratio| ratio > OTHER || (0.0..1.0 / OTHER).contains(&ratio)) {
+        } else if odd(NEAR, &|ratio| (OTHER..FAR).contains(&ratio) || (1.0 / FAR..1.0 / OTHER).contains(&ratio)) {
             notes.push(format!(
                 "{name}: it has another gain than other records {}: check units and amplifier, and that it is of the \
                  same actuator",
@@ -79,6 +80,7 @@ pub(crate) fn compare(records: &[(&str, &Record)], notes: &mut Vec<String>) -> R
             ));
         }
     }
+    notes.extend(scales(records));
     Ok(())
 }
 
@@ -142,8 +144,10 @@ mod tests {
     #[test]
     fn another_gain_is_noted_and_that_of_small_signals_is_not() {
         assert_eq!(said(&[record(5.0, 0.3, false), record(6.0, 0.14, false), record(7.0, 0.3, false)]), Ok(vec![]));
-        let notes = said(&[record(5.0, 0.3, false), record(6.0, 3e-4, false), record(7.0, 0.3, false)]).unwrap();
+        let notes = said(&[record(5.0, 0.3, false), record(6.0, 3e-2, false), record(7.0, 0.3, false)]).unwrap();
         assert!(notes.len() == 1 && notes[0].contains("record 2: it has another gain"), "{notes:?}");
-        assert!(notes[0].contains("(y over u: 3.000e-4 and 0.3000 um/V): check units"), "{notes:?}");
+        assert!(notes[0].contains("(y over u: 0.03000 and 0.3000 um/V): check units"), "{notes:?}");
+        let notes = said(&[record(5.0, 0.3, false), record(6.0, 3e-4, false), record(7.0, 0.3, false)]).unwrap();
+        assert!(notes.len() == 1 && notes[0].contains("(y over u, rms: 3.000e-4 and 0.3000 um/V)"), "{notes:?}");
     }
 }

@@ -35,12 +35,14 @@ mod order;
 mod outliers;
 mod plays;
 mod runs;
+mod scale;
 mod tone;
 mod units;
 mod wild;
 
 pub(crate) use bridge::bridged;
 pub(crate) use compare::compare;
+pub(crate) use scale::likely_cause;
 
 use crate::error::Error;
 use crate::fourier::power;

@@ -166,7 +166,7 @@ impl Model {
             whiteness: Whiteness::of(counted.u(), &errors),
             floor,
             summary: summary(&metrics, floor.as_ref(), named),
-            remarks: remarks::remarks(self, &counted, &metrics, &drift),
+            remarks: remarks::remarks(self, &counted, run.simulated, &metrics, &drift),
             not_covered: remarks::not_covered(self, &counted, &loops),
             loops,
             simulated,

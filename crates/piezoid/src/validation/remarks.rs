@@ -5,9 +5,9 @@ use super::floor::rough;
 use super::{LoopComparison, Metrics};
 use crate::hammerstein::{Domain, Model};
 use crate::number::short;
-use crate::quality::{Defect, Finding, Need, around, excites, inspect};
+use crate::quality::{Defect, Finding, Need, around, excites, inspect, likely_cause};
 use crate::record::Record;
-use crate::series::ends;
+use crate::series::{ends, mean, scatter};
 use crate::waveform::dominant_frequency;
 
 /// Share of the identified range by which an input must return to count as a reversal, and stay off the ends to count
@@ -31,11 +31,24 @@ const SMALL: f64 = 0.2;
 /// Width of the model's loop below which it does not test the hysteresis [% of its height].
 const CLOSED: f64 = 1.0;
 
+/// Correlation from which the output has the shape of the model's, and factor from which it is another scale.
+const SHAPE: f64 = 0.95;
+const SCALED: f64 = 2.5;
+
+/// Range of the input, over the identified range, from which a unit or a scale is wrong.
+const FAR: f64 = 5.0;
+
 /// Drift of the error, over the peak-to-peak of y, up to which a drift of y is the model's own.
 const DRIFTS: f64 = 0.01;
 
 /// Remarks where the record exceeds the range of the model or of the figures.
-pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics, drift: &Drift) -> Vec<String> {
+pub(super) fn remarks(
+    model: &Model,
+    record: &Record,
+    simulated: &[f64],
+    metrics: &Metrics,
+    drift: &Drift,
+) -> Vec<String> {
     let mut remarks: Vec<String> = match (metrics.mse.is_finite(), metrics.nrmse_percent.is_finite()) {
         (false, _) => vec!["the error overflows: undefined figures are - in tables and null in JSON".into()],
         (true, false) => {
@@ -43,7 +56,10 @@ pub(super) fn remarks(model: &Model, record: &Record, metrics: &Metrics, drift: 
         }
         (true, true) => Vec::new(),
     };
-    remarks.extend(range(model, record));
+    let beyond_range = range(model, record);
+    // The output of a model far outside its range says nothing.
+    remarks.extend(beyond_range.is_none().then(|| scaled(record, simulated)).flatten());
+    remarks.extend(beyond_range);
     let frequency = at_frequency(model, record);
     let reported = frequency.is_some();
     remarks.extend(frequency);
@@ -76,20 +92,44 @@ fn drifts(record: &Record, metrics: &Metrics, drift: &Drift) -> Option<String> {
     })
 }
 
+/// A remark if the output is a multiple of that of the model.
+fn scaled(record: &Record, simulated: &[f64]) -> Option<String> {
+    let (y, unit) = (record.y(), &record.units().y);
+    let [mean_y, mean_model] = [y, simulated].map(mean);
+    let product: f64 = y.iter().zip(simulated).map(|(y, s)| (y - mean_y) * (s - mean_model)).sum();
+    let [power_y, power_model] = [y, simulated].map(scatter);
+    let (factor, correlation) = (product / power_model, product / (power_y * power_model).sqrt());
+    (correlation.abs() > SHAPE && !(1.0 / SCALED..=SCALED).contains(&factor)).then(|| {
+        format!(
+            "the output is {} times that of the model, and has its shape (correlation {}): {}",
+            short(factor),
+            short(correlation),
+            match factor < 0.0 {
+                true => "a sign is inverted".into(),
+                false => likely_cause(factor, unit),
+            }
+        )
+    })
+}
+
 /// A remark if the input exceeds the identified range.
 fn range(model: &Model, record: &Record) -> Option<String> {
     let unit = &model.units().u;
     let (low, high) = identified_range(model)?;
     let (lowest, highest) = ends(record.u().iter().copied());
     let slack = 0.01 * (high - low);
+    let times = (highest - lowest) / (high - low);
     (lowest < low - slack || highest > high + slack).then(|| {
         format!(
-            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: outside this \
-             range it extrapolates",
+            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: {}",
             short(lowest),
             short(highest),
             short(low),
-            short(high)
+            short(high),
+            match times > FAR {
+                true => format!("{} times the range; {}", short(times), likely_cause(times, unit)),
+                false => "outside this range it extrapolates".into(),
+            }
         )
     })
 }

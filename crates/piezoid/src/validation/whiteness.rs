@@ -86,6 +86,13 @@ impl Whiteness {
         self.p_value >= SELDOM
     }
 
+    /// The correlation with the input that is largest in magnitude, and its lag [samples].
+    pub fn largest_correlation(&self) -> (f64, isize) {
+        let lags = (self.cross_correlation.len() / 2) as isize;
+        let larger = |m: (f64, isize), (c, k): (&f64, isize)| if c.abs() > m.0.abs() { (*c, k) } else { m };
+        self.cross_correlation.iter().zip(-lags..).fold((0.0, 0), larger)
+    }
+
     /// True if the errors correlate with the input.
     pub fn correlates_with_input(&self) -> bool {
         self.cross_correlation.iter().any(|c| c.abs() > self.cross_correlation_bound)
@@ -97,17 +104,16 @@ impl Whiteness {
         match self.is_white() {
             true => format!("residuals are white (Ljung-Box Q {q} over {lags} lags, p {p})"),
             false => format!(
-                "residuals are not white: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} lags, p {p}). They \
-                 contain unmodelled dynamics; tests that assume independent errors are too optimistic",
+                "a part of the residuals is regular, not noise: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} \
+                 lags, p {p}). In a long record this test finds parts that are far too small to matter; how large they \
+                 are is told by the error beside the noise floor",
                 short(self.autocorrelation[0])
             ),
         }
     }
 
     fn input(&self) -> String {
-        let lags = (self.cross_correlation.len() / 2) as isize;
-        let larger = |m: (f64, isize), (c, k): (&f64, isize)| if c.abs() > m.0.abs() { (*c, k) } else { m };
-        let (c, k) = self.cross_correlation.iter().zip(-lags..).fold((0.0, 0), larger);
+        let (c, k) = self.largest_correlation();
         let (c, bound) = (short(c), short(self.cross_correlation_bound));
         match (self.correlates_with_input(), k) {
             (false, _) => format!(
@@ -115,12 +121,13 @@ impl Whiteness {
                  response to the input"
             ),
             (true, 0..) => format!(
-                "residuals are correlated with the input at a lag of {k} samples (correlation {c}, bound {bound}): \
-                 dynamics, gain or hysteresis are missing in the model"
+                "a part of the residuals follows the input at a lag of {k} samples (correlation {c}, bound {bound}): \
+                 it is of the dynamics, the gain or the hysteresis, and a more detailed model could hold it"
             ),
             (true, _) => format!(
-                "residuals correlate with the input {} samples later ({c}, bound {bound}): the delay of the model is \
-                 too long, the record was taken in closed loop, or the input is smooth over that many samples",
+                "a part of the residuals precedes the input by {} samples (correlation {c}, bound {bound}): the delay \
+                 of the model is too long, the record was taken in closed loop, or the input is smooth over that many \
+                 samples",
                 -k
             ),
         }
@@ -186,7 +193,9 @@ mod tests {
         let seen = Whiteness::of(&u, &e).unwrap();
         assert!(!seen.is_white() && !seen.correlates_with_input(), "{seen:?}");
         assert_close(&[seen.autocorrelation[0]], &[0.9], 0.05, 0.0);
-        assert!(seen.verdict[0].contains("not white") && seen.verdict[1].contains("uncorrelated with the input"));
+        assert!(
+            seen.verdict[0].contains("regular, not noise") && seen.verdict[1].contains("uncorrelated with the input")
+        );
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The voltage for a requested displacement.
 
-use super::{File, blamed};
+use super::{File, Verdict, blamed};
 use crate::compensation::shaping::Shaping;
 use crate::compensation::{Compensated, FeedForward, FeedForwardSettings};
 use crate::error::Error;
@@ -38,6 +38,10 @@ pub struct Compensation {
     pub made: Compensated,
     /// The lowest and the highest displacement that can be held.
     pub reach: (f64, f64),
+    /// How good the model was at its identification, if its file says so.
+    pub verdict: Option<Verdict>,
+    /// The same in words.
+    pub proven: String,
 }
 
 impl CompensateOptions {
@@ -58,8 +62,8 @@ impl CompensateOptions {
         let inverse = FeedForward::new(model, self.settings()?)?;
         let shaped = self.shape.of(model, r.clone())?;
         let made = inverse.whole(&shaped)?;
-        let (ts, units, reach) = (model.ts(), model.units().clone(), inverse.reach());
-        Ok(Compensation { ts, units, requested: r, shaped, made, reach })
+        let (ts, units, reach, verdict) = (model.ts(), model.units().clone(), inverse.reach(), model.verdict());
+        Ok(Compensation { ts, units, requested: r, shaped, made, reach, verdict, proven: model.proven() })
     }
 
     /// The same with the model and the reference from files.
@@ -80,13 +84,22 @@ impl Compensation {
         (of(&self.shaped), (self.shaped != self.requested).then(|| of(&self.requested)))
     }
 
-    /// The figures as a document.
+    /// The rms error to expect of the actuator [output unit]: that of the model on held-out records, over the same
+    /// peak-to-peak, and that which the inverse leaves. `None` if the file of the model does not say how good it is.
+    pub fn expected_rms(&self) -> Option<f64> {
+        let (metrics, _) = self.metrics();
+        let of_model = 0.01 * self.verdict.as_ref()?.error_percent * metrics.peak_to_peak;
+        Some(of_model.hypot(metrics.rmse))
+    }
+
+    /// The figures as a document. `rmse`, `max_abs` and `rms_pp_percent` are errors of the inverse alone, on the model.
     pub fn to_json(&self) -> Value {
         let ((metrics, requested), made) = (self.metrics(), &self.made);
         json!({
             "unit": self.units.y, "n": metrics.n, "rmse": metrics.rmse, "max_abs": metrics.max_abs,
             "rms_pp_percent": metrics.rms_pp_percent, "clipped": made.clipped, "reach": self.reach,
             "usage": made.usage, "notes": made.notes, "requested": requested,
+            "expected_rms": self.expected_rms(), "verdict": self.verdict,
         })
     }
 

@@ -241,6 +241,7 @@ impl Comparison {
     /// Remarks for the reader, one sentence each.
     pub fn remarks(&self) -> Vec<String> {
         let mut told = self.notes.clone();
+        told.extend(self.driven.first().map(|d| d.drive.model().proven()));
         if let Some(hz) = self.driven.first().and_then(|d| d.drive.known_hz()) {
             told.push(format!(
                 "the model was identified up to {} Hz only: feedback is tuned slow enough for an unknown resonance \

@@ -137,7 +137,7 @@ impl Identification {
             "parameters": found.parameters,
             "creep": found.model.creep().lags(),
             "training": self.training.iter().map(Compared::to_json).collect::<Vec<_>>(),
-            "notes": found.notes,
+            "notes": found.told(),
             "linearity": self.linearity,
             "verdict": self.model.verdict(),
         })

@@ -26,14 +26,14 @@ const LONG: f64 = 60.0;
 /// How good a model is, on which inputs, and what no record has proven. It is stored in the model.
 ///
 /// ```
-/// use piezoid::{IdentifyOptions, Record, Records};
+/// use piezoid::{IdentifyOptions, Record, Records, Stage};
+/// use serde_json::Value;
 /// let u: Vec<f64> = (0..2000).map(|t| 10.0 * (0.05 * f64::from(t)).sin()).collect();
 /// let y = u.iter().map(|u| 30.0 * u + 5.0).collect();
 /// let options = IdentifyOptions { operator: "proportional".into(), order: Some(0), ..IdentifyOptions::default() };
 /// let records = [Record::new(1e-3, u, y)?];
-/// let mut on = |_| std::ops::ControlFlow::Continue(());
-/// let made = options.prove(Records::from(&records), &["sine".into()], "", [].into(), &mut on)?;
-/// let said = made.model.verdict().unwrap().to_string();
+/// let model = options.prove(Records::from(&records), &["sine"], "", Value::Null, &mut Stage::ignore)?.model;
+/// let said = model.verdict().unwrap().to_string();
 /// assert!(said.contains("+-10 V") && said.contains("unproven: "), "{said}");
 /// # Ok::<(), piezoid::Error>(())
 /// ```
@@ -166,6 +166,14 @@ impl Model {
     /// How good this model was at its identification; `None` if its file does not say so.
     pub fn verdict(&self) -> Option<Verdict> {
         Verdict::deserialize(&self.provenance()["verdict"]).ok()
+    }
+
+    /// The verdict in words, for what is made of this model.
+    pub fn proven(&self) -> String {
+        match self.verdict() {
+            Some(verdict) => format!("the model is {verdict}"),
+            None => "no record has proven this model: validate it on a record that it was not identified on".into(),
+        }
     }
 }
 

@@ -198,10 +198,14 @@ pub(crate) fn identify_joint(
         }
     }
     let trials: Vec<OperatorTrial> = trials.into_iter().map(|(trial, _)| trial).collect();
-    notes.push(format!("linear block: {reason}"));
-    notes.extend(optimality::optimality(&fitted, &runs));
+    let mut reasons = Vec::new();
+    // Of a stated order it says if it is too low.
+    if settings.order.is_some() { &mut notes } else { &mut reasons }.push(format!("linear block: {reason}"));
+    if let Some((is_minimum, note)) = optimality::optimality(&fitted, &runs) {
+        if is_minimum { &mut reasons } else { &mut notes }.push(note);
+    }
     notes.extend(check::check_fit(&fitted, &runs)?);
-    notes.extend(trials::why(&trials).map(|why| format!("operator: {why}")));
+    reasons.extend(trials::why(&trials).map(|why| format!("operator: {why}")));
     let offset = offset(&fitted, &runs, &mut notes, &units.y);
     let model = fitted.estimate.model(offset)?.with_units(units);
     let model = match Domain::of(small.iter().chain(&large_signal)) {
@@ -226,7 +230,7 @@ pub(crate) fn identify_joint(
     let is_seen = model.linear().resonance().is_some_and(|mode| growth.is_seen(mode.hz));
     notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)).filter(|_| !is_seen));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
-    Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, notes })
+    Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, reasons, notes })
 }
 
 /// Mean of the free-run error of a record, and its rms about that mean.

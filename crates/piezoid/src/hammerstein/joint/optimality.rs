@@ -10,8 +10,8 @@ use crate::number::short;
 const UNFINISHED: f64 = 1.0;
 const NEXT_TO_NOTHING: f64 = 0.01;
 
-/// The note.
-pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<String> {
+/// Whether it is a minimum, and the note.
+pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<(bool, String)> {
     let (estimate, lambda) = (&fitted.estimate, fitted.held_out.lambda);
     let signed: Vec<f64> = Prior::of(estimate).signed().collect();
     let zeros = signed.iter().filter(|value| **value == 0.0).count();
@@ -24,12 +24,14 @@ pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<Str
 
     let point = Iterate::at(estimate.with_linear(estimate.linear.clone())?, runs, &fitted.own, FreeParameters::All);
     let promised = 100.0 * (1.0 - point.predicted(lambda) / point.cost(lambda));
-    let ends = if promised < UNFINISHED { "at a minimum" } else { "not at a minimum" };
+    let is_minimum = promised < UNFINISHED;
+    let ends = if is_minimum { "at a minimum" } else { "not at a minimum" };
     let promised = if promised < NEXT_TO_NOTHING { format!("less than {NEXT_TO_NOTHING}") } else { short(promised) };
-    Some(format!(
+    let note = format!(
         "search: {ends}: one more step promises {promised} % less of the sum of squares; at their limits: {}",
         limits.join(", ")
-    ))
+    );
+    Some((is_minimum, note))
 }
 
 #[cfg(test)]
@@ -52,11 +54,14 @@ mod tests {
         let mut runs = of(&[], &records, &mut Vec::new()).unwrap();
         let start = estimate("prandtl-ishlinskii", 6).with_linear(block).unwrap();
         let mut fit = refine_from(start, Smoothness::Any, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
-        let note = optimality(&fit, &runs).unwrap();
-        assert!(note.starts_with("search: at a minimum: one more step promises less than 0.01 %"), "{note}");
+        let (is_minimum, note) = optimality(&fit, &runs).unwrap();
+        assert!(
+            is_minimum && note.starts_with("search: at a minimum: one more step promises less than 0.01 %"),
+            "{note}"
+        );
         assert!(note.contains(" of 7 weights and creep gains are zero"), "{note}");
         fit.estimate = fit.estimate.with_linear(Arx::new(5e-4, vec![0.8], vec![0.2]).unwrap()).unwrap();
-        let note = optimality(&fit, &runs).unwrap();
-        assert!(note.starts_with("search: not at a minimum"), "{note}");
+        let (is_minimum, note) = optimality(&fit, &runs).unwrap();
+        assert!(!is_minimum && note.starts_with("search: not at a minimum"), "{note}");
     }
 }

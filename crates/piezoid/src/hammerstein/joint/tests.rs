@@ -226,9 +226,9 @@ fn unsuitable_records_are_errors_or_noted() {
         let notes = identified(&small, &large_signal, &settings).notes;
         assert!(notes.iter().any(|note| note.contains(says)), "{says}: {notes:?}");
     }
-    let notes = identified(&small, &good, &settings).notes;
-    assert!(notes[0].starts_with("linear block: ") && notes[1].starts_with("search: at a minimum"), "{notes:?}");
-    assert_eq!(notes.len(), 2, "{notes:?}");
+    let Identified { reasons, notes, .. } = identified(&small, &good, &settings);
+    assert!(reasons[0].starts_with("linear block: ") && reasons[1].starts_with("search: at a minimum"), "{reasons:?}");
+    assert!(reasons.len() == 2 && notes.is_empty(), "{reasons:?} {notes:?}");
 }
 
 /// The first samples of each record.
