@@ -1,4 +1,4 @@
-//! The project's own automation: `cargo xtask test|tidy|python|bench|golden|docs`.
+//! The project's own automation: `cargo xtask test|tidy|python|bench|fuzz|golden|docs`.
 //!
 //! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `docs` use Python 3 too. Messages name what is
 //! missing.
@@ -15,7 +15,7 @@ use std::time::Instant;
 type Work = fn() -> Result<(), String>;
 
 /// The verbs with their descriptions.
-const VERBS: [(&str, &str, Work); 6] = [
+const VERBS: [(&str, &str, Work); 7] = [
     (
         "test",
         "format, clippy with warnings denied, the core for the web, all tests, documentation, `tidy`, then `python`",
@@ -24,6 +24,7 @@ const VERBS: [(&str, &str, Work); 6] = [
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
     ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
     ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
+    ("fuzz", "damaged files of every format for a minute each (cargo-fuzz)", fuzz),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
     ("docs", "build the documentation, and draw the pictures and the tables in docs/ anew (minutes)", docs),
 ];
@@ -46,6 +47,28 @@ fn main() -> ExitCode {
             ExitCode::FAILURE
         }
     }
+}
+
+/// Reads damaged files of every format for a minute each; what fails is kept in fuzz/artifacts.
+fn fuzz() -> Result<(), String> {
+    // The fuzzer needs flags of the compiler that are not stable.
+    let fuzzer = |verb: &str| {
+        let mut command = cargo(&["fuzz", verb, "--fuzz-dir", "fuzz"]);
+        command.current_dir(root()).env("RUSTC_BOOTSTRAP", "1");
+        command
+    };
+    let listed = fuzzer("list").output().map_err(|e| e.to_string())?;
+    if !listed.status.success() {
+        return Err("`cargo fuzz` is missing: install it with `cargo install cargo-fuzz`".into());
+    }
+    for target in String::from_utf8_lossy(&listed.stdout).lines() {
+        let corpus = format!("fuzz/corpus/{target}");
+        std::fs::create_dir_all(root().join(&corpus)).map_err(|e| format!("{corpus}: {e}"))?;
+        let mut run = fuzzer("run");
+        run.args([target, &corpus, "fuzz/seeds", "crates/piezoid/tests/golden/formats", "--"]);
+        step(run.args(["-max_total_time=60", "-max_len=16384", "-timeout=10", "-print_final_stats=1"]))?;
+    }
+    Ok(())
 }
 
 /// The target for web browsers.

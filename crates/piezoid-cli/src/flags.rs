@@ -119,7 +119,8 @@ pub(crate) fn told(error: &Error) -> String {
 
 /// The placeholder for a value that only the user knows.
 fn unknown(name: &str) -> String {
-    let row = piezoid::formats::ColumnSelection::rows().into_iter().find(|row| row.name == name);
+    let mut rows = piezoid::formats::ColumnSelection::rows().into_iter().chain(piezoid::PrepareOptions::rows());
+    let row = rows.find(|row| row.name == name);
     row.map(|row| format!(" {}", placeholder(&row))).unwrap_or_default()
 }
 

@@ -4,8 +4,8 @@ use crate::error::{raised, refused};
 use crate::json::{object, options};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
-use piezoid::Units;
 use piezoid::formats::{Channel, ColumnSelection, Format, Signal, Table};
+use piezoid::{PrepareOptions, Units};
 use piezoid_host::files;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
@@ -29,11 +29,18 @@ impl From<piezoid::Record> for Record {
 #[pymethods]
 impl Record {
     #[new]
-    #[pyo3(signature = (u, y, ts, units=("V".into(), "um".into())))]
-    fn new(u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>, ts: f64, units: (String, String)) -> PyResult<Self> {
+    #[pyo3(signature = (u, y, ts, units=("V".into(), "um".into()), history=Vec::new()))]
+    fn new(
+        u: &Bound<'_, PyAny>,
+        y: &Bound<'_, PyAny>,
+        ts: f64,
+        units: (String, String),
+        history: Vec<String>,
+    ) -> PyResult<Self> {
         let (u, y) = (samples("u", u)?, samples("y", y)?);
         let record = piezoid::Record::new(ts, slice(&u)?.to_vec(), slice(&y)?.to_vec()).map_err(raised)?;
-        Ok(record.with_units(Units { u: units.0, y: units.1 }).into())
+        let record = record.with_units(Units { u: units.0, y: units.1 });
+        Ok(history.into_iter().fold(record, piezoid::Record::with_step).into())
     }
 
     #[getter]
@@ -71,6 +78,15 @@ impl Record {
 
     fn part(&self, start: f64, stop: f64) -> PyResult<Self> {
         self.record.part(start, stop).map(Self::from).map_err(raised)
+    }
+
+    fn scaled(&self, input: &str, output: &str) -> PyResult<Self> {
+        self.record.scaled(input, output).map(Self::from).map_err(raised)
+    }
+
+    fn prepare(&self, py: Python<'_>, given: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let options: PrepareOptions = options(given)?;
+        py.detach(|| options.run(&self.record)).map(Self::from).map_err(raised)
     }
 
     fn output_in(&self, unit: &str) -> PyResult<Self> {

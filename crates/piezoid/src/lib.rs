@@ -50,6 +50,7 @@ pub mod number;
 pub mod optimize;
 mod options;
 pub mod plant;
+mod preparation;
 #[doc(hidden)]
 pub mod program;
 pub mod progress;
@@ -72,6 +73,7 @@ pub use error::Error;
 pub use hammerstein::{Identified, Model};
 pub use identification::{IdentifyOptions, Method, Records, identify};
 pub use options::{OptionKind, OptionRow, Options};
+pub use preparation::{PrepareOptions, Trend};
 pub use record::{Record, Units};
 pub use system::System;
 pub use verbs::{

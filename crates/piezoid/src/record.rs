@@ -101,13 +101,14 @@ impl Record {
     }
 
     /// The same record with one more step in its history.
-    pub(crate) fn with_step(mut self, step: String) -> Self {
+    #[doc(hidden)]
+    pub fn with_step(mut self, step: String) -> Self {
         self.history.push(step);
         self
     }
 
-    /// How the record came out of its file, step by step: the columns that were guessed, scales, cuts. Empty if the
-    /// file was read as it stands.
+    /// How the record was made, step by step: the columns that were guessed, scales, cuts, preparation. Empty if a file
+    /// was read as it stands.
     pub fn history(&self) -> &[String] {
         &self.history
     }
@@ -148,13 +149,26 @@ impl Record {
     /// # Errors
     /// The errors of [`Record::span`].
     pub fn part(&self, from: f64, to: f64) -> Result<Self, Error> {
-        self.slice(Record::span(from, to, self.ts, self.len())?)
+        let span = Record::span(from, to, self.ts, self.len())?;
+        let whole = span.len() == self.len();
+        let part = self.slice(span)?;
+        Ok(if whole { part } else { part.with_step(Record::cut(Some(from), Some(to).filter(|to| to.is_finite()))) })
+    }
+
+    /// The step of a cut at these times [s].
+    pub(crate) fn cut(from: Option<f64>, to: Option<f64>) -> String {
+        let end = |t: Option<f64>, name: &str| t.map(|t| format!(" {name} {t} s")).unwrap_or_default();
+        format!("cut{}{}", end(from, "from"), end(to, "to"))
+    }
+
+    /// Other samples with the same units and history.
+    pub(crate) fn with_samples(&self, ts: f64, u: Vec<f64>, y: Vec<f64>) -> Result<Self, Error> {
+        Ok(Record { units: self.units.clone(), history: self.history.clone(), ..Record::new(ts, u, y)? })
     }
 
     /// The samples of a range, which must be inside the record and not empty.
     pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Result<Self, Error> {
-        let part = Record::new(self.ts, self.u[range.clone()].to_vec(), self.y[range].to_vec())?;
-        Ok(Record { units: self.units.clone(), history: self.history.clone(), ..part })
+        self.with_samples(self.ts, self.u[range.clone()].to_vec(), self.y[range].to_vec())
     }
 
     /// The same record with its output in another length unit.

@@ -84,7 +84,7 @@ fn every_row_is_complete_and_knows_its_files() {
             assert!(!text.is_empty() && !text.contains('\n'), "{}", format.name);
         }
         if let Some(write) = format.write {
-            let bytes = write(5e-4, &[("u_V", &[0.0, 1.0]), ("y_um", &[2.0, -0.0])]).expect("a file");
+            let bytes = write(5e-4, &[("u_V", &[0.0, 1.0]), ("y_um", &[2.0, -0.0])], &[]).expect("a file");
             let own = FORMATS.iter().rfind(|row| (row.matches)(&bytes)).expect("a row");
             let record = (own.read)(&bytes).and_then(|table| record(&table)).expect("a record");
             assert_eq!((own.name, record.u(), record.ts()), (format.name, &[0.0, 1.0][..], 5e-4));

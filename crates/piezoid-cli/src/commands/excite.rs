@@ -1,5 +1,5 @@
-//! `piezoid excite KIND`: writes a drive signal or a reference. Each row of the library's list is a subcommand, each of its parameters
-//! a flag.
+//! `piezoid excite KIND`: writes a drive signal or a reference. Each row of the library's list is a subcommand, each of
+//! its parameters a flag.
 
 use crate::console::Console;
 use crate::files;

@@ -8,6 +8,7 @@ mod identified;
 mod identify;
 mod inspect;
 mod lists;
+mod prepare;
 mod report;
 mod shell;
 mod simulate;
@@ -25,6 +26,8 @@ pub(crate) enum Verb {
     Study(study::Study),
     /// Show what data files hold, how they are read and what seems wrong; write a profile of a rig.
     Inspect(inspect::Inspect),
+    /// Prepare a record: cut, filter, decimate, resample, average periods, align, repair, calibrate.
+    Prepare(prepare::Prepare),
     /// Make a drive signal: PRBS, sines, chirps, steps.
     Excite(excite::Excite),
     /// Run a plant or a model on a drive signal.
@@ -68,6 +71,7 @@ impl Verb {
         match self {
             Verb::Study(verb) => verb.run(console),
             Verb::Inspect(verb) => verb.run(console),
+            Verb::Prepare(verb) => verb.run(console),
             Verb::Excite(verb) => verb.run(console),
             Verb::Simulate(verb) => verb.run(console),
             Verb::Identify(verb) => verb.run(console),

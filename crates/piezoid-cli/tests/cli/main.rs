@@ -19,6 +19,7 @@ mod measured;
 mod misfits;
 mod mistaken;
 mod poor_records;
+mod prepare;
 mod process;
 mod proof;
 mod quality;

@@ -91,19 +91,20 @@ def identify(
     """
     keywords, rows = dict(locals()), _piezoid.identify_options()
     options = {row["name"]: keywords[row["name"]] for row in rows}
-    # linear and rich are the former names of small_signal and large_signal.
     if target is not None:
         options["operator"] = _piezoid.served(target, operator)
     how: dict[str, Any] = {"ts": ts, "fs": fs, "units": units, "profile": profile}
+    # linear and rich are the former names of small_signal and large_signal.
     given = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], _data(data, y, how)]
-    small, large, everything = ([_record(source, how) for source in part] for part in given)
+    small, large, everything = records = [[_record(source, how) for source in part] for part in given]
     if everything and (small or large):
         raise PiezoidError("give either data, or small_signal and large_signal, not both")
     usual = {row["name"]: row["default"] for row in rows}
     changed = {name: value for name, value in options.items() if name == "method" or value != usual[name]}
     changed |= {} if target is None else {"target": target}
     command = f"piezoid.identify({', '.join(f'{name}={value!r}' for name, value in changed.items())})"
-    files = [_file(source) for part in given for source in part if isinstance(source, (str, os.PathLike))]
+    pairs = [pair for part, made in zip(given, records, strict=True) for pair in zip(part, made, strict=True)]
+    files = [origin for source, record in pairs if (origin := _origin(source, record))]
     with told(progress) as watch:
         cores = [r._core for r in small], [r._core for r in large + everything]
         core = _piezoid.identify(cores, options, (command, json.dumps(files)), watch)
@@ -127,6 +128,9 @@ def _record(source: Source, how: dict[str, Any]) -> Record:
     return source if isinstance(source, Record) else read(source, **how)
 
 
-def _file(path: str | os.PathLike[str]) -> dict[str, str]:
-    """Name and hash of a file."""
-    return {"file": Path(path).name, "sha256": sha256(Path(path).read_bytes()).hexdigest()}
+def _origin(source: Source, record: Record) -> dict[str, Any]:
+    """Name and hash of a file, and how its record was made; empty without both."""
+    origin: dict[str, Any] = {}
+    if isinstance(source, (str, os.PathLike)):
+        origin |= {"file": Path(source).name, "sha256": sha256(Path(source).read_bytes()).hexdigest()}
+    return origin | ({"steps": record.history} if record.history else {})

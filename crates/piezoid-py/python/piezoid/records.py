@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -87,7 +87,7 @@ class Record:
 
     @property
     def history(self) -> list[str]:
-        """How the record came out of its file: the columns that were guessed, scales, cuts."""
+        """How the record was made: the columns that were guessed, scales, cuts, the steps of `prepare`."""
         return self._core.history
 
     @property
@@ -99,6 +99,58 @@ class Record:
         """The part from `start` to `stop` [s], counted from the first sample."""
         with called(**_ENDS):
             return Record._of(self._core.part(number("start", start), number("stop", stop)))
+
+    def prepare(
+        self,
+        *,
+        start: float = 0.0,
+        stop: float = float("inf"),
+        input_scale: float | str | None = None,
+        output_scale: float | str | None = None,
+        input_offset: float = 0.0,
+        output_offset: float = 0.0,
+        outliers: bool = False,
+        detrend: Literal["mean", "line"] | None = None,
+        average: bool = False,
+        period: float | str | None = None,
+        delay: float | str | None = None,
+        decimate: int | None = None,
+        resample: float | str | None = None,
+    ) -> Record:
+        """The record as it is to be identified. Its `history` tells each step, and models and files keep it.
+
+        The steps happen in this order, whatever the order of the keywords; times are in seconds, or texts such as
+        "0.5 ms":
+
+        start, stop: the part to use
+        input_scale, output_scale: factors, such as 20, or "5um/V" with the new unit
+        input_offset, output_offset: added after the scale, in its unit
+        outliers: replace single spikes of y by interpolation
+        detrend: subtract the mean or a straight line from y
+        average: the mean of all periods, one period long; `period`, if it is not found in the input
+        delay: y is shifted earlier by it against u, later if it is negative
+        decimate: keep one of so many samples; resample: a new sampling period. Both channels pass the same filter
+        without phase, which keeps signals up to 0.8 of the new Nyquist frequency; nothing above it folds back
+
+        >>> import numpy as np, piezoid as pz
+        >>> u = np.sin(2 * np.pi * np.arange(4000) / 400)
+        >>> record = pz.Record(u, 30 * u, ts=5e-5).prepare(average=True, decimate=4)
+        >>> len(record), record.ts, len(record.history)
+        (100, 0.0002, 2)
+        """
+        given = {
+            "input_offset": input_offset,
+            "output_offset": output_offset,
+            "outliers": outliers,
+            "detrend": detrend,
+            "average": average,
+            "period": period,
+            "delay": delay,
+            "decimate": decimate,
+            "resample": resample,
+        }
+        scales = ["" if scale is None else str(scale) for scale in (input_scale, output_scale)]
+        return Record._of(self.part(start, stop)._core.scaled(*scales).prepare(given))
 
     def output_in(self, unit: str) -> Record:
         """The same record with its output in another unit of length."""
@@ -126,7 +178,7 @@ class Record:
         return hash((self.ts, self.units, u.tobytes(), y.tobytes()))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return Record, (self.u, self.y, self.ts, self.units)
+        return _restored, (self.u, self.y, self.ts, self.units, self.history)
 
     def __repr__(self) -> str:
         (low, high), (bottom, top), (u, y) = _ends(self.u), _ends(self.y), self.units
@@ -137,6 +189,11 @@ class Record:
 
     def _repr_html_(self) -> str:
         return _html.record(self)
+
+
+def _restored(u: Samples, y: Samples, ts: float, units: Units, history: list[str]) -> Record:
+    """A record with its history."""
+    return Record._of(_piezoid.Record(u, y, ts, units, history))
 
 
 _ENDS = {"from": "start", "to": "stop"}
@@ -238,7 +295,8 @@ def read(
     """
     columns = columns_of(source)
     rig = profile_of(profile)
-    ends = {"from": number("start", start), "to": None if number("stop", stop) == float("inf") else stop}
+    # What is not cut does not stand in the history.
+    ends = {"from": number("start", start) or None, "to": None if number("stop", stop) == float("inf") else stop}
     given = {
         "ts": ts,
         "fs": fs,
@@ -254,7 +312,9 @@ def read(
     }
     with columns.named(), called(**_ENDS):
         record = Record._of(columns.core.record(given, rig))
-    return record if units is None else Record(record.u, record.y, record.ts, _units(units, record.units))
+    if units is None:
+        return record
+    return _restored(record.u, record.y, record.ts, _units(units, record.units), record.history)
 
 
 def read_reference(

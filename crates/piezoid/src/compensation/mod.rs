@@ -32,7 +32,6 @@ use crate::number::{round, short};
 use crate::record::Units;
 use crate::series::ends;
 use crate::system::System;
-use crate::validation::rough;
 
 /// Allowed input beyond the identified range, as a share of that range on each side: operators extrapolate well so far.
 const BEYOND: f64 = 0.05;
@@ -331,7 +330,7 @@ impl FeedForward {
         let [value, at, bottom, top] = [r[sample], sample as f64 * self.model.ts(), bottom, top].map(round);
         if !is_inside {
             let why = match times > FAR {
-                true => format!("this is {} times the stroke: check the unit of the reference", rough(times)),
+                true => format!("this is {} times the stroke: check the unit of the reference", short(times)),
                 false => "reduce its amplitude".into(),
             };
             return Error::Unreachable(format!(

@@ -24,6 +24,7 @@ pub(super) use write::times;
 
 use super::Format;
 use super::column::Column;
+use super::history;
 use super::quote::shortened;
 use super::table::Table;
 use crate::Error;
@@ -58,8 +59,9 @@ impl Table {
     /// cell that is not a number is an error only if its column is used.
     pub fn parse(bytes: &[u8]) -> Result<Table, Error> {
         let text = encoding::decode(bytes)?;
-        let dialect = Dialect::of(&text).ok_or_else(|| without_numbers(&text))?;
-        let mut lines = encoding::lines(&text).peekable();
+        let (steps, start) = history::before(&text);
+        let dialect = Dialect::of(&text[start..]).ok_or_else(|| without_numbers(&text))?;
+        let mut lines = encoding::lines(&text).skip(steps.len()).peekable();
         let above = above(&mut lines, &dialect);
         let Some(&(first, row)) = lines.peek() else { return Err(without_numbers(&text)) };
         if let Some(&(line, text)) = above.iter().rfind(|(_, line)| !blank(line))
@@ -71,7 +73,7 @@ impl Table {
         let head = Head::read(&above, &dialect, numbered);
         let stated = head.rows;
         let header = above.iter().find(|(line, _)| *line == head.line).map(|(_, text)| *text);
-        let mut table = Table::below(head, first, row, &dialect)?;
+        let mut table = Table { steps, ..Table::below(head, first, row, &dialect)? };
         let mut split = Vec::new();
         while let Some((line, row)) = lines.next() {
             // Remarks, and the header again, may stand between rows.

@@ -13,6 +13,7 @@ mod column;
 mod csv;
 mod gcs;
 mod hdf5;
+mod history;
 mod igor;
 mod matlab;
 mod numpy;
@@ -50,11 +51,12 @@ pub struct Format {
     pub matches: fn(&[u8]) -> bool,
     /// Reads the table in a file.
     pub read: fn(&[u8]) -> Result<Table, Error>,
-    /// Writes columns sampled every `ts` [s], which [`Table::write`] has checked; `None` if it is only read.
+    /// Writes columns sampled every `ts` [s], which [`Table::write`] has checked, and the steps of their history;
+    /// `None` if it is only read.
     pub write: Option<Write>,
 }
 
-type Write = fn(ts: f64, columns: &[(&str, &[f64])]) -> Result<Vec<u8>, Error>;
+type Write = fn(ts: f64, columns: &[(&str, &[f64])], history: &[String]) -> Result<Vec<u8>, Error>;
 
 /// The formats that are read. Later rows are more specific: the last one that matches reads a file.
 pub static FORMATS: &[Format] =

@@ -10,7 +10,7 @@ mod zip;
 
 use super::bytes::{self, Unpacking, damaged, length, part, shape, whole};
 use super::tree::{self, Node};
-use super::{Channel, Format, Table};
+use super::{Channel, Format, Table, history};
 use crate::Error;
 use descr::{ArrayHead, Descr};
 
@@ -35,13 +35,19 @@ fn read(file: &[u8]) -> Result<Table, Error> {
     let mut unpacking = Unpacking::of(file);
     let mut channels = Vec::new();
     if !file.starts_with(MAGIC) {
+        let mut told = None;
         for member in zip::members(file)? {
             if let Some(name) = member.name.strip_suffix(".npy") {
-                channels.extend(array(name, &member.bytes(file, &mut unpacking)?, &mut unpacking)?);
+                let bytes = member.bytes(file, &mut unpacking)?;
+                if name == history::NAME {
+                    told = Some((name.to_string(), Node::Text(letters(&bytes)?)));
+                } else {
+                    channels.extend(array(name, &bytes, &mut unpacking)?);
+                }
             }
         }
         let named = |Channel { name, unit, samples, .. }: Channel| (name, Node::series(samples, unit));
-        return Ok(tree::table(channels.into_iter().map(named).collect()));
+        return Ok(tree::table(channels.into_iter().map(named).chain(told).collect()));
     }
     channels.extend(array("", file, &mut unpacking)?);
     match &channels[..] {
@@ -54,8 +60,15 @@ fn read(file: &[u8]) -> Result<Table, Error> {
     }
 }
 
-/// The channels of an array: one with its name, or one for each of its fields.
-fn array(name: &str, file: &[u8], unpacking: &mut Unpacking) -> Result<Vec<Channel>, Error> {
+/// The text of an array of little-endian texts.
+fn letters(file: &[u8]) -> Result<String, Error> {
+    let (_, start) = head(history::NAME, file)?;
+    let letters = file[start..].as_chunks().0.iter().map(|letter| u32::from_le_bytes(*letter));
+    Ok(letters.filter(|letter| *letter > 0).filter_map(char::from_u32).collect())
+}
+
+/// The header of an array, and where its data begin.
+fn head(name: &str, file: &[u8]) -> Result<(ArrayHead, usize), Error> {
     if !file.starts_with(MAGIC) {
         return Err(damaged(format!("the array {name:?} does not begin as numpy writes it")));
     }
@@ -63,7 +76,12 @@ fn array(name: &str, file: &[u8], unpacking: &mut Unpacking) -> Result<Vec<Chann
     let width = if part(file, MAGIC.len(), 1)? == [1] { 2 } else { 4 };
     let start = MAGIC.len() + 2 + width;
     let text = part(file, start, length(file, start - width, width, false)?)?;
-    let ArrayHead { descr, dims } = descr::head(text)?;
+    Ok((descr::head(text)?, start + text.len()))
+}
+
+/// The channels of an array: one with its name, or one for each of its fields.
+fn array(name: &str, file: &[u8], unpacking: &mut Unpacking) -> Result<Vec<Channel>, Error> {
+    let (ArrayHead { descr, dims }, start) = head(name, file)?;
     let fields = match descr {
         Descr::Fields(fields) => fields,
         plain => vec![(name.to_string(), plain)],
@@ -73,7 +91,7 @@ fn array(name: &str, file: &[u8], unpacking: &mut Unpacking) -> Result<Vec<Chann
     let (Some(item), Some(all)) = (item, all) else {
         return Err(damaged(format!("an array of shape {}", shape(&dims))));
     };
-    let data = part(file, start + text.len(), all)?;
+    let data = part(file, start, all)?;
     let single = fields.len() == 1;
     let mut at = 0;
     let mut channels = Vec::new();

@@ -3,7 +3,7 @@
 use super::units;
 use crate::error::{Error, positive};
 use crate::options::{OptionKind, OptionRow, Options, options};
-use crate::record::Record;
+use crate::record::{Record, Units};
 use std::ops::Range;
 
 options! {
@@ -117,6 +117,36 @@ impl ColumnSelection {
             Some((_, units::Quantity::Time(seconds))) => Ok(Some(seconds)),
             _ => Err(Error::parameter("time_unit", unit, "must be s, ms, us, ns, min or h")),
         }
+    }
+}
+
+impl Record {
+    /// The record with its input and output multiplied by factors, such as `20`, or `5um/V` with the new unit; an empty
+    /// text changes nothing. The options `input_scale` and `output_scale` do the same while a file is read.
+    ///
+    /// ```
+    /// use piezoid::{Record, Units};
+    /// let volts = Record::new(1.0, vec![1.0], vec![0.2])?.with_units(Units { u: "V".into(), y: "V".into() });
+    /// let record = volts.scaled("", "5um/V")?;
+    /// assert_eq!((record.y(), record.units().y.as_str()), (&[1.0][..], "um"));
+    /// assert_eq!(record.history(), ["output scaled by 5um/V"]);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error for a text that is no factor other than 0, and for samples that would not be finite.
+    pub fn scaled(&self, input: &str, output: &str) -> Result<Self, Error> {
+        let scale = |option: &str, text: &str| match text.trim() {
+            "" => Ok(Scale { factor: 1.0, unit: None }),
+            text => Scale::read(option, text),
+        };
+        let (u, y) = (scale("input_scale", input)?, scale("output_scale", output)?);
+        let by = |x: &[f64], scale: &Scale| x.iter().map(|x| x * scale.factor).collect();
+        let record = self.with_samples(self.ts(), by(self.u(), &u), by(self.y(), &y))?;
+        let units = self.units().clone();
+        let record = record.with_units(Units { u: u.unit.unwrap_or(units.u), y: y.unit.unwrap_or(units.y) });
+        let steps = [("input", input), ("output", output)].into_iter().filter(|(_, text)| !text.trim().is_empty());
+        Ok(steps.fold(record, |record, (what, text)| record.with_step(format!("{what} scaled by {}", text.trim()))))
     }
 }
 

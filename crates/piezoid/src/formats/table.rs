@@ -51,6 +51,8 @@ pub struct Table {
     pub(super) ts: Option<f64>,
     /// Channels that were left out, with the reasons.
     pub(super) left: String,
+    /// The history of the record that was written.
+    pub(super) steps: Vec<String>,
 }
 
 impl Record {
@@ -84,8 +86,8 @@ pub struct Signal {
 impl Table {
     /// A table without columns or lines.
     pub(super) fn empty() -> Self {
-        let (columns, gaps, left) = (Vec::new(), Vec::new(), String::new());
-        Table { columns, others: Vec::new(), header: 0, first: 0, count: 0, gaps, ts: None, left }
+        let (columns, gaps, left, steps) = (Vec::new(), Vec::new(), String::new(), Vec::new());
+        Table { columns, others: Vec::new(), header: 0, first: 0, count: 0, gaps, ts: None, left, steps }
     }
 
     /// Names of the columns, in the order of the file.
@@ -107,7 +109,7 @@ impl Table {
         let (ts, [u, y]) = self.sampled([Role::Input, Role::Output], selection)?;
         let units = Units { u: u.unit, y: y.unit };
         let record = Record::new(ts, u.samples, y.samples)?.with_units(units);
-        Ok(self.history(selection).into_iter().fold(record, Record::with_step))
+        Ok(self.steps.iter().cloned().chain(self.history(selection)).fold(record, Record::with_step))
     }
 
     /// The input alone; the file need not have an output.
@@ -199,9 +201,8 @@ impl Table {
         for (what, scale) in [("input", &selection.input_scale), ("output", &selection.output_scale)] {
             steps.extend(scale.as_ref().map(|scale| format!("{what} scaled by {scale}")));
         }
-        let end = |t: Option<f64>, name: &str| t.map(|t| format!(" {name} {t} s")).unwrap_or_default();
         if selection.from.is_some() || selection.to.is_some() {
-            steps.push(format!("cut{}{}", end(selection.from, "from"), end(selection.to, "to")));
+            steps.push(Record::cut(selection.from, selection.to));
         }
         steps
     }

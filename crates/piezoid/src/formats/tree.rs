@@ -8,7 +8,7 @@
 //! A channel has the name of its array; if there are several of one name, also those of the groups around it.
 
 use super::csv::stated_period;
-use super::{Channel, Table};
+use super::{Channel, Table, history};
 use std::collections::HashMap;
 
 /// Fields that hold the samples of a structure that is one channel.
@@ -55,7 +55,7 @@ pub(super) fn table(content: Vec<(String, Node)>) -> Table {
         Some(1) | None => channel,
         Some(_) => Channel { name: [path, vec![channel.name]].concat().join("/"), ..channel },
     };
-    Table { ts: found.ts, ..Table::of(found.channels.into_iter().map(named)) }
+    Table { ts: found.ts, steps: found.steps, ..Table::of(found.channels.into_iter().map(named)) }
 }
 
 #[derive(Default)]
@@ -63,11 +63,14 @@ struct Found {
     /// Channels, with the names of the groups around them.
     channels: Vec<(Vec<String>, Channel)>,
     ts: Option<f64>,
+    /// The history of the record.
+    steps: Vec<String>,
 }
 
 impl Found {
     fn walk(&mut self, path: &[String], name: String, node: Node) {
         match node {
+            Node::Text(text) if name == history::NAME => self.steps = history::steps(&text),
             Node::Text(_) => {}
             Node::Series(channel) => {
                 if let Ok([value]) = channel.samples.as_deref() {

@@ -21,6 +21,10 @@ fn read(bytes: &[u8]) -> Result<Table, Error> {
     let refused = |error: hound::Error| damaged(format!("{error}"));
     let mut reader = WavReader::new(Cursor::new(bytes)).map_err(refused)?;
     let spec = reader.spec();
+    // A damaged head may state tens of thousands of channels.
+    if u32::from(spec.channels) > reader.len() {
+        return Err(damaged(format!("its {} channels have {} samples in all", spec.channels, reader.len())));
+    }
     Unpacking::of(bytes).count(8 * reader.len() as usize)?;
     let values: Vec<f64> = match spec.sample_format {
         SampleFormat::Float => reader.samples::<f32>().map(|v| v.map(f64::from)).collect::<Result<_, _>>(),

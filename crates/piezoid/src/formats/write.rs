@@ -22,6 +22,11 @@ impl Table {
     /// those in a `.mat` file must be names of variables. Returns an error for an extension of a format that is only
     /// read, and for more than 2 GiB in a binary format.
     pub fn write(name: &str, ts: f64, columns: &[(&str, &[f64])]) -> Result<Vec<u8>, Error> {
+        Table::write_with(name, ts, columns, &[])
+    }
+
+    /// The same with a history.
+    fn write_with(name: &str, ts: f64, columns: &[(&str, &[f64])], history: &[String]) -> Result<Vec<u8>, Error> {
         let write = writer(name)?;
         positive("ts", ts, "seconds")?;
         let rows = columns.first().map_or(0, |(_, samples)| samples.len());
@@ -41,7 +46,7 @@ impl Table {
             }
             finite(name, samples)?;
         }
-        write(ts, columns)
+        write(ts, columns, history)
     }
 
     /// Returns an error if [`write`](Table::write) refuses the extension of this name.
@@ -63,7 +68,8 @@ impl Table {
 }
 
 impl Record {
-    /// This record as a file with the columns `t_s`, `u_*` and `y_*` in its units; see [`Table::write`].
+    /// This record as a file with the columns `t_s`, `u_*` and `y_*` in its units, and its history; see
+    /// [`Table::write`].
     ///
     /// ```
     /// use piezoid::{Record, formats::{ColumnSelection, Table}};
@@ -77,7 +83,7 @@ impl Record {
     /// The errors of [`Table::write`], which depend on the units.
     pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
         let (u, y) = (format!("u_{}", self.units().u), format!("y_{}", self.units().y));
-        Table::write(name, self.ts(), &[(&u, self.u()), (&y, self.y())])
+        Table::write_with(name, self.ts(), &[(&u, self.u()), (&y, self.y())], self.history())
     }
 }
 
@@ -145,6 +151,30 @@ mod tests {
         let long = format!("u_{}", "x".repeat(61));
         assert!(Table::write("r.mat", 1.0, &[(&long, &[1.0])]).is_ok());
         assert!(Table::write("r.mat", 1.0, &[(&format!("{long}x"), &[1.0])]).is_err());
+    }
+
+    #[test]
+    fn the_history_of_a_record_travels_with_it() {
+        let plain = Record::new(5e-4, vec![0.0, 1.0], vec![0.1, 20.3]).unwrap();
+        let steps = ["cut from 1 s to 2 s", "sample rate: 7, \"x\"\nof \u{b5}m", "3, 4 = 5"];
+        let record = steps.iter().fold(plain.clone(), |record, step| record.with_step((*step).into()));
+        for name in NAMES {
+            let back = back(name, &record.written(name).unwrap());
+            assert_eq!((&back, back.history().len()), (&plain, 3), "{name}");
+            let wanted = ["cut from 1 s to 2 s", "sample rate: 7, \"x\" of \u{b5}m", "3, 4 = 5"];
+            assert_eq!(back.history(), wanted, "{name}");
+            let (plain, columns) = (plain.written(name).unwrap(), [("u_V", plain.u()), ("y_um", plain.y())]);
+            assert_eq!(plain, Table::write(name, 5e-4, &columns).unwrap(), "{name}");
+        }
+        let text = String::from_utf8(record.written("r.csv").unwrap()).unwrap();
+        assert!(text.starts_with("# piezoid: cut from 1 s to 2 s\n# piezoid: sample rate"), "{text}");
+        for text in [text.replace('\n', "\r\n"), text.replace('\n', "\r")] {
+            assert_eq!(back("r.csv", text.as_bytes()).history().len(), 3, "{text:?}");
+        }
+        let error = Table::parse(text.replace("20.3", "x").as_bytes()).unwrap().record(&ColumnSelection::default());
+        assert!(error.unwrap_err().to_string().starts_with("line 6, column y_um"), "lines are counted from the first");
+        let error = Table::parse(b"# piezoid: cut").unwrap_err().to_string();
+        assert!(error.contains("holds only comments"), "{error}");
     }
 
     #[test]

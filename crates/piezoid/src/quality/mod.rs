@@ -235,7 +235,7 @@ fn dark(record: &Record, (low, high): (f64, f64)) -> Option<Finding> {
 }
 
 /// Number and times of the samples in sorted ranges, for example "12 samples (from 0.15 s to 0.1555 s)".
-fn places(ranges: &[Range<usize>], ts: f64) -> String {
+pub(crate) fn places(ranges: &[Range<usize>], ts: f64) -> String {
     let count: usize = ranges.iter().map(|r| r.len()).sum();
     let at = |k: usize| round(k as f64 * ts);
     let noun = if count == 1 { "sample" } else { "samples" };

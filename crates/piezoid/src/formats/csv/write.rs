@@ -4,11 +4,13 @@
 //! decimal multiples of the sampling period as it is written: 0.0015, never 0.0015000000000000002.
 
 use crate::error::Error;
+use crate::formats::history;
 use std::fmt::Write;
 
-/// The columns as text, below their names and beside their times.
-pub(super) fn write(ts: f64, columns: &[(&str, &[f64])]) -> Result<Vec<u8>, Error> {
-    let mut text = String::from("t_s");
+/// The columns as text, below their names and beside their times; above all of it the steps of their history.
+pub(super) fn write(ts: f64, columns: &[(&str, &[f64])], steps: &[String]) -> Result<Vec<u8>, Error> {
+    let mut text = history::lines(steps);
+    text.push_str("t_s");
     for (name, _) in columns {
         text.push(',');
         push_name(&mut text, name);
@@ -92,7 +94,7 @@ mod tests {
     use super::*;
 
     fn stamps(ts: f64, rows: usize) -> Vec<String> {
-        let text = String::from_utf8(write(ts, &[("u_V", &vec![0.0; rows])]).unwrap()).unwrap();
+        let text = String::from_utf8(write(ts, &[("u_V", &vec![0.0; rows])], &[]).unwrap()).unwrap();
         text.lines().skip(1).map(|line| line.split(',').next().unwrap().to_owned()).collect()
     }
 

@@ -3,25 +3,33 @@
 use crate::Error;
 use crate::formats::bytes::stored;
 use crate::formats::csv::times;
+use crate::formats::history;
 
 /// Types of elements.
 const INT8: u8 = 1;
+const UINT16: u8 = 4;
 const INT32: u8 = 5;
 const UINT32: u8 = 6;
 const DOUBLE: u8 = 9;
 const MATRIX: u8 = 14;
-/// The class of an array of doubles.
-const CLASS: u8 = 6;
+/// Classes of arrays: text, doubles.
+const TEXT: u8 = 4;
+const NUMBERS: u8 = 6;
 /// Maximum length of a name.
 const LONGEST: usize = 63;
 
-pub(super) fn write(ts: f64, columns: &[(&str, &[f64])]) -> Result<Vec<u8>, Error> {
+pub(super) fn write(ts: f64, columns: &[(&str, &[f64])], steps: &[String]) -> Result<Vec<u8>, Error> {
     let times = times(ts, columns.first().map_or(0, |(_, samples)| samples.len()));
     // A text without a date, then the version and the byte order.
     let mut file = format!("{:<116}", "MATLAB 5.0 MAT-file, written by piezoid").into_bytes();
     file.extend(*b"\0\0\0\0\0\0\0\0\0\x01IM");
     for (name, samples) in std::iter::once(("t_s", &times[..])).chain(columns.iter().copied()) {
         file.extend(variable(name, samples)?);
+    }
+    if !steps.is_empty() {
+        let units: Vec<u16> = history::text(steps).encode_utf16().collect();
+        let data = units.iter().flat_map(|unit| unit.to_le_bytes()).collect::<Vec<u8>>();
+        file.extend(array(history::NAME, (TEXT, [1, units.len()]), element(UINT16, &data)?)?);
     }
     Ok(file)
 }
@@ -34,11 +42,16 @@ fn variable(name: &str, samples: &[f64]) -> Result<Vec<u8>, Error> {
         return Err(Error::parameter("column name", format!("{name:?}"), rule));
     }
     let data: Vec<u8> = samples.iter().flat_map(|sample| sample.to_le_bytes()).collect();
+    array(name, (NUMBERS, [samples.len(), 1]), element(DOUBLE, &data)?)
+}
+
+/// An array of a class and of these dimensions.
+fn array(name: &str, (class, dims): (u8, [usize; 2]), data: Vec<u8>) -> Result<Vec<u8>, Error> {
     let parts = [
-        element(UINT32, &[CLASS, 0, 0, 0, 0, 0, 0, 0])?,
-        element(INT32, &[stored(samples.len())?, stored(1)?].concat())?,
+        element(UINT32, &[class, 0, 0, 0, 0, 0, 0, 0])?,
+        element(INT32, &[stored(dims[0])?, stored(dims[1])?].concat())?,
         element(INT8, name.as_bytes())?,
-        element(DOUBLE, &data)?,
+        data,
     ];
     element(MATRIX, &parts.concat())
 }

@@ -1,0 +1,59 @@
+//! `piezoid prepare`: a record as it is to be identified, from one as it was measured.
+
+use crate::columns::Columns;
+use crate::console::Console;
+use crate::files;
+use crate::flags::{Flags, failed};
+use crate::values::{apart, record};
+use anyhow::Result;
+use clap::Args;
+use piezoid::PrepareOptions;
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  From 20 kHz to 2 kHz, without single spikes of the sensor:
+    piezoid prepare log.csv --outliers --decimate 10 -o record.csv
+  One period out of many, with less noise:
+    piezoid prepare multisine.csv --from 2 --detrend line --average -o period.csv
+  A scope that shows the sensor 0.35 ms late, through an amplifier of gain 20:
+    piezoid prepare scope.csv --input-scale 20 --output-scale 5um/V --delay 0.35ms -o record.npz
+  A second record at the sampling period of the first:
+    piezoid prepare other.tdms --resample 0.5ms -o other.csv
+
+The steps happen in this order: cut (--from, --to), scale, offset, outliers, detrend, average, delay, and decimate or \
+resample. Filters have no phase and are the same for input and output. Each step is printed, written into the file, and \
+stored in the model that is identified from it.
+
+Signals are kept up to 0.8 of the new Nyquist frequency; nothing above it folds back. Near the ends of a record a filter \
+depends on how the record continues: cut them off, or average periods.";
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(override_usage = "piezoid prepare <FILE> [OPTIONS] -o <FILE>")]
+pub(crate) struct Prepare {
+    /// The record.
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    options: Flags<PrepareOptions>,
+    /// The file to write: CSV, or .npz or .mat by the extension; - is stdout.
+    #[arg(short, long, value_name = "FILE", value_parser = record())]
+    output: PathBuf,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+impl Prepare {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        apart(&[Some(&self.output)], &[&self.file])?;
+        files::ready(&[Some(&self.output)])?;
+        let (columns, file) = (self.columns.read()?, files::read(&self.file)?);
+        let made = file.record(&columns).map_err(failed)?;
+        let made = self.options.0.run(&made).map_err(|error| failed(error.about(&file.name)))?;
+        for step in made.history() {
+            console.remark(step);
+        }
+        files::write_record(&self.output, |name| made.written(name), console)
+    }
+}
