@@ -1,7 +1,7 @@
 //! The exported program: blocks and functions, its interface, and test vectors.
 
-use super::ExportRequest;
 use super::vectors::{self, Vectors};
+use super::{ExportRequest, ExportedFunction};
 use piezoid::compensation::{Causal, FeedForwardSettings};
 use piezoid::error::Error;
 use piezoid::number::short;
@@ -167,6 +167,15 @@ impl ExportedProgram {
         Ok(())
     }
 
+    /// What users call, with its operations.
+    pub(super) fn functions(&self) -> Vec<ExportedFunction> {
+        let function = |entry: &Entry| {
+            let Vectors { mean, most, bound, .. } = entry.vectors;
+            ExportedFunction { name: entry.step, about: entry.about.clone(), mean, most_seen: most, bound }
+        };
+        self.entries.iter().map(function).collect()
+    }
+
     /// The blocks of the states, each after its inner blocks.
     pub fn states(&self) -> Vec<&Block> {
         let mut within: Vec<&str> = self.entries.iter().map(|entry| entry.state).collect();
@@ -206,5 +215,59 @@ impl ExportedProgram {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::TARGETS;
+    use super::*;
+    use piezoid::Model;
+    use piezoid::hysteresis::Operator;
+    use piezoid::linear::Arx;
+    use piezoid::program::Machine;
+
+    fn model(operator: &str) -> Model {
+        let law = (Operator::find(operator).unwrap().example)(5e-4).unwrap();
+        Model::new(law, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1]).unwrap(), 2.0).unwrap()
+    }
+
+    #[test]
+    fn every_target_states_the_most_seen_and_the_bound_of_every_function() {
+        let model = model("bouc-wen");
+        for target in TARGETS.iter().filter(|target| !target.takes.contains(&"reference")) {
+            let made = (target.make)(&ExportRequest::new(&model, "m")).unwrap();
+            let text: String = made.files.iter().map(|file| String::from_utf8_lossy(&file.bytes)).collect();
+            let json = made.to_json();
+            for (k, f) in made.functions.iter().enumerate() {
+                assert!(0 < f.most_seen && f.most_seen <= f.bound, "{}: {f:?}", target.name);
+                let bound = format!("at most {} for every input", f.bound);
+                // Fixed-point and code in its header, others in their own comments or page.
+                assert!(text.contains(&bound), "{}: {bound}", target.name);
+                if !target.name.starts_with("fmu") {
+                    assert!(text.contains(&format!("| {} | {} |\n", f.most_seen, f.bound)), "{}", target.name);
+                }
+                let operations = &json["functions"][k]["operations"];
+                assert_eq!((&operations["most_seen"], &operations["bound"]), (&f.most_seen.into(), &f.bound.into()));
+            }
+        }
+    }
+
+    #[test]
+    fn no_input_takes_more_operations_than_the_bound() {
+        for operator in ["krasnoselskii-pokrovskii", "bouc-wen-baber-noori", "preisach"] {
+            let model = model(operator);
+            let request = ExportRequest::new(&model, "m");
+            let whole = ExportedProgram::new(&request).unwrap();
+            for entry in &whole.entries {
+                let mut machine = Machine::new(&whole.program, entry.state, false);
+                for v in [0.0, 30.0, -30.0, 1e300, f64::NAN, 1e-300, f64::INFINITY, 12.0, f64::NEG_INFINITY, 3.0] {
+                    let before = machine.counts.total();
+                    machine.call(entry.step, &[v]).unwrap();
+                    let taken = machine.counts.total() - before;
+                    assert!(taken <= entry.vectors.bound, "{operator} {}: {taken}", entry.step);
+                }
+            }
+        }
     }
 }

@@ -7,8 +7,10 @@ mod c;
 mod exported;
 mod fixed;
 mod fmu;
+mod folder;
 mod language;
 mod rust;
+mod served;
 mod simulink;
 mod st;
 mod template;
@@ -21,6 +23,10 @@ mod waveform;
 #[doc(hidden)]
 pub use exported::{Entry, ExportedProgram, Port};
 #[doc(hidden)]
+pub use folder::{LIST, Placement};
+#[doc(hidden)]
+pub use served::{FEED_FORWARD, MODEL};
+#[doc(hidden)]
 pub use vectors::Vectors;
 
 use piezoid::compensation::FeedForwardSettings;
@@ -28,8 +34,9 @@ use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
+use piezoid::program::Counts;
 use piezoid::{File, Model, OptionKind, OptionRow, Options, TuneOptions, options};
-use serde_json::Value;
+use serde_json::{Value, json};
 
 options! {
     /// How to export. A row of [`TARGETS`] names those that only some targets take.
@@ -190,8 +197,47 @@ pub struct Compiler {
 pub struct Exported {
     /// The files.
     pub files: Vec<File>,
+    /// The functions to call, the model first; none in a table of voltages.
+    pub functions: Vec<ExportedFunction>,
     /// What is worth knowing, one sentence each.
     pub notes: Vec<String>,
+}
+
+/// A function of the exported code, and its operations on real numbers in one sample.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ExportedFunction {
+    /// `step`, `ff_step` or `control_step`.
+    pub name: &'static str,
+    /// One line.
+    pub about: String,
+    /// The average over the samples of the self-test.
+    pub mean: Counts,
+    /// The largest number in one sample of the self-test.
+    pub most_seen: usize,
+    /// The largest number in one sample, whatever the input and the state.
+    pub bound: usize,
+}
+
+impl Exported {
+    /// The result for machines: the names and sizes of the files, the operations of the functions, the notes.
+    pub fn to_json(&self) -> Value {
+        let file = |file: &File| json!({"file": file.name, "bytes": file.bytes.len()});
+        let function = |f: &ExportedFunction| {
+            let Counts { sums, products, quotients, comparisons } = f.mean;
+            json!({
+                "function": f.name, "about": f.about,
+                "operations": {
+                    "mean": {"additions": sums, "multiplications": products, "divisions": quotients,
+                             "comparisons": comparisons},
+                    "most_seen": f.most_seen, "bound": f.bound,
+                },
+            })
+        };
+        json!({
+            "files": self.files.iter().map(file).collect::<Vec<_>>(),
+            "functions": self.functions.iter().map(function).collect::<Vec<_>>(), "notes": self.notes,
+        })
+    }
 }
 
 /// One kind of export: a row of [`TARGETS`].
@@ -205,6 +251,12 @@ pub struct ExportTarget {
     pub reference: &'static str,
     /// Which it takes of the options that not all targets take; `reference` is what it follows.
     pub takes: &'static [&'static str],
+    /// True if every file stands for itself, so that a folder may hold several such exports.
+    pub stands_alone: bool,
+    /// What it makes of a model: [`MODEL`], [`FEED_FORWARD`] or both.
+    pub makes: &'static [&'static str],
+    /// Operators that it does not serve.
+    pub refuses: &'static [&'static str],
     /// Makes the files.
     pub make: fn(&ExportRequest) -> Result<Exported, Error>,
 }
@@ -236,6 +288,9 @@ impl ExportTarget {
         TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
     }
 }
+
+/// What code makes.
+const BOTH: &[&str] = &[MODEL, FEED_FORWARD];
 
 /// What code takes.
 const CODE: &[&str] = &["float", "preview", "controller", "late", "gain_margin", "phase_margin"];

@@ -98,7 +98,7 @@ pub(super) fn template_context(
             inputs => entry.inputs.iter().enumerate().map(input).collect::<Value>(),
             output => signal(&entry.output, &vectors.outputs), samples => vectors.outputs.len(),
             sums => mean.sums, products => mean.products, quotients => mean.quotients,
-            comparisons => mean.comparisons, most => vectors.most, off => vectors.off, missed => vectors.missed,
+            comparisons => mean.comparisons, most => vectors.most, bound => vectors.bound, off => vectors.off, missed => vectors.missed,
         }
     };
     let mut called = Vec::new();

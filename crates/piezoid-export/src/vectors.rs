@@ -19,6 +19,8 @@ pub struct Vectors {
     pub mean: Counts,
     /// Largest number of operations in one of these samples; others may take more.
     pub most: usize,
+    /// Largest number of operations in one sample, whatever the input.
+    pub bound: usize,
     /// Largest difference to double precision, over the height of the outputs.
     pub off: f64,
     /// Rms error of feed-forward and model along the wandering part, over the height of the reference.
@@ -76,7 +78,7 @@ pub(super) fn counted(program: &Program, entry: &Entry, inputs: &[Vec<f64>], sin
         quotients: all.quotients / n,
         comparisons: all.comparisons / n,
     };
-    Ok(Vectors { outputs, mean, most, ..Vectors::default() })
+    Ok(Vectors { outputs, mean, most, bound: program.bound(entry.step)?, ..Vectors::default() })
 }
 
 fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {

@@ -1,6 +1,7 @@
 //! Files that are complete or absent: written beside their place and renamed.
 
 use piezoid::{Error, File};
+use piezoid_export::{ExportTarget, Exported, LIST, Placement};
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use tempfile::NamedTempFile;
@@ -52,6 +53,24 @@ pub fn write_all(folder: &Path, files: &[File]) -> Result<(), Error> {
         drop(std::fs::remove_dir_all(folder));
     }
     written
+}
+
+/// Writes an export into a folder, which is created if it does not exist: all of it, or nothing.
+///
+/// # Errors
+/// The errors of [`write`], and if the folder holds another export, unless `force` is given.
+pub fn write_export(folder: &Path, (target, name): (&str, &str), made: &Exported, force: bool) -> Result<(), Error> {
+    let list = std::fs::read(folder.join(LIST)).ok();
+    let exists = |file: &str| folder.join(file).exists();
+    let placed = made.placed((ExportTarget::find(target)?, name), list.as_deref(), &exists, force);
+    let Placement { write, remove } = placed.map_err(|error| error.of(&folder.display().to_string()))?;
+    write_all(folder, &write)?;
+    remove.iter().map(|file| folder.join(file)).try_for_each(|path| {
+        std::fs::remove_file(&path).map_err(|error| {
+            let what = "a file of the last export, cannot be removed";
+            Error::Content(format!("{}, {what}: {error}: delete it", path.display()))
+        })
+    })
 }
 
 fn end(path: &Path) -> Result<PathBuf, Error> {

@@ -6,14 +6,14 @@ use crate::json::{object, options, rows};
 use crate::model::Model;
 use crate::samples::{samples, slice};
 use piezoid::Options;
-use piezoid_export::ExportOptions;
+use piezoid_export::{ExportOptions, ExportTarget};
 use piezoid_host::{compiler, files};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
 
-/// Files by their paths, and notes.
-type ExportTuple = (Vec<(String, Py<PyBytes>)>, Vec<String>);
+/// Files by their paths, the functions with their operations, and notes.
+type ExportTuple = (Vec<(String, Py<PyBytes>)>, Py<PyAny>, Vec<String>);
 
 /// Writes a file, which is complete or absent.
 #[pyfunction]
@@ -30,18 +30,27 @@ pub(crate) fn export(
     given: &Bound<'_, PyDict>,
     reference: Option<Bound<'_, PyAny>>,
     folder: Option<PathBuf>,
+    force: bool,
 ) -> PyResult<ExportTuple> {
     let (model, options) = (inner(model), options::<ExportOptions>(given)?);
     let read = reference.as_ref().map(|r| samples("reference", r)).transpose()?;
     let reference = read.as_ref().map(|r| slice(r)).transpose()?;
     let made = py.detach(|| {
         let made = options.of(target, &model, reference, compiler::here())?;
-        folder.iter().try_for_each(|folder| files::write_all(folder, &made.files))?;
+        let given = (target, options.name.as_str());
+        folder.iter().try_for_each(|folder| files::write_export(folder, given, &made, force))?;
         Ok(made)
     });
     let made = made.map_err(raised)?;
+    let functions = object(py, &made.to_json()["functions"])?;
     let files = made.files.into_iter().map(|file| (file.name, PyBytes::new(py, &file.bytes).unbind()));
-    Ok((files.collect(), made.notes))
+    Ok((files.collect(), functions, made.notes))
+}
+
+/// The operators of a list that a target serves: `auto` without the others.
+#[pyfunction]
+pub(crate) fn served(target: &str, operators: &str) -> PyResult<String> {
+    ExportTarget::find(target).and_then(|target| target.operators(operators)).map_err(raised)
 }
 
 /// The options of [`export`], one per row.

@@ -26,7 +26,7 @@ mod _piezoid {
     #[pymodule_export]
     use crate::error::PiezoidError;
     #[pymodule_export]
-    use crate::export::{export, export_options, write};
+    use crate::export::{export, export_options, served, write};
     #[pymodule_export]
     use crate::identify::{identify, identify_options};
     #[pymodule_export]

@@ -10,7 +10,7 @@ use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS, Excitation};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
-use piezoid_export::TARGETS;
+use piezoid_export::{ExportTarget, TARGETS};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -37,6 +37,11 @@ pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
             json!({"minor_loops": o.minor_loops, "rate_independent": o.rate_independent, "wipes_out": o.wipes_out});
         row
     };
+    let target = |t: &ExportTarget| {
+        let mut row = row(t.name, t.summary, t.reference);
+        row["operators"] = OPERATORS.iter().map(|o| (o.name.to_string(), json!(t.serves(o)))).collect();
+        row
+    };
     let feeds = FEED_FORWARDS.iter().map(|f| row(f.name, f.summary, f.reference));
     let controllers: Vec<Value> =
         feeds.chain(CONTROLLERS.iter().map(|c| row(c.name, c.summary, c.reference))).collect();
@@ -47,7 +52,7 @@ pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
         "drivers": DRIVERS.iter().map(|d| figures(json!(d), d.description(), d.reference)).collect::<Vec<_>>(),
         "actuators": ACTUATORS.iter().map(|a| figures(json!(a), a.description(), a.reference)).collect::<Vec<_>>(),
         "controllers": controllers,
-        "targets": TARGETS.iter().map(|t| row(t.name, t.summary, t.reference)).collect::<Vec<_>>(),
+        "targets": TARGETS.iter().map(target).collect::<Vec<_>>(),
         "estimators": ESTIMATORS.iter().map(|e| row(e.name, e.summary, e.reference)).collect::<Vec<_>>(),
         "references": REFERENCES.iter().map(|r| row(r.name, r.summary, "")).collect::<Vec<_>>(),
     });

@@ -74,6 +74,19 @@ impl Model {
         self.model.linear().dc_gain()
     }
 
+    /// Operator, gain, modes, creep and sampling period in one line.
+    #[getter]
+    fn line(&self) -> String {
+        self.model.to_string()
+    }
+
+    /// How good the model is: as a document, and in words.
+    #[getter]
+    fn verdict(&self, py: Python<'_>) -> PyResult<Option<(Py<PyAny>, String)>> {
+        let Some(verdict) = self.model.verdict() else { return Ok(None) };
+        Ok(Some((object(py, &json!(verdict))?, verdict.to_string())))
+    }
+
     /// Frequency [Hz] and damping ratio of the resonance.
     #[getter]
     fn resonance(&self) -> Option<(f64, f64)> {

@@ -1,10 +1,10 @@
 //! Records: input and output sampled together.
 
 use crate::error::{raised, refused};
-use crate::json::options;
+use crate::json::{object, options};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
-use piezoid::formats::{Channel, Signal, Table};
+use piezoid::formats::{Channel, ColumnSelection, Format, Signal, Table};
 use piezoid::{PrepareOptions, Units};
 use piezoid_host::files;
 use pyo3::prelude::*;
@@ -108,6 +108,16 @@ impl Record {
     }
 }
 
+/// A profile of a rig: the name of its file, and its text.
+type Profile = (String, String);
+
+/// What keywords say of the columns, and what the profile says where they say nothing.
+fn selection(given: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<ColumnSelection> {
+    let said: ColumnSelection = options(given)?;
+    let Some((name, text)) = profile else { return Ok(said) };
+    ColumnSelection::from_toml(&text).map(|profile| said.or(profile)).map_err(|error| raised(error.of(&name)))
+}
+
 /// A column of a table: its name and its samples.
 type Column<'py> = (String, Bound<'py, PyAny>);
 
@@ -116,13 +126,16 @@ type Column<'py> = (String, Bound<'py, PyAny>);
 #[derive(Debug)]
 pub(crate) struct Columns {
     table: Table,
+    /// The format of a file.
+    format: Option<&'static str>,
 }
 
 #[pymethods]
 impl Columns {
     #[staticmethod]
     fn from_file(py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<Self> {
-        py.detach(|| Table::read(name, bytes)).map(|table| Columns { table }).map_err(raised)
+        let format = Some(Format::of(bytes).name);
+        py.detach(|| Table::read(name, bytes)).map(|table| Columns { table, format }).map_err(raised)
     }
 
     #[staticmethod]
@@ -130,7 +143,7 @@ impl Columns {
         let read = |(name, values): &Column<'_>| Ok(Channel::new(name, slice(&samples(name, values)?)?.to_vec()));
         let mut channels = columns.iter().map(read).collect::<PyResult<Vec<_>>>()?;
         channels.extend(others.into_iter().map(|(name, what)| Channel::other(name, what)));
-        Ok(Columns { table: Table::of(channels) })
+        Ok(Columns { table: Table::of(channels), format: None })
     }
 
     #[getter]
@@ -138,8 +151,50 @@ impl Columns {
         self.table.names().collect()
     }
 
-    fn record(&self, given: &Bound<'_, PyDict>) -> PyResult<Record> {
-        self.table.record(&options(given)?).map(Record::from).map_err(raised)
+    fn record(&self, given: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<Record> {
+        self.table.record(&selection(given, profile)?).map(Record::from).map_err(raised)
+    }
+
+    /// What the columns hold as a document, and the record if they make one, otherwise the reason.
+    fn inspect(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        given: &Bound<'_, PyDict>,
+        profile: Option<Profile>,
+    ) -> PyResult<(Py<PyAny>, Option<Record>, Option<String>)> {
+        let (seen, read) = self.table.inspect(name, self.format.unwrap_or("arrays"), &selection(given, profile)?);
+        let (record, error) = match read {
+            Ok(record) => (Some(record.into()), None),
+            Err(error) => (None, Some(raised(error).value(py).to_string())),
+        };
+        Ok((object(py, &seen)?, record, error))
+    }
+
+    /// How records like this one are read: the text of a profile.
+    fn profile(&self, given: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<String> {
+        let selection = selection(given, profile)?;
+        self.table.record(&selection).map_err(raised)?;
+        Ok(self.table.profile(&selection).to_toml())
+    }
+
+    /// The sampling period [s] and the samples of the input, in this unit; `ts` is the period if no column is a time.
+    fn input(
+        &self,
+        py: Python<'_>,
+        given: &Bound<'_, PyDict>,
+        model: (String, f64),
+    ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
+        let ((unit, ts), mut selection) = (model, options::<ColumnSelection>(given)?);
+        if !self.table.is_timed(&selection) {
+            selection.ts = Some(ts);
+        }
+        let Signal { ts, mut samples, unit: own } = self.table.input(&selection).map_err(raised)?;
+        let Some(factor) = Units::factor(&own, &unit) else {
+            return Err(refused(&format!("the input is in {own}, but {unit} is needed: convert it first")));
+        };
+        samples.iter_mut().for_each(|u| *u *= factor);
+        Ok((ts, crate::samples::array(py, samples).unbind()))
     }
 
     /// The sampling period [s] and the samples of the reference, in this unit.

@@ -64,7 +64,7 @@ def test_of_several_operators_the_better_is_taken(small: pz.Record, rich: pz.Rec
         ({"operator": "preisac"}, "did you mean `preisach`?"),
         ({"method": "best"}, "joint or paper"),
         ({"operator": 3}, "no operator called `3`"),
-        ({"driver_lag": "1 ms"}, "driver_lag = 1 ms: must be a number, 0 or more [s]"),
+        ({"driver_lag": "1 mm"}, "driver_lag = 1 mm: must be a number, 0 or more [s]"),
         ({"particles": 10}, "particles = 10: is an option of the method paper"),
         ({"method": "paper", "elements": 10}, "elements = 10: is an option of the method joint"),
         ({"driver": "bd300"}, "capacitance"),

@@ -133,7 +133,7 @@ def test_every_setting_of_identify_is_a_parameter_with_the_same_default() -> Non
 
     own = settings(HammersteinRegressor)
     assert [own.pop(name) for name in ("ts", "units", "small_signal")] == [inspect.Parameter.empty, ("V", "um"), None]
-    of_a_call = ("small_signal", "large_signal", "linear", "rich", "data", "progress")
+    of_a_call = ("small_signal", "large_signal", "linear", "rich", "data", "y", "ts", "fs", "units", "profile", "progress")
     assert own == {name: default for name, default in settings(pz.identify).items() if name not in of_a_call}
 
 

@@ -41,7 +41,8 @@ def test_whole_numbers_are_numbers() -> None:
 @pytest.mark.parametrize(
     ("u", "told"),
     [
-        (np.zeros((4, 1)), "shape (4, 1)"),
+        (np.zeros((4, 2)), "shape (4, 2)"),
+        (np.zeros((1, 4)), "shape (1, 4)"),
         (np.zeros(()), "shape ()"),
         (np.array(["a"] * 4), "real numbers"),
         (U + 1j, "complex128"),

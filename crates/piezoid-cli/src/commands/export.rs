@@ -5,6 +5,7 @@ use crate::console::Console;
 use crate::files;
 use crate::flags::{Flags, failed};
 use crate::values::Ended::Misused;
+use crate::values::apart;
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::formats::ColumnSelection;
@@ -43,6 +44,12 @@ pub(crate) struct Export {
     /// The folder to write to; created if it does not exist.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
+    /// Write even if the folder holds another export; files of the same names are replaced.
+    #[arg(long)]
+    force: bool,
+    /// Write files, operations of each function and notes as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 impl Export {
@@ -51,14 +58,18 @@ impl Export {
         if self.reference.is_none() && columns != ColumnSelection::default() {
             bail!(Misused("options of data files are for a --reference".into()));
         }
+        apart(&[self.json.as_deref()], &self.reference.iter().chain([&self.model]).collect::<Vec<_>>())?;
         if self.output == Path::new("-") {
             bail!(Misused("-o must be a folder, because several files are written".into()));
         }
+        files::ready(&[self.json.as_deref()])?;
         let file = files::read(&self.model)?;
         let reference = self.reference.as_deref().map(files::read).transpose()?;
         let along = reference.as_ref().map(|file| (file, &columns));
         let made = options.run(&self.target, &file, along, compiler::here()).map_err(failed)?;
-        host::write_all(&self.output, &made.files)?;
+        let given = (self.target.as_str(), options.name.as_str());
+        host::write_export(&self.output, given, &made, self.force).map_err(failed)?;
+        files::write_json(self.json.as_deref(), &made.to_json(), console)?;
         for note in &made.notes {
             console.remark(note);
         }

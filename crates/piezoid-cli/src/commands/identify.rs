@@ -11,6 +11,7 @@ use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid::IdentifyOptions;
+use piezoid_export::ExportTarget;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -43,6 +44,10 @@ pub(crate) struct Identify {
     data: Vec<PathBuf>,
     #[command(flatten)]
     options: Flags<IdentifyOptions>,
+    /// The export target that the model is for: only operators that it serves are tried (see `piezoid targets
+    /// --operators`).
+    #[arg(long = "for", value_name = "TARGET")]
+    target: Option<String>,
     /// Show the tables: linear block, modes, operators tried, parameters, errors on the training records.
     #[arg(short, long)]
     verbose: bool,
@@ -57,13 +62,18 @@ pub(crate) struct Identify {
 }
 
 impl Identify {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+    pub(crate) fn run(mut self, console: &Console) -> Result<()> {
         let large_signal = [self.large_signal, self.files, self.data].concat();
         let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&large_signal).collect();
         let results = [Some(self.output.as_path()), self.json.as_deref()];
         apart(&results, &paths)?;
         files::ready(&results)?;
         self.options.0.check().map_err(failed)?;
+        if let Some(target) = &self.target {
+            let options = &mut self.options.0;
+            options.operator =
+                ExportTarget::find(target).and_then(|t| t.operators(&options.operator)).map_err(failed)?;
+        }
         let columns = self.columns.read()?;
         let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&large_signal)?);
         let mut progress = console.progress();

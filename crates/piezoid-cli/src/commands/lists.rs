@@ -11,7 +11,7 @@ use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS};
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::{self, PLANTS, Spec};
-use piezoid_export::TARGETS;
+use piezoid_export::{FEED_FORWARD, MODEL, TARGETS};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
@@ -63,7 +63,7 @@ pub(crate) fn controllers() -> Vec<Row> {
     feeds.chain(CONTROLLERS.iter().map(|c| row(c.name, c.summary, c.reference))).collect()
 }
 
-pub(crate) fn targets() -> Vec<Row> {
+fn targets() -> Vec<Row> {
     TARGETS.iter().map(|t| row(t.name, t.summary, t.reference)).collect()
 }
 
@@ -107,6 +107,47 @@ impl Plants {
             Some(name) => console.print(&(plant(&name)?.to_json()? + "\n")),
             None => self.list.run(&plants(), console),
         }
+    }
+}
+
+#[derive(Args)]
+pub(crate) struct Targets {
+    /// Show which operators each target serves, and with what: the model, its feed-forward.
+    #[arg(long)]
+    operators: bool,
+    #[command(flatten)]
+    list: List,
+}
+
+impl Targets {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        let mut rows = targets();
+        if self.operators {
+            for (row, target) in rows.iter_mut().zip(TARGETS) {
+                let served: Vec<_> = OPERATORS.iter().map(|o| (o.name, target.serves(o))).collect();
+                row["summary"] = told_served(&served).into();
+                row["operators"] = served.into_iter().map(|(name, what)| (name.to_string(), json!(what))).collect();
+            }
+        }
+        self.list.run(&rows, console)
+    }
+}
+
+/// What a target serves, in words.
+fn told_served(served: &[(&str, &[&str])]) -> String {
+    let of = |what: &str| {
+        let (with, without): (Vec<_>, Vec<_>) = served.iter().partition(|(_, all)| all.contains(&what));
+        let names = |rows: &[&(&str, &[&str])]| rows.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+        match (with.len(), without.len()) {
+            (0, _) => "no operator".into(),
+            (_, 0) => format!("all {} operators", served.len()),
+            (few, many) if few < many => names(&with),
+            _ => format!("all but {}", names(&without)),
+        }
+    };
+    match (of(MODEL), of(FEED_FORWARD)) {
+        (model, feed) if model == feed => format!("{MODEL} and {FEED_FORWARD}: {model}"),
+        (model, feed) => format!("{MODEL}: {model}; {FEED_FORWARD}: {feed}"),
     }
 }
 

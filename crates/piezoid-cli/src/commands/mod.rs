@@ -58,8 +58,8 @@ pub(crate) enum Verb {
     Actuators(lists::List),
     /// List the controllers, feed-forwards first.
     Controllers(lists::List),
-    /// List the export targets.
-    Targets(lists::List),
+    /// List the export targets, and the operators that each serves.
+    Targets(lists::Targets),
     /// Print a completion script for a shell.
     Completions(shell::Completions),
     /// Print the manual page.
@@ -87,7 +87,7 @@ impl Verb {
             Verb::Drivers(verb) => verb.run(&lists::drivers(), console),
             Verb::Actuators(verb) => verb.run(&lists::actuators(), console),
             Verb::Controllers(verb) => verb.run(&lists::controllers(), console),
-            Verb::Targets(verb) => verb.run(&lists::targets(), console),
+            Verb::Targets(verb) => verb.run(console),
             Verb::Completions(verb) => verb.run(console),
             Verb::Man(verb) => verb.run(console),
         }

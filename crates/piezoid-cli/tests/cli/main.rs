@@ -9,6 +9,7 @@ mod bytes;
 mod compensate;
 mod control;
 mod drive;
+mod exports;
 mod files;
 mod fmu;
 mod inspect;

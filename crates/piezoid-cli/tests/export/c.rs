@@ -1,7 +1,7 @@
 //! C by two compilers, without and with optimisation, checked by sanitizers.
 
 use crate::{exported, in_both_precisions, models, run, self_tested, there};
-use piezoid_export::ExportRequest;
+use piezoid_export::{ExportRequest, ExportTarget};
 
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow -ffp-contract=off";
 
@@ -44,5 +44,20 @@ fn a_header_may_be_read_by_cpp() {
         let folder = tempfile::tempdir().unwrap();
         exported("c", &ExportRequest::new(&model, &name), folder.path());
         run(folder.path(), &format!("g++ -std=c++11 -pedantic -Wall -Wextra -Werror -fsyntax-only -x c++ {name}.h"));
+    }
+}
+
+#[test]
+fn bounds_on_operations_hold_for_every_model_and_are_stated() {
+    println!("| model | `step`, most seen | bound | `ff_step`, most seen | bound |\n|---|--:|--:|--:|--:|");
+    for (name, model) in models() {
+        let made = (ExportTarget::find("c").unwrap().make)(&ExportRequest::new(&model, &name).single(true)).unwrap();
+        let page = String::from_utf8(made.files[3].bytes.clone()).unwrap();
+        let mut row = format!("| {name} |");
+        for f in &made.functions {
+            assert!(f.most_seen <= f.bound && page.contains(&format!("| {} | {} |\n", f.most_seen, f.bound)), "{f:?}");
+            row += &format!(" {} | {} |", f.most_seen, f.bound);
+        }
+        println!("{row}");
     }
 }

@@ -10,7 +10,7 @@ use super::exported::{Entry, ExportedProgram, state_of};
 use super::fixed::{Fixed, PLAIN};
 use super::language::{Language, Printer};
 use super::template::{Value, blocks, context, render, template, template_context};
-use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
+use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
 use piezoid::error::Error;
 use piezoid::program::{Argument, Block, Constant, Field, FieldValue, Function, ValueType};
 use piezoid::system::System;
@@ -21,6 +21,9 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     summary: "a header and a source file in C99, in double or single precision, with a self-test",
     reference: "ISO/IEC 9899:1999; MISRA C:2012",
     takes: CODE,
+    stands_alone: false,
+    makes: BOTH,
+    refuses: &[],
     make: |request| {
         let whole = checked(request)?;
         let mut notes = whole.notes.clone();
@@ -36,7 +39,8 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         let bytes =
             whole.entries.iter().map(|e| (e.state, whole.program.order(e.state) * bytes)).collect::<BTreeMap<_, _>>();
         let page = context! { bytes, constants, ..c.template_context() };
-        Ok(Exported { files: c.files(render(template!("c/readme.md.j2"), page)?)?, notes })
+        let files = c.files(render(template!("c/readme.md.j2"), page)?)?;
+        Ok(Exported { files, functions: whole.functions(), notes })
     },
 };
 

@@ -116,7 +116,7 @@ fn inverse_by_halving({declared}z, low, high) {{
 mod tests {
     use super::*;
     use piezoid::Model;
-    use piezoid::hysteresis::OPERATORS;
+    use piezoid::hysteresis::{OPERATORS, Operator};
     use piezoid::linear::Arx;
     use piezoid::program::Machine;
     use piezoid::series::ends;
@@ -142,5 +142,22 @@ mod tests {
             // At a jump no input gives every z.
             assert!(worst < 1e-8 || !operator.minor_loops, "{}: {worst}", operator.name);
         }
+    }
+
+    #[test]
+    fn a_constant_reference_gives_a_constant_input_and_one_out_of_reach_the_end() {
+        let law = (Operator::find("stop").unwrap().example)(5e-4).unwrap();
+        let mut program = Model::new(law, Arx::gain(5e-4, 1.0).unwrap(), 0.0).unwrap().program().unwrap();
+        halved(&mut program).unwrap();
+        let mut machine = Machine::new(&program, "hysteresis", false);
+        let mut input = |z: f64| {
+            let u = machine.call("hysteresis_inverse", &[z, -30.0, 30.0]).unwrap()[0];
+            machine.call("hysteresis", &[u]).unwrap();
+            u
+        };
+        input(3.0);
+        let still = input(3.0);
+        assert!((0..100).all(|_| input(3.0).to_bits() == still.to_bits()));
+        assert_eq!([input(1e6), input(1e6), input(-1e6)], [30.0, 30.0, -30.0]);
     }
 }

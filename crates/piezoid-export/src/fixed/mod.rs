@@ -22,7 +22,7 @@ use super::c::{C, checked};
 use super::exported::{Entry, ExportedProgram, Port};
 use super::template::{Value, context, render, template};
 use super::vectors::{Vectors, counted};
-use super::{ExportRequest, ExportTarget, Exported};
+use super::{BOTH, ExportRequest, ExportTarget, Exported};
 use excursion::{PART, TestInputs, test_inputs};
 use formats::{Formats, Key, fields};
 use halving::halved;
@@ -40,13 +40,16 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     summary: "fixed-point C99: header, source file and self-test, and the rounding error against double precision",
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
     takes: &["preview", "controller", "late", "gain_margin", "phase_margin"],
+    stands_alone: false,
+    makes: BOTH,
+    refuses: &[],
     make: |request| {
         let fixed = Fixed::new(checked(request)?, request)?;
         let c = C { counts: Some(&fixed), ..C::of(&fixed.whole, request) };
         let bytes: BTreeMap<_, _> = fixed.whole.entries.iter().map(|e| (e.state, fixed.bytes(e.state))).collect();
         let page = context! { bytes, every => format!("{} s", request.model.ts()), ..c.template_context() };
         let files = c.files(render(template!("fixed/readme.md.j2"), page)?)?;
-        Ok(Exported { files, notes: fixed.whole.notes })
+        Ok(Exported { files, functions: fixed.whole.functions(), notes: fixed.whole.notes })
     },
 };
 
@@ -150,11 +153,11 @@ impl Fixed {
                 }
             }
             let rms = (squares / (exact.len() * inputs.len()) as f64).sqrt();
-            let Vectors { mean, most, .. } = counted(&whole.program, entry, &entry.vectors.inputs, false)?;
+            let Vectors { mean, most, bound, .. } = counted(&whole.program, entry, &entry.vectors.inputs, false)?;
             let inputs = rows(&entry.vectors.inputs);
             let at_rest = row(&starts[0], &state);
             let outputs = run(&mut machine, entry, &at_rest, &inputs)?;
-            with_counts.entries[k].vectors = Vectors { inputs, outputs, mean, most, ..entry.vectors.clone() };
+            with_counts.entries[k].vectors = Vectors { inputs, outputs, mean, most, bound, ..entry.vectors.clone() };
             errors.push(CountingError { rms, most: largest });
         }
         for entry in &mut with_counts.entries {

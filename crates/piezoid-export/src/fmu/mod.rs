@@ -25,7 +25,7 @@ mod variables;
 use super::c::{C, checked};
 use super::exported::{Entry, ExportedProgram};
 use super::template::{Template, context, render, template, template_context};
-use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
+use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
 use piezoid::error::Error;
 use std::io::{Cursor, Write};
 use zip::write::{SimpleFileOptions, ZipWriter};
@@ -36,6 +36,9 @@ pub(super) const FMI2: ExportTarget = ExportTarget {
     summary: "FMUs for co-simulation (FMI 2.0), with C sources and, if a C compiler is found, a shared library",
     reference: "Functional Mock-up Interface 2.0.5, https://fmi-standard.org",
     takes: CODE,
+    stands_alone: true,
+    makes: BOTH,
+    refuses: &[],
     make: |request| make(request, &VERSION_2),
 };
 
@@ -44,6 +47,9 @@ pub(super) const FMI3: ExportTarget = ExportTarget {
     summary: "FMUs for co-simulation (FMI 3.0), with C sources and, if a C compiler is found, a shared library",
     reference: "Functional Mock-up Interface 3.0.2, https://fmi-standard.org",
     takes: CODE,
+    stands_alone: true,
+    makes: BOTH,
+    refuses: &[],
     make: |request| make(request, &VERSION_3),
 };
 
@@ -103,7 +109,7 @@ const HEADERS: &str = "float stdbool stddef stdint stdio stdlib string";
 fn make(request: &ExportRequest, version: &Version) -> Result<Exported, Error> {
     named(request.name(), HEADERS)?;
     let whole = checked(request)?;
-    let mut made = Exported { files: Vec::new(), notes: whole.notes.clone() };
+    let mut made = Exported { files: Vec::new(), functions: whole.functions(), notes: whole.notes.clone() };
     for entry in &whole.entries {
         let fmu = Fmu::new(request, version, &whole, entry);
         let mut files = fmu.files()?;

@@ -10,7 +10,7 @@ use super::c::{shortest, wrapped};
 use super::exported::{Entry, ExportedProgram};
 use super::language::Printer;
 use super::template::{Value, context, render, template, template_context, titled};
-use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
+use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
 use body::RustBody;
 use piezoid::error::Error;
 use piezoid::program::{Block, Constant, Field, FieldValue, Function, Statement, ValueType};
@@ -22,6 +22,9 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     summary: "a module in Rust for crates with and without std, in double or single precision, with its tests",
     reference: "The Rust Reference, editions 2021 and 2024; core alone",
     takes: CODE,
+    stands_alone: false,
+    makes: BOTH,
+    refuses: &[],
     make: |request| {
         named(request.name(), RESERVED)?;
         if request.name().chars().any(|c| c.is_ascii_uppercase()) {
@@ -38,7 +41,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
             File::new(format!("{}.rs", request.name()), render(template!("rust/module.rs.j2"), page.clone())?),
             File::new(format!("{}.md", request.name()), render(template!("rust/readme.md.j2"), page)?),
         ];
-        Ok(Exported { files, notes: whole.notes })
+        Ok(Exported { files, functions: whole.functions(), notes: whole.notes })
     },
 };
 

@@ -9,7 +9,7 @@ mod matlab;
 
 use super::c::{C, checked};
 use super::template::{context, render, template};
-use super::{CODE, ExportTarget, Exported, File};
+use super::{BOTH, CODE, ExportTarget, Exported, File};
 use matlab::Matlab;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {
@@ -17,6 +17,9 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     summary: "S-functions in C for Simulink, and a class for MATLAB and GNU Octave, in double or single precision",
     reference: "MathWorks, Writing S-Functions: level-2 C MEX S-functions",
     takes: CODE,
+    stands_alone: false,
+    makes: BOTH,
+    refuses: &[],
     make: |request| {
         let whole = checked(request)?;
         let (c, name) = (C::of(&whole, request), request.name());
@@ -34,6 +37,6 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
             let text = render(template!("simulink/sfunction.c.j2"), context! { k, ..page.clone() })?;
             files.push(File::new(format!("{}_sfun.c", entry.named(name)), text));
         }
-        Ok(Exported { files, notes: whole.notes })
+        Ok(Exported { files, functions: whole.functions(), notes: whole.notes })
     },
 };

@@ -14,7 +14,7 @@ use super::c::{shortest, wrapped};
 use super::exported::{Entry, ExportedProgram};
 use super::language::Printer;
 use super::template::{Value, blocks, context, quiet, render, template, template_context};
-use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
+use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
 use body::StBody;
 use names::{Names, RESERVED};
 use piezoid::program::{Block, Constant, Expr, Field, FieldValue, Function, ValueType};
@@ -25,6 +25,9 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     summary: "function blocks in structured text, in LREAL or REAL, with a test program",
     reference: "IEC 61131-3:2003 and 2013",
     takes: CODE,
+    stands_alone: false,
+    makes: BOTH,
+    refuses: &[],
     make: |request| {
         named(request.name(), RESERVED)?;
         let whole = ExportedProgram::new(request)?;
@@ -34,7 +37,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
             File::new(format!("{}_test.st", request.name()), render(template!("st/test.st.j2"), page.clone())?),
             File::new(format!("{}.md", request.name()), render(template!("st/readme.md.j2"), page)?),
         ];
-        Ok(Exported { files, notes: whole.notes })
+        Ok(Exported { files, functions: whole.functions(), notes: whole.notes })
     },
 };
 

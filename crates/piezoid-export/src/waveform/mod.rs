@@ -18,7 +18,7 @@ mod nv200;
 mod table;
 
 use super::template::{Value, context, render, template};
-use super::{ExportOptions, ExportRequest, ExportTarget, Exported, File, named};
+use super::{ExportOptions, ExportRequest, ExportTarget, Exported, FEED_FORWARD, File, named};
 use drive::{PeriodicDrive, answer};
 use piezoid::error::{Error, positive};
 use piezoid::hammerstein::Model;
@@ -32,6 +32,9 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     summary: "the drive voltage for a periodic reference as a table: CSV, PI GCS wave table, piezosystem jena NV200",
     reference: "PI GCS 2.0, E-727 user manual E727T0005; piezosystem jena NV200/D NET instruction manual",
     takes: &["reference", "clip", "servo_cycle", "range"],
+    stands_alone: false,
+    makes: &[FEED_FORWARD],
+    refuses: &[],
     make,
 };
 
@@ -60,7 +63,7 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     let wave = gcs::table(&drive.u, ts, servo_cycle)?;
     let buffer = range.map(|range| nv200::table(&drive.u, ts, range)).transpose()?;
 
-    let mut exported = Exported { files: Vec::new(), notes: drive.notes.clone() };
+    let mut exported = Exported { notes: drive.notes.clone(), ..Exported::default() };
     let mut tables = Vec::new();
     let mut add = |whose, end, table: &WaveTable, text| {
         let (context, sentence) = stated(whose, format!("{name}{end}"), table, model, &drive);

@@ -21,8 +21,9 @@ from ._piezoid import PiezoidError, __version__
 from .control import Comparison, control, reference
 from .export import export
 from .identify import identify
+from .inspect import Inspection, inspect
 from .lists import actuators, controllers, drivers, estimators, excitations, operators, references, targets
-from .model import Compensation, FeedForward, Model, Validation, load
+from .model import Compensation, FeedForward, Model, Validation, Verdict, load
 from .plants import Plant, plants
 from .records import Record, read, read_reference
 from .study import Study, study
@@ -36,12 +37,14 @@ __all__ = [
     "Comparison",
     "Compensation",
     "FeedForward",
+    "Inspection",
     "Model",
     "PiezoidError",
     "Plant",
     "Record",
     "Study",
     "Validation",
+    "Verdict",
     "__version__",
     "actuators",
     "control",
@@ -52,6 +55,7 @@ __all__ = [
     "excite",
     "export",
     "identify",
+    "inspect",
     "linear",
     "load",
     "operators",

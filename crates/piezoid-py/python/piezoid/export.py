@@ -3,23 +3,42 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
 from ._types import Samples
 from .lists import described
 from .model import Model, as_model
 
+if TYPE_CHECKING:
+    import pandas as pd
+
 
 class Exported(dict[str, bytes]):
-    """The exported files by path, and `notes`, remarks on them."""
+    """The exported files by path; `functions`, what to call, with its operations; `notes`, remarks."""
 
-    def __init__(self, files: list[tuple[str, bytes]], notes: list[str]) -> None:
+    def __init__(self, files: list[tuple[str, bytes]], functions: list[dict[str, Any]], notes: list[str]) -> None:
         super().__init__(files)
+        self.functions = functions
         self.notes = notes
 
+    @property
+    def operations(self) -> pd.DataFrame:
+        """Operations in one sample of each function: the mean by kind (`additions`, ...) and the `most_seen` in the
+        self-test, and the `bound` for every input."""
+        import pandas as pd
+
+        rows = [f["operations"] for f in self.functions]
+        names = pd.Index([f["function"] for f in self.functions], name="function")
+        return pd.DataFrame([row["mean"] | {k: row[k] for k in ("most_seen", "bound")} for row in rows], index=names)
+
     def __repr__(self) -> str:
-        return "\n".join([*(f"{path}: {len(content)} bytes" for path, content in self.items()), *self.notes])
+        told = [
+            f"{f['function']}: at most {f['operations']['most_seen']} operations seen in one sample, bound "
+            f"{f['operations']['bound']} for every input"
+            for f in self.functions
+        ]
+        return "\n".join([*(f"{path}: {len(content)} bytes" for path, content in self.items()), *told, *self.notes])
 
 
 def export(
@@ -28,10 +47,12 @@ def export(
     folder: str | os.PathLike[str] | None = None,
     *,
     reference: Samples | None = None,
+    force: bool = False,
     **options: Any,
 ) -> Exported:
     """Exports a model to a target (`pz.targets`): returns the files by path, and writes them to `folder` if given.
 
+    force: write even if `folder` holds another export; files of the same names are replaced
     reference: for the target waveform, one period of the requested displacement [output unit], of shape (n,)
 
     Options; each is for the targets that take it:
@@ -47,8 +68,7 @@ def export(
     for name in options:
         if name not in _OPTIONS:
             raise TypeError(f"unexpected keyword {name!r}: options are {', '.join(_OPTIONS)}")
-    files, notes = _piezoid.export(as_model(model)._core, target, options, reference, folder)
-    return Exported(files, notes)
+    return Exported(*_piezoid.export(as_model(model)._core, target, options, reference, folder, bool(force)))
 
 
 _ROWS = _piezoid.export_options()

@@ -4,28 +4,37 @@ from __future__ import annotations
 
 import json
 import os
+from collections.abc import Mapping
 from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
+import numpy as np
+
 from . import _piezoid
 from ._piezoid import PiezoidError
 from ._progress import told
-from ._types import Progress
+from ._types import Progress, Samples, Units
 from .model import Model
-from .records import as_record, sources
+from .records import Record, read, sources
 
 if TYPE_CHECKING:
-    from .records import Record, Source, Sources
+    from .records import Source, Sources
 
 
 def identify(
-    data: Sources = (),
+    data: Sources | Samples = (),
+    y: Samples | None = None,
     *,
+    ts: float | None = None,
+    fs: float | None = None,
+    units: Units | Mapping[str, str] | None = None,
+    profile: str | os.PathLike[str] | None = None,
     small_signal: Sources = (),
     large_signal: Sources = (),
     method: Literal["joint", "paper"] = "joint",
     operator: str = "auto",
+    target: str | None = None,
     order: int | None = None,
     seed: int = 1,
     elements: int | None = None,
@@ -49,10 +58,14 @@ def identify(
 
     small_signal: records for the linear block (a PRBS of about 1 V); large_signal: records that exercise the hysteresis
     (rising sines at some frequencies); data: records for linear block and hysteresis together, if there is no
-    small-signal record. Each is one record or several, or anything that `read` accepts.
+    small-signal record. Each is one record or several, or anything that `read` accepts: files, DataFrames.
+    data, y: or the arrays of input and output, each of shape (n,) or (n, 1), with `ts` or `fs`
+    ts, fs: sampling period [s] or rate [Hz] of arrays, and of files and DataFrames without times; units, profile: of
+    all that is no `Record` yet, as for `read`
     method: "joint" fits all parts together, by the error of the free run; "paper" follows the paper's six steps
     operator: one of `pz.operators`, several separated by commas, or "auto" for all; of several, the simplest one is
     selected that predicts as well as the best, held out and in free run
+    target: the export target (`pz.targets`) that the model is for: only operators that it serves are tried
     order: of the linear block; selected automatically by default (2 by the paper's method)
     seed: of the swarm
 
@@ -72,16 +85,23 @@ def identify(
     >>> model = pz.identify(pz.plants["pl140"].measure(u, ts=1e-3), operator="prandtl-ishlinskii", order=2)
     >>> model.operator
     'prandtl-ishlinskii'
+    >>> record = pz.plants["pl140"].measure(u, ts=1e-3)
+    >>> pz.identify(record.u, record.y, fs=1000, operator="prandtl-ishlinskii", order=2) == model
+    True
     """
     keywords, rows = dict(locals()), _piezoid.identify_options()
     options = {row["name"]: keywords[row["name"]] for row in rows}
+    if target is not None:
+        options["operator"] = _piezoid.served(target, operator)
+    how: dict[str, Any] = {"ts": ts, "fs": fs, "units": units, "profile": profile}
     # linear and rich are the former names of small_signal and large_signal.
-    given = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], sources(data)]
-    small, large, everything = records = [[as_record(source) for source in part] for part in given]
+    given = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], _data(data, y, how)]
+    small, large, everything = records = [[_record(source, how) for source in part] for part in given]
     if everything and (small or large):
         raise PiezoidError("give either data, or small_signal and large_signal, not both")
     usual = {row["name"]: row["default"] for row in rows}
     changed = {name: value for name, value in options.items() if name == "method" or value != usual[name]}
+    changed |= {} if target is None else {"target": target}
     command = f"piezoid.identify({', '.join(f'{name}={value!r}' for name, value in changed.items())})"
     pairs = [pair for part, made in zip(given, records, strict=True) for pair in zip(part, made, strict=True)]
     files = [origin for source, record in pairs if (origin := _origin(source, record))]
@@ -89,6 +109,23 @@ def identify(
         cores = [r._core for r in small], [r._core for r in large + everything]
         core = _piezoid.identify(cores, options, (command, json.dumps(files)), watch)
     return Model._of(core)
+
+
+def _data(data: Any, y: Samples | None, how: dict[str, Any]) -> list[Source]:
+    """The sources of `data`, or a record of the arrays `data` and `y`."""
+    if y is not None:
+        if how["profile"] is not None:
+            raise PiezoidError("profile: says how columns are read, but u and y are arrays: leave it out")
+        units = how["units"]
+        return [Record(data, y, how["ts"], fs=how["fs"], **({} if units is None else {"units": units}))]
+    if isinstance(data, np.ndarray) and not data.dtype.names:
+        shape = data.shape
+        raise PiezoidError(f"data is an array of shape {shape}: give input and output, as in identify(u, y, fs=2000)")
+    return sources(data)
+
+
+def _record(source: Source, how: dict[str, Any]) -> Record:
+    return source if isinstance(source, Record) else read(source, **how)
 
 
 def _origin(source: Source, record: Record) -> dict[str, Any]:

@@ -38,7 +38,7 @@ except ImportError as error:
 
 __all__ = ["HammersteinRegressor", "stack"]
 
-_RECORDS = ("data", "small_signal", "large_signal", "linear", "rich", "progress")
+_RECORDS = ("data", "y", "ts", "fs", "units", "profile", "small_signal", "large_signal", "linear", "rich", "progress")
 _SETTINGS = {name: p for name, p in inspect.signature(identify).parameters.items() if name not in _RECORDS}
 """The settings of `piezoid.identify`."""
 

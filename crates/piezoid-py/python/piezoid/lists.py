@@ -7,6 +7,8 @@ True
 'no limits'
 >>> pz.actuators["p-885.51"].figures["capacitance"]
 1.5e-06
+>>> pz.targets["fixed"].operators["preisach"]
+['model', 'feed-forward']
 """
 
 from __future__ import annotations
@@ -42,6 +44,8 @@ class Row:
     """For operators: `minor_loops`, `rate_independent`, and `wipes_out` (it has the wiping-out property)."""
     figures: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """For drivers and actuators: the figures of the data sheet in SI units, `None` where it is not known."""
+    operators: Mapping[str, list[str]] = field(default_factory=dict, repr=False)
+    """For export targets: what they make for each operator, "model" and "feed-forward"."""
 
 
 T = TypeVar("T")

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import json
 import os
-from dataclasses import dataclass, field
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +15,9 @@ from ._checks import whole
 from ._checks import limits as checked
 from ._piezoid import FeedForward, PiezoidError
 from ._types import Array, Begin, Offset, Samples, Units
-from .records import Record, as_record
+from .records import as_record, read_input
+from .results import Compensation, Validation, Verdict, frame
+from ._summary import summary
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from ._checks import Limits, Settings, Unpack
     from .records import Source
 
-__all__ = ["Compensation", "FeedForward", "Model", "Validation", "load"]
+__all__ = ["Compensation", "FeedForward", "Model", "Validation", "Verdict", "load"]
 
 
 class Model:
@@ -135,25 +136,65 @@ class Model:
     @property
     def trials(self) -> pd.DataFrame:
         """The operators that were tried, with the errors on held-out parts and in free run, and a verdict."""
-        return _frame(self._found("trials"))
+        return frame(self._found("trials"))
 
     @property
     def parameters(self) -> pd.DataFrame:
         """Estimated parameters (shape of the operator, creep gains, modes), with standard errors."""
-        return _frame(self._found("parameters"))
+        return frame(self._found("parameters"))
+
+    @property
+    def verdict(self) -> Verdict | None:
+        """How good the model was at its identification; None if its file does not say so."""
+        found = self._core.verdict
+        return None if found is None else Verdict._of(found)
+
+    def summary(self) -> str:
+        """The model in words: what it is, how good it is and where, its parameters with standard errors, remarks.
+
+        >>> import piezoid as pz
+        >>> u = pz.excite.rising_sine(ts=1e-3, duration=2, amplitude=28, frequency=4)
+        >>> record = pz.plants["pl140"].measure(u, ts=1e-3)
+        >>> print(pz.identify(record, operator="prandtl-ishlinskii", order=2).summary().split(",")[0])
+        prandtl-ishlinskii
+        """
+        return summary(self)
+
+    def plot(self, *, ax: Any = None) -> Any:
+        """A figure of its parts: the loops of the hysteresis, gain and phase of the linear block.
+
+        It needs matplotlib and is `pz.plot.blocks`. `ax` are three Axes. Returns an array of the Axes.
+        """
+        from . import plot
+
+        return plot.blocks(self, ax=ax)
 
     def _found(self, what: str) -> list[Any]:
         found = self.provenance.get(what)
         return found if isinstance(found, list) else []
 
-    def simulate(self, u: Samples, *, begin: Begin = "rest") -> Array:
+    @overload
+    def simulate(self, u: pd.DataFrame, *, begin: Begin = ..., input_col: str | int | None = ...) -> pd.DataFrame: ...
+    @overload
+    def simulate(self, u: Samples, *, begin: Begin = ...) -> Array: ...
+    def simulate(self, u: Any, *, begin: Begin = "rest", input_col: str | int | None = None) -> Any:
         """The free run: displacements [output unit] of inputs `u` [input unit], both of shape (n,).
+
+        A DataFrame gives a DataFrame with the same index and the column `y_um` (or another unit). Its input is found as
+        `read` finds it, or is the column `input_col`; its times must fit to the model, if it has times.
 
         begin: initial condition: "rest"; "settled" at the first input, from rest, or after cycles over the whole range
         that ended with a fall ("from-above") or a rise ("from-below"); in "motion" as in `u`; or "likely": "settled" or
         "motion", chosen from `u`
         """
-        return self._core.simulate(u, begin)
+        if not hasattr(u, "columns"):
+            if input_col is not None:
+                raise PiezoidError(f"input_col = {input_col!r}: names a column of a DataFrame, but u is {_kind(u)}")
+            return self._core.simulate(u, begin)
+        import pandas as pd
+
+        y = self._core.simulate(read_input(u, self, input_col=input_col), begin)
+        return pd.DataFrame({f"y_{self.units[1]}": y}, index=getattr(u, "index", None))
 
     def predict(self, u: Samples, y: Samples) -> Array:
         """One-step prediction of y[t] from u up to t and measured y up to t-1; all of shape (n,)."""
@@ -241,7 +282,8 @@ class Model:
     def __repr__(self) -> str:
         u, y = self.units
         mode = f", {self.resonance[0]:.4g} Hz" if self.resonance else ""
-        return f"<Model {self.operator}, order {len(self.a)}{mode}, {u} to {y} every {self.ts:g} s>"
+        good = self.verdict.short if self.verdict else "no verdict"
+        return f"<Model {self.operator}, order {len(self.a)}{mode}, {u} to {y} every {self.ts:g} s, {good}>"
 
     def _repr_html_(self) -> str:
         return _html.model(self)
@@ -252,6 +294,10 @@ def _plain(values: Any) -> Any:
     if isinstance(values, (np.ndarray, np.generic)):
         return values.tolist()
     raise PiezoidError(f"a model cannot contain a {type(values).__name__}: use numbers, strings, lists and dicts")
+
+
+def _kind(given: object) -> str:
+    return f"a {type(given).__name__}"
 
 
 def as_model(given: Any) -> Model:
@@ -270,152 +316,3 @@ def load(path: str | os.PathLike[str]) -> Model:
             return Model(_files.read(path).decode())
         except UnicodeDecodeError:
             raise PiezoidError("this is not a text file (it is not UTF-8)") from None
-
-
-@dataclass(frozen=True, eq=False)
-class Validation:
-    """A free run compared with its record."""
-
-    record: Record
-    simulated: Array = field(repr=False)
-    """The free run, of shape (n,) [the record's output unit]."""
-    figures: dict[str, Any] = field(repr=False)
-    """All results, as the command line writes them."""
-
-    @property
-    def n(self) -> int:
-        """Number of samples compared."""
-        return int(self.figures["metrics"]["n"])
-
-    @property
-    def mse(self) -> float:
-        """Mean squared error [unit^2]."""
-        return self._metric("mse")
-
-    @property
-    def rmse(self) -> float:
-        """Root mean squared error [unit]."""
-        return self._metric("rmse")
-
-    @property
-    def nrmse_percent(self) -> float:
-        """100 rms error / standard deviation of y."""
-        return self._metric("nrmse_percent")
-
-    @property
-    def rms_pp_percent(self) -> float:
-        """100 rms error / peak-to-peak of y."""
-        return self._metric("rms_pp_percent")
-
-    @property
-    def max_abs(self) -> float:
-        """Largest absolute error [unit]."""
-        return self._metric("max_abs")
-
-    @property
-    def fit_percent(self) -> float:
-        """100 - nrmse_percent."""
-        return self._metric("fit_percent")
-
-    def _metric(self, name: str) -> float:
-        value = self.figures["metrics"][name]
-        return float("nan") if value is None else float(value)
-
-    @property
-    def summary(self) -> str | None:
-        """The error in one sentence: noise, drift, and what a better model could gain; None if y is constant."""
-        said: str | None = self.figures["summary"]
-        return said
-
-    @property
-    def floor(self) -> dict[str, Any] | None:
-        """The noise floor: `source` ("periods" or "spectrum"), `rms`, `nrmse_percent`, `reducible_nrmse_percent` (what
-        a better model could gain), and more; None if it is unknown."""
-        found: dict[str, Any] | None = self.figures["floor"]
-        return found
-
-    @property
-    def drift_per_s(self) -> float:
-        """Slope of the error over time, in the figures or removed from them [unit / s]."""
-        return float(self.figures["drift_per_s"])
-
-    @property
-    def nrmse_without_drift_percent(self) -> float:
-        """100 rms error without this drift / standard deviation of y."""
-        value = self.figures["nrmse_without_drift_percent"]
-        return float("nan") if value is None else float(value)
-
-    @property
-    def residual(self) -> Array:
-        """Residuals: y minus the free run, of shape (n,)."""
-        left: Array = self.record.y - self.simulated
-        return left
-
-    @property
-    def start(self) -> int:
-        """First sample that counts."""
-        return int(self.figures["start"])
-
-    @property
-    def table(self) -> pd.DataFrame:
-        """The errors by frequency: one row per band, with its middle `at` [Hz]."""
-        return _frame(self.figures["by_frequency"])
-
-    @property
-    def by_amplitude(self) -> pd.DataFrame:
-        """The errors by amplitude of the cycles: one row per band, with its middle `at` [input unit]."""
-        return _frame(self.figures["by_amplitude"])
-
-    @property
-    def loops(self) -> pd.DataFrame:
-        """Width, area, closure and slopes of the loops, measured and of the model."""
-        import pandas as pd
-
-        return pd.json_normalize(self.figures["loops"])
-
-    @property
-    def remarks(self) -> list[str]:
-        """Remarks on the figures."""
-        return list(self.figures["remarks"])
-
-    @property
-    def unproven(self) -> list[str]:
-        """Properties of the model that this record does not test."""
-        return list(self.figures["unproven"])
-
-    def __repr__(self) -> str:
-        noise = f" (noise {self.floor['nrmse_percent']:.2g} %)" if self.floor else ""
-        return (
-            f"<Validation: nrmse {self.nrmse_percent:.4g} %{noise}, rms/pp {self.rms_pp_percent:.4g} %, "
-            f"{self.n} samples>"
-        )
-
-    def _repr_html_(self) -> str:
-        return _html.validation(self)
-
-
-@dataclass(frozen=True, eq=False)
-class Compensation:
-    """The voltage for a reference, and the displacement that the model predicts."""
-
-    u: Array = field(repr=False)
-    """The voltages [input unit], of shape (n,)."""
-    reached: Array = field(repr=False)
-    """Predicted displacement: the model's free run on `u` [output unit], of shape (n,)."""
-    usage: dict[str, Any] = field(repr=False)
-    """Use of the limits: lowest and highest voltage, slew, current."""
-    clipped: int
-    """Number of samples that were clipped to a limit."""
-    notes: list[str]
-    """Remarks, one sentence each."""
-
-    def __repr__(self) -> str:
-        low, high = (float(end(self.u)) for end in (np.min, np.max)) if len(self.u) else (float("nan"), float("nan"))
-        told = "".join(f"; {note}" for note in self.notes)
-        return f"<Compensation of {len(self.u)} samples: {low:.4g} to {high:.4g}, {self.clipped} clipped{told}>"
-
-
-def _frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
-    import pandas as pd
-
-    return pd.DataFrame(rows)

@@ -3,17 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
-from contextlib import contextmanager, suppress
-from dataclasses import dataclass
-from pathlib import Path
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
 
 import numpy as np
-import numpy.typing as npt
 
-from . import _files, _html, _piezoid
+from . import _html, _piezoid
 from ._checks import called, number, some
+from ._columns import columns_of, profile_of
 from ._piezoid import PiezoidError
 from ._types import Array, Samples, Units
 
@@ -26,12 +23,17 @@ if TYPE_CHECKING:
     Sources: TypeAlias = "Source | Iterable[Source]"
 
 
+USUAL: Units = ("V", "um")
+"""Units of arrays that nothing else is said of."""
+
+
 class Record:
     """Input and output of an actuator, sampled together and evenly.
 
-    u: input, of shape (n,); y: output, of shape (n,), anything that numpy converts to such an array; all samples finite
-    ts: sampling period [s]
-    units: of input and output; units of length (m, mm, um, nm) are converted automatically
+    u: input, y: output, of shape (n,) or (n, 1): anything that numpy converts to such an array; all samples finite
+    ts: sampling period [s], or fs: sampling rate [Hz]
+    units: of input and output, such as ("V", "nm") or {"y": "nm"}; units of length (m, mm, um, nm) are converted
+    automatically
 
     >>> import piezoid as pz
     >>> record = pz.Record([0, 1, 1], [0, 20, 33], ts=5e-4)
@@ -41,8 +43,16 @@ class Record:
 
     __slots__ = ("_core", "__weakref__")
 
-    def __init__(self, u: Samples, y: Samples, ts: float, units: Units = ("V", "um")) -> None:
-        self._core = _piezoid.Record(u, y, number("ts", ts), _units(units))
+    def __init__(
+        self,
+        u: Samples,
+        y: Samples,
+        ts: float | None = None,
+        units: Units | Mapping[str, str] = USUAL,
+        *,
+        fs: float | None = None,
+    ) -> None:
+        self._core = _piezoid.Record(_series(u), _series(y), _period(ts, fs), _units(units))
 
     @classmethod
     def _of(cls, core: _piezoid.Record) -> Record:
@@ -190,11 +200,36 @@ _ENDS = {"from": "start", "to": "stop"}
 """The library's names for the ends of a part."""
 
 
-def _units(units: Any) -> Units:
+def _units(units: Any, usual: Units = USUAL) -> Units:
+    """Units of input and output, from a pair, or from a mapping that may leave one of them out."""
+    if isinstance(units, Mapping):
+        if not set(units) <= {"u", "y"}:
+            raise PiezoidError(f"units = {dict(units)!r}: must name u and y, such as {{'u': 'V', 'y': 'um'}}")
+        units = units.get("u", usual[0]), units.get("y", usual[1])
     u, y = some("units", units, "input, output")
     if not (isinstance(u, str) and isinstance(y, str)):
         raise PiezoidError(f"units = {units!r}: must be names, such as ('V', 'um')")
     return u, y
+
+
+def _series(samples: Any) -> Any:
+    """Samples of shape (n, 1) as (n,): a column of a table, or of MATLAB."""
+    shape: tuple[int, ...] = getattr(samples, "shape", ())
+    if len(shape) == 2 and shape[1] == 1:
+        return (samples.to_numpy() if hasattr(samples, "to_numpy") else samples).reshape(-1)
+    return samples
+
+
+def _period(ts: float | None, fs: float | None) -> float:
+    """The sampling period [s], from a period or a rate."""
+    if (ts is None) == (fs is None):
+        raise PiezoidError("give either ts, the sampling period [s], or fs, the sampling rate [Hz]")
+    if ts is not None:
+        return number("ts", ts)
+    rate = number("fs", fs)
+    if not 0.0 < rate < float("inf"):
+        raise PiezoidError(f"fs = {fs}: must be a positive number of Hz")
+    return 1.0 / rate
 
 
 def _ends(samples: Array) -> tuple[float, float]:
@@ -233,7 +268,8 @@ def read(
     time_unit: str | None = None,
     input_scale: float | str | None = None,
     output_scale: float | str | None = None,
-    units: Units | None = None,
+    units: Units | Mapping[str, str] | None = None,
+    profile: str | os.PathLike[str] | None = None,
     start: float = 0.0,
     stop: float = float("inf"),
 ) -> Record:
@@ -248,7 +284,8 @@ def read(
     input_unit, output_unit, time_unit: units that the names do not contain, or contain wrongly
     input_scale: factor of the input, such as 20 for an amplifier whose input was recorded
     output_scale: factor of the output, such as "5um/V" for a sensor
-    units: of input and output, in place of `input_unit` and `output_unit`
+    units: of input and output, such as ("V", "nm") or {"y": "nm"}, in place of `input_unit` and `output_unit`
+    profile: a file that `inspect(...).save_profile` or `piezoid inspect -o` wrote; keywords count more
     start, stop: the part to read [s]
 
     >>> import numpy as np, piezoid as pz
@@ -256,7 +293,8 @@ def read(
     >>> record.ts, record.units, record.u
     (0.001, ('V', 'nm'), array([ 0., 10., 20.]))
     """
-    columns = _columns(source)
+    columns = columns_of(source)
+    rig = profile_of(profile)
     # What is not cut does not stand in the history.
     ends = {"from": number("start", start) or None, "to": None if number("stop", stop) == float("inf") else stop}
     given = {
@@ -273,8 +311,10 @@ def read(
         **ends,
     }
     with columns.named(), called(**_ENDS):
-        record = Record._of(columns.core.record(given))
-    return record if units is None else _restored(record.u, record.y, record.ts, _units(units), record.history)
+        record = Record._of(columns.core.record(given, rig))
+    if units is None:
+        return record
+    return _restored(record.u, record.y, record.ts, _units(units, record.units), record.history)
 
 
 def read_reference(
@@ -289,102 +329,22 @@ def read_reference(
 
     It is the column `r_*`, or else `y_*`. Its sampling period must be that of the model.
     """
-    columns = _columns(source)
+    columns = columns_of(source)
     with columns.named():
         own, r = columns.core.reference({"ts": ts, "output_col": output_col, "time_col": time_col}, model.units[1])
-        if abs(own - model.ts) > 1e-6 * model.ts:
-            raise PiezoidError(f"the model is sampled every {model.ts:g} s but the reference every {own:g} s: resample it")
+        _same_sampling(model, "reference", own)
     return r
 
 
-@dataclass(frozen=True)
-class _Columns:
-    """The columns of a source."""
-
-    core: _piezoid.Columns
-    about: str = ""
-    """The name of a file, with which errors begin."""
-
-    @contextmanager
-    def named(self) -> Iterator[None]:
-        """Adds the source of the columns to errors."""
-        try:
-            yield
-        except PiezoidError as error:
-            raise PiezoidError(f"{self.about}{error}") from None
+def read_input(source: Any, model: Model, *, input_col: str | int | None = None) -> Array:
+    """The input of a table for a model, in its unit, of shape (n,); its sampling period must be that of the model."""
+    columns = columns_of(source)
+    with columns.named():
+        own, u = columns.core.input({"input_col": input_col}, (model.units[0], model.ts))
+        _same_sampling(model, "input", own)
+    return u
 
 
-def _columns(source: Any) -> _Columns:
-    if isinstance(source, (str, os.PathLike)):
-        path = Path(source)
-        with _files.named(path):
-            return _Columns(_piezoid.Columns.from_file(str(path), _files.read(path)), f"{path}: ")
-    if hasattr(source, "columns"):
-        return _arrays(_frame(source))
-    if isinstance(source, Mapping):
-        return _arrays({str(name): values for name, values in source.items()})
-    if isinstance(source, np.ndarray) and source.dtype.names:
-        return _arrays({field: source[field] for field in source.dtype.names})
-    raise PiezoidError(
-        f"an object of type {type(source).__name__} cannot be read as a record: give a file, a DataFrame, a mapping of "
-        "arrays, or an array with named fields"
-    )
-
-
-def _frame(frame: Any) -> dict[str, Any]:
-    """The columns of a DataFrame of pandas or a similar package; times and a named index are columns too."""
-    columns = {str(name): frame[name].to_numpy() for name in frame.columns}
-    index: Any = getattr(frame, "index", None)
-    if hasattr(index, "total_seconds"):  # time differences
-        columns.setdefault("t_s", index.total_seconds().to_numpy())
-    elif hasattr(index, "tz"):  # points in time
-        columns.setdefault("t_s", (index - index.min()).total_seconds().to_numpy())
-    elif getattr(index, "name", None) is not None:
-        columns.setdefault(str(index.name), index.to_numpy())
-    return columns
-
-
-def _arrays(columns: dict[str, Any]) -> _Columns:
-    """The vectors among named arrays, including those within structures."""
-    vectors: list[tuple[str, Any]] = []
-    others: list[tuple[str, str]] = []
-    for name, values in _flat(columns):
-        if isinstance(values, np.ma.MaskedArray):
-            raise PiezoidError(f"{name} is a masked array: fill it, or leave the masked samples out")
-        array = _numbers(name, values)
-        if array.size > 0 and array.size == max(array.shape, default=0) and array.dtype.kind in "fiub":
-            # Vectors of MATLAB are matrices of one row or column.
-            vectors.append((name, array.ravel()))
-        elif array.size != 1:
-            others.append((name, f"of shape {array.shape}, {array.dtype}"))
-    return _Columns(_piezoid.Columns.from_arrays(vectors, others))
-
-
-def _numbers(name: str, values: Any) -> npt.NDArray[Any]:
-    """An array; objects are converted to numbers if possible, and points in time to seconds."""
-    try:
-        array = np.asarray(values)
-    except ValueError as error:
-        raise PiezoidError(f"{name} is no array: {error}") from None
-    if array.dtype.kind == "O":
-        with suppress(TypeError, ValueError):
-            return array.astype(np.float64)
-    if array.dtype.kind in "mM" and array.size:
-        seconds: npt.NDArray[Any] = (array - array.min()) / np.timedelta64(1, "s")
-        return seconds
-    return array
-
-
-def _flat(columns: Mapping[str, Any]) -> Iterator[tuple[str, Any]]:
-    """Names and arrays; for a structure from a MATLAB file, as scipy reads it, its fields."""
-    for name, values in columns.items():
-        if name.startswith("__"):  # scipy's information on the file
-            continue
-        if isinstance(values, Mapping):
-            yield from _flat(values)
-        elif hasattr(values, "_fieldnames"):
-            yield from _flat({field: getattr(values, field) for field in values._fieldnames})
-        elif isinstance(values, np.ndarray) and values.dtype.names and values.size == 1:
-            yield from _flat({field: values[field].item() for field in values.dtype.names})
-        else:
-            yield str(name), values
+def _same_sampling(model: Model, what: str, own: float) -> None:
+    if abs(own - model.ts) > 1e-6 * model.ts:
+        raise PiezoidError(f"the model is sampled every {model.ts:g} s but the {what} every {own:g} s: resample it")

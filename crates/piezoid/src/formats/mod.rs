@@ -64,7 +64,7 @@ pub static FORMATS: &[Format] =
 
 impl Format {
     /// The format that a file begins like: text if it begins like no other.
-    pub(crate) fn of(bytes: &[u8]) -> &'static Format {
+    pub fn of(bytes: &[u8]) -> &'static Format {
         FORMATS.iter().rfind(|format| (format.matches)(bytes)).unwrap_or(&csv::ROW)
     }
 

@@ -131,6 +131,12 @@ impl Table {
         self.sampled([role], selection).map(|(_, [r])| r)
     }
 
+    /// True if something tells the times of the rows: the selection, a column, or the format.
+    pub fn is_timed(&self, selection: &ColumnSelection) -> bool {
+        let own = self.ts.is_some() || self.columns.iter().any(|column| column.ts.is_some());
+        own || selection.period() != Ok(None) || Role::Time.find(self, selection).is_ok()
+    }
+
     /// All columns, with their units, ranges and roles.
     pub(crate) fn described(&self, selection: &ColumnSelection) -> Vec<Value> {
         let roles = [Role::Time, Role::Input, Role::Output];
@@ -152,7 +158,7 @@ impl Table {
     }
 
     /// What the user says, completed by the names and units that were found.
-    pub(crate) fn profile(&self, selection: &ColumnSelection) -> ColumnSelection {
+    pub fn profile(&self, selection: &ColumnSelection) -> ColumnSelection {
         let found = |role: Role| role.find(self, selection).ok();
         let name = |role: Role| role.asked(selection).cloned().or_else(|| Some(self.title(found(role)?)));
         let unit = |role: Role, said: &Option<String>, scale: &Option<String>| match (said, scale) {

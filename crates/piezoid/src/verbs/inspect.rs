@@ -26,20 +26,7 @@ impl File {
     /// Returns an error if the file has no format that is read, or is damaged.
     pub fn inspect(&self, columns: &ColumnSelection) -> Result<(Value, Result<Record, Error>), Error> {
         let table = Table::read(&self.name, &self.bytes).map_err(|error| error.of(&self.name))?;
-        let read = table.record(columns);
-        let (record, history, problems) = match &read {
-            Ok(record) => (described(record), record.history().to_vec(), defects(record)),
-            Err(error) => (Value::Null, Vec::new(), vec![error.to_string()]),
-        };
-        let seen = json!({
-            "file": self.name,
-            "format": Format::of(&self.bytes).name,
-            "channels": table.described(columns),
-            "record": record,
-            "history": history,
-            "problems": problems,
-        });
-        Ok((seen, read))
+        Ok(table.inspect(&self.name, Format::of(&self.bytes).name, columns))
     }
 
     /// How records like this one are read: the columns that were found, with their units, and all that was said.
@@ -51,6 +38,26 @@ impl File {
             table.record(columns)?;
             Ok(table.profile(columns))
         })
+    }
+}
+
+impl Table {
+    /// What a table with this name and format holds, as [`File::inspect`] gives it.
+    pub fn inspect(&self, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
+        let read = self.record(columns);
+        let (record, history, problems) = match &read {
+            Ok(record) => (described(record), record.history().to_vec(), defects(record)),
+            Err(error) => (Value::Null, Vec::new(), vec![error.to_string()]),
+        };
+        let seen = json!({
+            "file": name,
+            "format": format,
+            "channels": self.described(columns),
+            "record": record,
+            "history": history,
+            "problems": problems,
+        });
+        (seen, read)
     }
 }
 

@@ -22,13 +22,14 @@ except ImportError:
     raise PiezoidError("figures need matplotlib: pip install piezoid[plot]") from None
 
 from ._errors import frequencies, tracking
-from ._models import branches, response
+from ._models import blocks, branches, response
 from ._records import loops, residuals, series
 from ._style import COLOURS, EQUALS, style
 
 __all__ = [
     "COLOURS",
     "EQUALS",
+    "blocks",
     "branches",
     "frequencies",
     "loops",

@@ -26,6 +26,26 @@ FEWEST, MOST = 60, 20_000
 """Minimum and maximum number of samples from one end of the range to the other."""
 
 
+def blocks(model: Model, *, ax: Any = None) -> Panels:
+    """The parts of a model: the loops of its hysteresis operator, gain and phase of its linear block.
+
+    ax: three Axes
+
+    Returns an array of the Axes.
+    """
+    _checked(model)
+    axes = panels(ax, [[0, 1], [0, 2]], 0.75, ratios=[1.0, 0.7], shared=(False, False))
+    branches(model, over=model.input_range or (-1.0, 1.0), ax=axes[0])
+    response(model, ax=axes[1:])
+    if ax is None:
+        axes[1].set_xlabel("")
+        axes[1].xaxis.set_tick_params(labelbottom=False)
+        figure, verdict = axes[0].get_figure(root=True), model.verdict
+        assert figure is not None
+        figure.suptitle(f"{model.operator}, {verdict.short}" if verdict else model.operator, fontsize="small")
+    return several(axes)
+
+
 def branches(
     model: Model, *, over: tuple[float, float] | None = None, hz: float | None = None, ax: Any = None
 ) -> Axes:

@@ -1,0 +1,203 @@
+"""Results of models: a free run compared with a record, the voltage for a reference, the verdict."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from . import _html
+from ._types import Array
+from .records import Record
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False)
+class Validation:
+    """A free run compared with its record."""
+
+    record: Record
+    simulated: Array = field(repr=False)
+    """The free run, of shape (n,) [the record's output unit]."""
+    figures: dict[str, Any] = field(repr=False)
+    """All results, as the command line writes them."""
+
+    @property
+    def n(self) -> int:
+        """Number of samples compared."""
+        return int(self.figures["metrics"]["n"])
+
+    @property
+    def mse(self) -> float:
+        """Mean squared error [unit^2]."""
+        return self._metric("mse")
+
+    @property
+    def rmse(self) -> float:
+        """Root mean squared error [unit]."""
+        return self._metric("rmse")
+
+    @property
+    def nrmse_percent(self) -> float:
+        """100 rms error / standard deviation of y."""
+        return self._metric("nrmse_percent")
+
+    @property
+    def rms_pp_percent(self) -> float:
+        """100 rms error / peak-to-peak of y."""
+        return self._metric("rms_pp_percent")
+
+    @property
+    def max_abs(self) -> float:
+        """Largest absolute error [unit]."""
+        return self._metric("max_abs")
+
+    @property
+    def fit_percent(self) -> float:
+        """100 - nrmse_percent."""
+        return self._metric("fit_percent")
+
+    def _metric(self, name: str) -> float:
+        value = self.figures["metrics"][name]
+        return float("nan") if value is None else float(value)
+
+    @property
+    def summary(self) -> str | None:
+        """The error in one sentence: noise, drift, and what a better model could gain; None if y is constant."""
+        said: str | None = self.figures["summary"]
+        return said
+
+    @property
+    def floor(self) -> dict[str, Any] | None:
+        """The noise floor: `source` ("periods" or "spectrum"), `rms`, `nrmse_percent`, `reducible_nrmse_percent` (what
+        a better model could gain), and more; None if it is unknown."""
+        found: dict[str, Any] | None = self.figures["floor"]
+        return found
+
+    @property
+    def drift_per_s(self) -> float:
+        """Slope of the error over time, in the figures or removed from them [unit / s]."""
+        return float(self.figures["drift_per_s"])
+
+    @property
+    def nrmse_without_drift_percent(self) -> float:
+        """100 rms error without this drift / standard deviation of y."""
+        value = self.figures["nrmse_without_drift_percent"]
+        return float("nan") if value is None else float(value)
+
+    @property
+    def residual(self) -> Array:
+        """Residuals: y minus the free run, of shape (n,)."""
+        left: Array = self.record.y - self.simulated
+        return left
+
+    @property
+    def start(self) -> int:
+        """First sample that counts."""
+        return int(self.figures["start"])
+
+    @property
+    def table(self) -> pd.DataFrame:
+        """The errors by frequency: one row per band, with its middle `at` [Hz]."""
+        return frame(self.figures["by_frequency"])
+
+    @property
+    def by_amplitude(self) -> pd.DataFrame:
+        """The errors by amplitude of the cycles: one row per band, with its middle `at` [input unit]."""
+        return frame(self.figures["by_amplitude"])
+
+    @property
+    def loops(self) -> pd.DataFrame:
+        """Width, area, closure and slopes of the loops, measured and of the model."""
+        import pandas as pd
+
+        return pd.json_normalize(self.figures["loops"])
+
+    @property
+    def remarks(self) -> list[str]:
+        """Remarks on the figures."""
+        return list(self.figures["remarks"])
+
+    @property
+    def unproven(self) -> list[str]:
+        """Properties of the model that this record does not test."""
+        return list(self.figures["unproven"])
+
+    def __repr__(self) -> str:
+        noise = f" (noise {self.floor['nrmse_percent']:.2g} %)" if self.floor else ""
+        return (
+            f"<Validation: nrmse {self.nrmse_percent:.4g} %{noise}, rms/pp {self.rms_pp_percent:.4g} %, "
+            f"{self.n} samples>"
+        )
+
+    def _repr_html_(self) -> str:
+        return _html.validation(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Compensation:
+    """The voltage for a reference, and the displacement that the model predicts."""
+
+    u: Array = field(repr=False)
+    """The voltages [input unit], of shape (n,)."""
+    reached: Array = field(repr=False)
+    """Predicted displacement: the model's free run on `u` [output unit], of shape (n,)."""
+    usage: dict[str, Any] = field(repr=False)
+    """Use of the limits: lowest and highest voltage, slew, current."""
+    clipped: int
+    """Number of samples that were clipped to a limit."""
+    notes: list[str]
+    """Remarks, one sentence each."""
+
+    def __repr__(self) -> str:
+        low, high = (float(end(self.u)) for end in (np.min, np.max)) if len(self.u) else (float("nan"), float("nan"))
+        told = "".join(f"; {note}" for note in self.notes)
+        return f"<Compensation of {len(self.u)} samples: {low:.4g} to {high:.4g}, {self.clipped} clipped{told}>"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """How good a model is, on which inputs, and what no record has proven. `str(verdict)` says it in one sentence."""
+
+    error_percent: float
+    """Rms error over peak-to-peak of the output [%]."""
+    measured: str
+    """How it was measured, such as "free run on held-out parts"."""
+    noise_percent: float | None
+    """Noise in it, over the same peak-to-peak [%]; None if it is unknown."""
+    u: tuple[float, float]
+    """Lowest and highest input [`unit`]."""
+    unit: str
+    """Unit of the input."""
+    hz: tuple[float, float] | None
+    """Lowest and highest frequency of large signals [Hz]; None if all inputs were constant."""
+    unproven: list[str]
+    """What no record has proven."""
+    sentence: str = field(repr=False)
+    """All of this in words."""
+
+    @classmethod
+    def _of(cls, found: tuple[dict[str, Any], str]) -> Verdict:
+        figures, sentence = found
+        ends = {name: tuple(figures[name]) if figures[name] else None for name in ("u", "hz")}
+        return cls(**(figures | ends), sentence=sentence)
+
+    @property
+    def short(self) -> str:
+        """Its beginning: "good to 0.4 % of stroke"."""
+        return self.sentence.split(" (")[0]
+
+    def __str__(self) -> str:
+        return self.sentence
+
+    __repr__ = __str__
+
+
+def frame(rows: list[dict[str, Any]]) -> pd.DataFrame:
+    """A table of documents, one row each."""
+    import pandas as pd
+
+    return pd.DataFrame(rows)
