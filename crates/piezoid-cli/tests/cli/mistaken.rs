@@ -43,7 +43,7 @@ fn values_a_thousand_times_too_large_are_named() {
     of_output.run(IDENTIFY).ok().says(&says);
     of_output.run(VALIDATE).ok().says(&says);
     let of_input = bench(|[t, u, y]| [t, 1e3 * u, y]);
-    of_input.run(VALIDATE).ok().says(&["933.3 times the range; its values seem to be in mV, not in V"]);
+    of_input.run(VALIDATE).ok().says(&["at 933.3 times the range, its values seem to be in mV, not in V"]);
 }
 
 #[test]

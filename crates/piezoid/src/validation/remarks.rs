@@ -36,7 +36,7 @@ const SHAPE: f64 = 0.95;
 const SCALED: f64 = 2.5;
 
 /// Range of the input, over the identified range, from which a unit or a scale is wrong.
-const FAR: f64 = 5.0;
+const FAR: f64 = 100.0;
 
 /// Drift of the error, over the peak-to-peak of y, up to which a drift of y is the model's own.
 const DRIFTS: f64 = 0.01;
@@ -121,14 +121,15 @@ fn range(model: &Model, record: &Record) -> Option<String> {
     let times = (highest - lowest) / (high - low);
     (lowest < low - slack || highest > high + slack).then(|| {
         format!(
-            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: {}",
+            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: outside this \
+             range it extrapolates{}",
             short(lowest),
             short(highest),
             short(low),
             short(high),
             match times > FAR {
-                true => format!("{} times the range; {}", short(times), likely_cause(times, unit)),
-                false => "outside this range it extrapolates".into(),
+                true => format!("; at {} times the range, {}", short(times), likely_cause(times, unit)),
+                false => String::new(),
             }
         )
     })
