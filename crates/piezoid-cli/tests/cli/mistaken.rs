@@ -66,9 +66,8 @@ fn a_reference_in_another_unit_is_named() {
     for (unit, amplitude) in [("mm", "400"), ("um", "400000")] {
         let path = format!("excite sine --frequency 5 --amplitude {amplitude} --unit {unit} --ts 5e-4 --duration 1");
         bench.run(&format!("{path} -o r.csv")).ok();
-        bench.refused("compensate r.csv --model model.json -o u.csv").says(&[
-            "it runs from -4e5 to 4e5 um, but within",
-            "times the stroke: check the unit of the reference",
-        ]);
+        bench
+            .refused("compensate r.csv --model model.json -o u.csv")
+            .says(&["it runs from -4e5 to 4e5 um, but within", "times the stroke: check the unit of the reference"]);
     }
 }
