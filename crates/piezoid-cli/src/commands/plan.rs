@@ -1,6 +1,7 @@
 //! `piezoid plan`: the drives that identify an actuator, and a page on them.
 
 use crate::console::Console;
+use crate::files;
 use crate::flags::{Flags, failed};
 use crate::layout::table;
 use crate::values::Ended::Misused;
@@ -17,6 +18,8 @@ Examples:
     piezoid plan --range 0 120 --bandwidth 50 --driver e-610 --capacitance 1.5uF -o plan
   A known actuator, over its whole range:
     piezoid plan --actuator pl140 --bandwidth 80 --driver pl140 -o plan
+  Which record would improve a first model most:
+    piezoid plan --actuator pl140 --bandwidth 80 --driver pl140 --model model.json -o next
 
 Written are small_u.csv (small signal), rise1_u.csv to rise3_u.csv (rising sines), creep_u.csv (held steps), path_u.csv \
 (random path, for validation only), and plan.md: why each is measured, its figures, and the commands to run afterwards. \
@@ -30,6 +33,9 @@ All start and end at the middle of the range, and use at most 90 % of slew and c
 pub(crate) struct Plan {
     #[command(flatten)]
     options: Flags<PlanOptions>,
+    /// A first model: the plan has its sampling period, and says which record would lower its largest uncertainty most.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
     /// The folder to write to; created if it does not exist.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -40,7 +46,8 @@ impl Plan {
         if self.output == Path::new("-") {
             bail!(Misused("-o must be a folder, because several files are written".into()));
         }
-        let plan = self.options.0.run().map_err(failed)?;
+        let model = self.model.as_deref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
+        let plan = self.options.0.run(model.as_ref()).map_err(failed)?;
         host::write_all(&self.output, &plan.files().map_err(failed)?)?;
         for note in &plan.notes {
             console.remark(note);
@@ -59,6 +66,9 @@ impl Plan {
             plan.ts
         );
         text += &console.paragraph(&next, "");
+        if let Some(advice) = &plan.advice {
+            text += &console.paragraph(advice, "");
+        }
         console.print(&text)
     }
 }

@@ -3,6 +3,7 @@
 //! All drives start and end at the middle of the range: a hysteresis loop about it contains the loops of every smaller
 //! amplitude, and a unipolar actuator is never driven below its range.
 
+mod advice;
 mod drives;
 mod page;
 #[cfg(test)]
@@ -12,8 +13,11 @@ use super::File;
 use crate::error::Error;
 use crate::excitation::{Actuator, LimitOptions, Limits, Usage};
 use crate::formats::Table;
+use crate::hammerstein::Model;
 use crate::number::{quantity, round};
 use crate::options::{OptionKind, OptionRow, options};
+use crate::record::Record;
+use crate::system::System;
 
 /// Maximum number of samples of a drive: identification takes minutes beyond it.
 const MOST: usize = 200_000;
@@ -34,7 +38,7 @@ options! {
     /// ```
     /// use piezoid::{Options, PlanOptions};
     /// let options = serde_json::json!({"range": [0, 100], "bandwidth": 20, "driver": "e-610", "capacitance": 1.5e-6});
-    /// let plan = PlanOptions::from_json(options)?.run()?;
+    /// let plan = PlanOptions::from_json(options)?.run(None)?;
     /// let names: Vec<&str> = plan.drives.iter().map(|drive| drive.name).collect();
     /// assert_eq!(names, ["small", "rise1", "rise2", "rise3", "creep", "path"]);
     /// assert!(plan.ts == 0.002 && plan.drives.iter().all(|drive| drive.u[0] == 50.0));
@@ -62,6 +66,8 @@ pub struct Plan {
     pub drives: Vec<PlannedDrive>,
     /// What was shortened or reduced, and what to watch; one sentence each.
     pub notes: Vec<String>,
+    /// Which drive would lower the largest uncertainty of a first model most; `None` without a model.
+    pub advice: Option<String>,
     rig: Rig,
 }
 
@@ -115,19 +121,22 @@ impl Rig {
 }
 
 impl PlanOptions {
-    /// The drives.
+    /// The drives. With a first `model` they have its sampling period, and the plan has an advice.
     ///
     /// # Errors
     /// Returns an error for a range that is missing, empty, or beyond that of driver or actuator; for a bandwidth that
-    /// is not below a tenth of the sampling rate; for limits that leave no amplitude; and for invalid limits.
-    pub fn run(&self) -> Result<Plan, Error> {
+    /// is not below a tenth of the sampling rate; for limits that leave no amplitude; for invalid limits; and for a
+    /// model with another sampling period, or without standard errors.
+    pub fn run(&self, model: Option<&Model>) -> Result<Plan, Error> {
         let mut notes = Vec::new();
-        let rig = self.rig(&mut notes)?;
+        let rig = self.rig(model, &mut notes)?;
         let drives = drives::all(&rig, &mut notes)?;
-        Ok(Plan { ts: rig.ts, drives, notes, rig })
+        let mut plan = Plan { ts: rig.ts, drives, notes, advice: None, rig };
+        plan.advice = model.map(|model| advice::advise(model, &plan)).transpose()?;
+        Ok(plan)
     }
 
-    fn rig(&self, notes: &mut Vec<String>) -> Result<Rig, Error> {
+    fn rig(&self, model: Option<&Model>, notes: &mut Vec<String>) -> Result<Rig, Error> {
         let actuator = self.actuator.as_deref().map(Actuator::find).transpose()?;
         let mut given = self.limits.clone();
         if given.driver.is_some() || given.own.current.is_some() {
@@ -164,9 +173,10 @@ impl PlanOptions {
         }
         // Data sheets of stacks state the resonance with both ends free; one is fixed in use.
         let resonance = actuator.and_then(|a| Some(if a.kind == "stack" { 0.5 } else { 1.0 } * a.resonance?));
-        let ts = match self.ts {
-            Some(ts) => ts,
-            None => self.period(resonance, notes),
+        let ts = match (self.ts, model.map(System::ts)) {
+            (Some(ts), Some(of_model)) => Record::same_sampling("the model", of_model, "the plan", ts).map(|()| ts)?,
+            (Some(ts), None) | (None, Some(ts)) => ts,
+            (None, None) => self.period(resonance, notes),
         };
         let highest = 0.1 / ts;
         if self.bandwidth >= highest {

@@ -78,6 +78,9 @@ impl Plan {
             page += &format!("- {line}\n");
         }
         page += &format!("\n## What to run\n\n```text\n{}\n```\n", self.commands().join("\n"));
+        if let Some(advice) = &self.advice {
+            page += &format!("\n## What would help most\n\n{advice}\n");
+        }
         if !self.notes.is_empty() {
             page += "\n## Notes\n\n";
             for note in &self.notes {
