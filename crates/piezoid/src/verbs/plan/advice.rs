@@ -1,11 +1,12 @@
 //! Which drive of a plan would tell most about a model: the one that lowers the largest uncertainty most.
 //!
 //! ```text
-//! J_t = dy_t / dp (free run along the drive, less its mean),   I = J'J / sigma^2,   e_new = 1 / sqrt(1 / e^2 + I)
+//! J = dy / dp along the drive (free run),   C_new = (diag(1 / e^2) + J'J / sigma^2)^-1,   e_new = sqrt(C_new[k, k])
 //! ```
-//! e is the standard error of the parameter p in the model's file, and sigma the noise of the output. The mean is left
-//! out, because every record has an offset of its own. All other parameters count as known and noise as white, so a
-//! measured record lowers the error less where parameters compensate each other. Considered are creep gains and modes.
+//! p are the creep gains and modes of the model, e their standard errors, and sigma is the noise of the output. The gain
+//! of the model and the offset of the record are unknown too: without them, a fast creep gain, which acts like a gain,
+//! would seem to be known from any record. Noise counts as white and the model as true, so an error of the model itself
+//! is not lowered as much.
 //!
 //! Reference: Ljung, System Identification: Theory for the User, 1999, chapter 13, DOI 10.1002/047134608X.W1046.
 
@@ -17,6 +18,7 @@ use crate::linear::{Arx, Pole};
 use crate::number::{round, short};
 use crate::series::mean;
 use crate::system::System;
+use nalgebra::DMatrix;
 use serde_json::Value;
 use std::f64::consts::TAU;
 
@@ -24,13 +26,14 @@ use std::f64::consts::TAU;
 const STEP: f64 = 1e-4;
 
 /// Repetitions of a record beyond which none is proposed.
-const REPEATED: f64 = 100.0;
+const REPEATED: u32 = 100;
 
 /// A parameter of the model with its standard error.
 #[derive(Debug, Clone)]
 pub(super) struct Uncertain {
-    name: String,
-    unit: String,
+    /// Its name in sentences.
+    shown: String,
+    unit: &'static str,
     pub(super) value: f64,
     /// Infinite if it is not known.
     pub(super) error: f64,
@@ -48,64 +51,74 @@ enum What {
 pub(super) fn advise(model: &Model, plan: &Plan) -> Result<String, Error> {
     let none = |because: &str| Error::Unsuited { what: "advice".into(), because: because.into() };
     let known = uncertain(model);
-    let relative = |p: &Uncertain| p.error / p.value.abs();
-    let Some(worst) = known.iter().max_by(|p, q| relative(p).total_cmp(&relative(q))) else {
+    let relative = |k: usize| known[k].error / known[k].value.abs();
+    let Some(worst) = (0..known.len()).max_by(|&p, &q| relative(p).total_cmp(&relative(q))) else {
         return Err(none(
             "its file states no standard error of a creep gain or a mode: identify it with `--method joint`",
         ));
     };
     let sigma =
         noise(model).ok_or_else(|| none("its file has no verdict, which states the noise: identify it again"))?;
-    let mut best = (0.0, "");
-    for drive in &plan.drives {
-        let gained = information(model, worst, &drive.u, sigma)?;
-        // The path stays apart from the training data.
-        if gained > best.0 && drive.name != "path" {
-            best = (gained, drive.name);
+    let mut best: Option<(f64, &'static str, DMatrix<f64>)> = None;
+    // The path stays apart from the training data.
+    for drive in plan.drives.iter().filter(|drive| drive.name != "path") {
+        let gained = information(model, &known, &drive.u, sigma)?;
+        let after = expected(&known, worst, &gained, 1);
+        if best.as_ref().is_none_or(|best| after < best.0) {
+            best = Some((after, drive.name, gained));
         }
     }
-    let told = |x: f64| format!("{}{}", short(x), worst.unit);
-    let error = if worst.error.is_finite() { told(worst.error) } else { "unknown".into() };
+    let (_, name, gained) = best.ok_or_else(|| none("the plan has no drives"))?;
+    let Uncertain { value, error, unit, .. } = &known[worst];
+    let told = |x: f64| format!("{}{unit}", round(x));
+    let stated = if error.is_finite() { told(*error) } else { "unknown".into() };
     let begin =
-        format!("The largest uncertainty is the {} ({}, standard error {error})", worst.name, told(worst.value));
-    let (gained, name) = best;
-    // Records needed to halve the error: 1 / e^2 + n I = 4 / e^2.
-    let needed = (3.0 / (worst.error * worst.error * gained)).ceil().max(1.0);
-    let after = told(expected(worst.error, gained * needed.min(REPEATED)));
-    Ok(match needed {
-        n if n <= 1.0 => format!("{begin}: record {name}_u.csv, which is expected to lower it to {after}."),
-        n if n <= REPEATED => format!(
-            "{begin}: no single record halves it; record {name}_u.csv {} times, which is expected to lower it to {after}.",
-            round(n)
+        format!("The largest uncertainty is the {} ({}, standard error {stated})", known[worst].shown, told(*value));
+    let after = |n: u32| Some((n, expected(&known, worst, &gained, n))).filter(|(_, after)| *after <= 0.5 * error);
+    Ok(match (1..=REPEATED).find_map(after) {
+        Some((1, after)) => {
+            format!("{begin}: record {name}_u.csv, which is expected to lower it to {}.", told(after))
+        }
+        Some((n, after)) => format!(
+            "{begin}: no single record halves it; record {name}_u.csv {n} times, which is expected to lower it to {}.",
+            told(after)
         ),
-        _ => format!("{begin}: no drive of this plan halves it, not even {REPEATED} records of it."),
+        None => format!("{begin}: no drive of this plan halves it, not even {REPEATED} records of it."),
     })
 }
 
-/// Standard error after adding records of this information.
-pub(super) fn expected(error: f64, information: f64) -> f64 {
-    1.0 / (1.0 / (error * error) + information).sqrt()
+/// Standard error of the parameter `k` after adding `n` records of this information.
+pub(super) fn expected(known: &[Uncertain], k: usize, information: &DMatrix<f64>, n: u32) -> f64 {
+    let mut all = information * f64::from(n);
+    for (k, p) in known.iter().enumerate() {
+        all[(k, k)] += (p.value / p.error).powi(2);
+    }
+    let inverse = all.cholesky().map(|all| all.inverse());
+    inverse.map_or(f64::INFINITY, |inverse| inverse[(k, k)].sqrt() * known[k].value.abs())
 }
 
 /// The creep gains and modes of the model whose standard errors its file states.
 pub(super) fn uncertain(model: &Model) -> Vec<Uncertain> {
-    let lags = model.creep().lags().iter().enumerate();
-    let lags = lags.map(|(k, lag)| (format!("creep gain at {} s", short(lag.tau_s)), "[-]", What::Creep(k)));
+    let lags = model.creep().lags().iter().enumerate().map(|(k, lag)| {
+        let name = |tau: String| format!("creep gain at {tau} s");
+        (name(short(lag.tau_s)) + " [-]", name(round(lag.tau_s)), "", What::Creep(k))
+    });
     let modes = model.linear().modal_form().modes().into_iter().enumerate().flat_map(|(k, mode)| {
-        let name = |of| format!("mode {} {of}", k + 1);
-        [(name("frequency"), "[Hz]", What::Frequency(mode.pole)), (name("damping"), "", What::Damping(mode.pole))]
+        let [hz, damping] = ["frequency", "damping"].map(|of| format!("mode {} {of}", k + 1));
+        let shown = |of| format!("{of} of mode {}", k + 1);
+        [
+            (hz + " [Hz]", shown("frequency"), " Hz", What::Frequency(mode.pole)),
+            (damping, shown("damping"), "", What::Damping(mode.pole)),
+        ]
     });
     let known: Vec<_> = lags.chain(modes).collect();
-    let stated = model.provenance()["parameters"].as_array().into_iter().flatten();
     let read = |row: &Value| {
-        let given = row["name"].as_str()?;
-        let (name, unit, what) = known.iter().find(|(name, unit, _)| given == format!("{name} {unit}").trim_end())?;
+        let (_, shown, unit, what) = known.iter().find(|(name, ..)| row["name"] == **name)?;
         let value = row["value"].as_f64().filter(|value| *value != 0.0)?;
-        let unit = if *unit == "[Hz]" { " Hz" } else { "" };
         let error = row["error"].as_f64().unwrap_or(f64::INFINITY);
-        Some(Uncertain { name: name.clone(), unit: unit.into(), value, error, what: *what })
+        Some(Uncertain { shown: shown.clone(), unit, value, error, what: *what })
     };
-    stated.filter_map(read).collect()
+    model.provenance()["parameters"].as_array().into_iter().flatten().filter_map(read).collect()
 }
 
 /// Standard deviation of the output's noise [unit of the output]: as the verdict states it, otherwise its error.
@@ -117,18 +130,27 @@ pub(super) fn noise(model: &Model) -> Option<f64> {
     Some(0.01 * percent * range).filter(|sigma| *sigma > 0.0 && sigma.is_finite())
 }
 
-/// The Fisher information of a record along the input `u` about a parameter, with noise of standard deviation `sigma`.
-pub(super) fn information(model: &Model, of: &Uncertain, u: &[f64], sigma: f64) -> Result<f64, Error> {
-    let step = STEP * of.value.abs();
-    let run = |value: f64| -> Result<Vec<f64>, Error> {
-        let moved = of.moved(model, value)?;
-        let mut x = moved.before(u, InitialCondition::Settled);
-        Ok(moved.resume(&mut x, u))
+/// The Fisher information of a record along the input `u`, with noise of standard deviation `sigma`: of the parameters,
+/// each relative to its value, and last of the gain.
+pub(super) fn information(model: &Model, known: &[Uncertain], u: &[f64], sigma: f64) -> Result<DMatrix<f64>, Error> {
+    let run = |model: &Model| {
+        let mut x = model.before(u, InitialCondition::Settled);
+        model.resume(&mut x, u)
     };
-    let (above, below) = (run(of.value + step)?, run(of.value - step)?);
-    let slope: Vec<f64> = above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * step)).collect();
-    let mean = mean(&slope);
-    Ok(slope.iter().map(|j| (j - mean) * (j - mean)).sum::<f64>() / (sigma * sigma))
+    let slope = |p: &Uncertain| -> Result<Vec<f64>, Error> {
+        let at = |factor: f64| p.moved(model, p.value * factor).map(|moved| run(&moved));
+        let (above, below) = (at(1.0 + STEP)?, at(1.0 - STEP)?);
+        Ok(above.iter().zip(&below).map(|(a, b)| (a - b) / (2.0 * STEP)).collect())
+    };
+    let mut slopes = known.iter().map(slope).collect::<Result<Vec<_>, _>>()?;
+    slopes.push(run(model));
+    for slope in &mut slopes {
+        // Every record has an offset of its own.
+        let mean = mean(slope);
+        slope.iter_mut().for_each(|j| *j = (*j - mean) / sigma);
+    }
+    let product = |j: usize, k: usize| slopes[j].iter().zip(&slopes[k]).map(|(a, b)| a * b).sum();
+    Ok(DMatrix::from_fn(slopes.len(), slopes.len(), product))
 }
 
 impl Uncertain {
