@@ -23,6 +23,7 @@ from .export import export
 from .identify import identify
 from .lists import actuators, controllers, drivers, estimators, excitations, operators, references, targets
 from .model import Compensation, FeedForward, Model, Validation, load
+from .plan import Plan, plan
 from .plants import Plant, plants
 from .records import Record, read, read_reference
 from .study import Study, study
@@ -38,6 +39,7 @@ __all__ = [
     "FeedForward",
     "Model",
     "PiezoidError",
+    "Plan",
     "Plant",
     "Record",
     "Study",
@@ -55,6 +57,7 @@ __all__ = [
     "linear",
     "load",
     "operators",
+    "plan",
     "plants",
     "read",
     "read_reference",
