@@ -75,6 +75,9 @@ pub(crate) fn excite(
 /// The voltages of a plan by the names of their records.
 type Drives = Vec<(String, Py<PyArray1<f64>>)>;
 
+/// Drives, sampling period, page, notes and advice.
+type PlanTuple = (Drives, f64, String, Vec<String>, Option<String>);
+
 /// The drives of an identification with their sampling period; the page, notes and advice. Files are written into a
 /// folder if one is given.
 #[pyfunction]
@@ -83,7 +86,7 @@ pub(crate) fn plan(
     given: &Bound<'_, PyDict>,
     model: Option<&Bound<'_, Model>>,
     folder: Option<PathBuf>,
-) -> PyResult<(Drives, f64, String, Vec<String>, Option<String>)> {
+) -> PyResult<PlanTuple> {
     let (options, model) = (options::<PlanOptions>(given)?, model.map(inner));
     let made = py.detach(|| {
         let plan = options.run(model.as_ref())?;
