@@ -3,8 +3,8 @@
 //! ```text
 //! J = dy / dp along the drive (free run),   C_new = (diag(1 / e^2) + J'J / sigma^2)^-1,   e_new = sqrt(C_new[k, k])
 //! ```
-//! p are the creep gains and modes of the model, e their standard errors, and sigma is the noise of the output. The gain
-//! of the model and the offset of the record are unknown too: without them, a fast creep gain, which acts like a gain,
+//! p are the creep gains and modes of the model, e their standard errors, and sigma is the noise of the output. The
+//! gain of the model and the offset of the record are unknown too: without them, a fast creep gain, which acts like a gain,
 //! would seem to be known from any record. Noise counts as white and the model as true, so an error of the model itself
 //! is not lowered as much.
 //!

@@ -168,8 +168,8 @@ fn a_model_without_standard_errors_or_at_another_rate_is_refused() {
     assert!(refused(other, &model).contains("the model is sampled every 0.001 s but the plan every 0.002 s"));
 }
 
-/// Creep behind a gain K along a sine: the lag has the amplitude A / sqrt(1 + (w tau)^2) and the phase -atan(w tau). The
-/// gain explains its part in phase with y, so that the part K A w tau / (1 + (w tau)^2) at right angles remains.
+/// Creep behind a gain K along a sine: the lag has the amplitude A / sqrt(1 + (w tau)^2) and the phase -atan(w tau).
+/// The gain explains its part in phase with y, so that the part K A w tau / (1 + (w tau)^2) at right angles remains.
 #[test]
 fn the_expected_standard_error_is_that_of_theory() {
     let (tau, gain, k, amplitude, hz, sigma, error) = (0.05, 1e-3, 30.0, 20.0, 4.0, 2.0, 5e-3);
