@@ -4,9 +4,9 @@
 //! J = dy / dp along the drive (free run),   C_new = (diag(1 / e^2) + J'J / sigma^2)^-1,   e_new = sqrt(C_new[k, k])
 //! ```
 //! p are the creep gains and modes of the model, e their standard errors, and sigma is the noise of the output. The
-//! gain of the model and the offset of the record are unknown too: without them, a fast creep gain, which acts like a gain,
-//! would seem to be known from any record. Noise counts as white and the model as true, so an error of the model itself
-//! is not lowered as much.
+//! gain of the model and the offset of the record are unknown too: without them, a fast creep gain, which acts like a
+//! gain, would seem to be known from any record. Noise counts as white and the model as true, so an error of the model
+//! itself is not lowered as much.
 //!
 //! Reference: Ljung, System Identification: Theory for the User, 1999, chapter 13, DOI 10.1002/047134608X.W1046.
 
