@@ -12,7 +12,7 @@ from .model import Model, as_model
 
 
 class Plan(dict[str, Array]):
-    """The voltages [V] by the names of their records: `small`, `rise1` to `rise3`, `creep` and `path`, each of shape (n,).
+    """The voltages [V] by the names of their records, `small`, `rise1` to `rise3`, `creep` and `path`; shape (n,).
 
     ts: sampling period [s]; page: the page in Markdown; notes: what was shortened or reduced, and what to watch;
     advice: the record that would lower the largest uncertainty of the model most, `None` without a model
