@@ -42,8 +42,8 @@ def plan(
 
     >>> import piezoid as pz
     >>> plan = pz.plan(range=(0, 100), bandwidth=20, driver="e-610", capacitance=1.5e-6)
-    >>> plan.ts, plan["creep"].size
-    (0.002, 30000)
+    >>> plan.ts, plan["small"].size
+    (0.002, 4608)
     """
     for name in options:
         if name not in _OPTIONS:
