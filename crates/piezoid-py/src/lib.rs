@@ -32,7 +32,7 @@ mod _piezoid {
     #[pymodule_export]
     use crate::linear::{Arx, fit};
     #[pymodule_export]
-    use crate::lists::{excite, lists};
+    use crate::lists::{excite, lists, plan, plan_options};
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

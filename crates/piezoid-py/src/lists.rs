@@ -1,19 +1,23 @@
 //! The lists of the library by name, and drive signals.
 
+use crate::compensation::inner;
 use crate::error::raised;
 use crate::json::{document, object, options, rows};
+use crate::model::Model;
 use crate::samples::array;
 use numpy::PyArray1;
-use piezoid::ExciteOptions;
 use piezoid::control::{CONTROLLERS, FEED_FORWARDS, REFERENCES};
 use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS, Excitation};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
+use piezoid::{ExciteOptions, Options, PlanOptions};
 use piezoid_export::{ExportTarget, TARGETS};
+use piezoid_host::files;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
+use std::path::PathBuf;
 
 /// All lists: name, summary and reference of each row; for a drive signal also its parameters, for a driver or an
 /// actuator its figures.
@@ -71,4 +75,37 @@ pub(crate) fn excite(
     let common: ExciteOptions = options(common)?;
     let made = py.detach(|| common.run(excitation, own)).map_err(raised)?;
     Ok(array(py, made.u).unbind())
+}
+
+/// The voltages of a plan by the names of their records.
+type Drives = Vec<(String, Py<PyArray1<f64>>)>;
+
+/// Drives, sampling period, page, notes and advice.
+type PlanTuple = (Drives, f64, String, Vec<String>, Option<String>);
+
+/// The drives of an identification with their sampling period; the page, notes and advice. Files are written into a
+/// folder if one is given.
+#[pyfunction]
+pub(crate) fn plan(
+    py: Python<'_>,
+    given: &Bound<'_, PyDict>,
+    model: Option<&Bound<'_, Model>>,
+    folder: Option<PathBuf>,
+) -> PyResult<PlanTuple> {
+    let (options, model) = (options::<PlanOptions>(given)?, model.map(inner));
+    let made = py.detach(|| {
+        let plan = options.run(model.as_ref())?;
+        folder.iter().try_for_each(|folder| files::write_all(folder, &plan.files()?))?;
+        Ok(plan)
+    });
+    let plan = made.map_err(raised)?;
+    let page = plan.page();
+    let drives = plan.drives.into_iter().map(|drive| (drive.name.to_string(), array(py, drive.u).unbind()));
+    Ok((drives.collect(), plan.ts, page, plan.notes, plan.advice))
+}
+
+/// The options of [`plan`], one per row.
+#[pyfunction]
+pub(crate) fn plan_options(py: Python<'_>) -> PyResult<Py<PyAny>> {
+    object(py, &rows(PlanOptions::rows()))
 }

@@ -77,6 +77,6 @@ pub use preparation::{PrepareOptions, Trend};
 pub use record::{Record, Units};
 pub use system::System;
 pub use verbs::{
-    Compared, CompensateOptions, Compensation, ControlOptions, ExciteOptions, Excited, File, Identification,
-    SimulateOptions, Simulated, TuneOptions, Validated, Verdict,
+    Compared, CompensateOptions, Compensation, ControlOptions, ExciteOptions, Excited, File, Identification, Plan,
+    PlanOptions, PlannedDrive, SimulateOptions, Simulated, TuneOptions, Validated, Verdict,
 };

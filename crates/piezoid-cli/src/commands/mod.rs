@@ -8,6 +8,7 @@ mod identified;
 mod identify;
 mod inspect;
 mod lists;
+mod plan;
 mod prepare;
 mod report;
 mod shell;
@@ -24,6 +25,8 @@ use clap::Subcommand;
 pub(crate) enum Verb {
     /// Repeat the paper's experiment from end to end, as tables and a report.
     Study(study::Study),
+    /// Plan the records of an identification: the drives within a driver's limits, and what each is for.
+    Plan(plan::Plan),
     /// Show what data files hold, how they are read and what seems wrong; write a profile of a rig.
     Inspect(inspect::Inspect),
     /// Prepare a record: cut, filter, decimate, resample, average periods, align, repair, calibrate.
@@ -70,6 +73,7 @@ impl Verb {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         match self {
             Verb::Study(verb) => verb.run(console),
+            Verb::Plan(verb) => verb.run(console),
             Verb::Inspect(verb) => verb.run(console),
             Verb::Prepare(verb) => verb.run(console),
             Verb::Excite(verb) => verb.run(console),

@@ -18,6 +18,7 @@ mod lists;
 mod measured;
 mod misfits;
 mod mistaken;
+mod plan;
 mod poor_records;
 mod prepare;
 mod process;

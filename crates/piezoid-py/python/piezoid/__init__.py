@@ -24,6 +24,7 @@ from .identify import identify
 from .inspect import Inspection, inspect
 from .lists import actuators, controllers, drivers, estimators, excitations, operators, references, targets
 from .model import Compensation, FeedForward, Model, Validation, Verdict, load
+from .plan import Plan, plan
 from .plants import Plant, plants
 from .records import Record, read, read_reference
 from .study import Study, study
@@ -40,6 +41,7 @@ __all__ = [
     "Inspection",
     "Model",
     "PiezoidError",
+    "Plan",
     "Plant",
     "Record",
     "Study",
@@ -59,6 +61,7 @@ __all__ = [
     "linear",
     "load",
     "operators",
+    "plan",
     "plants",
     "read",
     "read_reference",

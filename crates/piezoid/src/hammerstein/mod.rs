@@ -107,6 +107,12 @@ impl Model {
         Ok(Model { creep, ..self })
     }
 
+    /// The same model with another linear block.
+    pub(crate) fn with_linear(self, linear: Arx) -> Result<Self, Error> {
+        Record::same_sampling("the linear block", linear.ts(), "creep", self.creep.ts())?;
+        Ok(Model { linear, ..self })
+    }
+
     /// The same model with other units.
     pub fn with_units(self, units: Units) -> Self {
         Model { units, ..self }

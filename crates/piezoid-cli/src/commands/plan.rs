@@ -1,0 +1,74 @@
+//! `piezoid plan`: the drives that identify an actuator, and a page on them.
+
+use crate::console::Console;
+use crate::files;
+use crate::flags::{Flags, failed};
+use crate::layout::table;
+use crate::values::Ended::Misused;
+use anyhow::{Result, bail};
+use clap::Args;
+use piezoid::PlanOptions;
+use piezoid::number::round;
+use piezoid_host::files as host;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  A stack that is to follow paths up to 50 Hz between 0 and 120 V:
+    piezoid plan --range 0 120 --bandwidth 50 --driver e-610 --capacitance 1.5uF -o plan
+  A known actuator, over its whole range:
+    piezoid plan --actuator pl140 --bandwidth 80 --driver pl140 -o plan
+  Which record would improve a first model most:
+    piezoid plan --actuator pl140 --bandwidth 80 --driver pl140 --model model.json -o next
+
+Written are small_u.csv (small signal), rise1_u.csv to rise3_u.csv (rising sines), creep_u.csv (held steps), path_u.csv \
+(random path, for validation only), and plan.md: why each is measured, its figures, and the commands to run afterwards. \
+All start and end at the middle of the range, and use at most 90 % of slew and current.";
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(
+    override_usage = "piezoid plan --range <LOW> <HIGH> --bandwidth <Hz> --driver <NAME>\n           [OPTIONS] -o <FOLDER>"
+)]
+pub(crate) struct Plan {
+    #[command(flatten)]
+    options: Flags<PlanOptions>,
+    /// A first model: the plan has its sampling period, and says which record would lower its largest uncertainty most.
+    #[arg(long, value_name = "FILE")]
+    model: Option<PathBuf>,
+    /// The folder to write to; created if it does not exist.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: PathBuf,
+}
+
+impl Plan {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        if self.output == Path::new("-") {
+            bail!(Misused("-o must be a folder, because several files are written".into()));
+        }
+        let model = self.model.as_deref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
+        let plan = self.options.0.run(model.as_ref()).map_err(failed)?;
+        host::write_all(&self.output, &plan.files().map_err(failed)?)?;
+        for note in &plan.notes {
+            console.remark(note);
+        }
+        let row = |drive: &piezoid::PlannedDrive| {
+            let [low, high] = [&drive.usage.lowest, &drive.usage.highest].map(|peak| round(peak.value));
+            let percent = drive.percent().map_or("-".into(), |percent| format!("{percent:.0}"));
+            vec![drive.file(), drive.purpose.into(), round(plan.duration(drive)), format!("{low} to {high}"), percent]
+        };
+        let rows: Vec<_> = plan.drives.iter().map(row).collect();
+        let mut text = table(&["drive", "for", "s", "V", "% of limits"], &rows, console.room());
+        let folder = self.output.display();
+        let next = format!(
+            "Next: measure each drive in this order, every {} s, as small.csv, rise1.csv and so on; {folder}/plan.md \
+             says how, and what to run then.",
+            plan.ts
+        );
+        text += &console.paragraph(&next, "");
+        if let Some(advice) = &plan.advice {
+            text += &console.paragraph(advice, "");
+        }
+        console.print(&text)
+    }
+}

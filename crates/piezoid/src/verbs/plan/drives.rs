@@ -1,0 +1,212 @@
+//! The drives of a plan: a shape between -1 and 1 about the middle, with the amplitude that the limits allow.
+
+use super::{MOST, PlannedDrive, Rig};
+use crate::error::Error;
+use crate::excitation::{Multisine, RisingSine};
+use crate::number::{quantity, round};
+use std::f64::consts::TAU;
+
+/// Part of the slew and current limits that is used: the rest is for capacitance at large signals and for ripple.
+const PART: f64 = 0.9;
+
+/// Amplitude of the small signal, as a share of the range: its peak-to-peak is 2 %, where loops are still thin.
+const SMALL: f64 = 0.01;
+
+/// Amplitudes of the large signals, as shares of half the range. The path stays inside the sines: it validates the
+/// model, not an extrapolation.
+const RISE: f64 = 0.95;
+const STEP: f64 = 0.8;
+const PATH: f64 = 0.9;
+
+/// Smallest amplitude that is still useful, as a share of the wanted one.
+const LEAST: f64 = 0.05;
+
+/// Longest creep record [s].
+const CREEP: f64 = 60.0;
+
+/// Periods in which the rising sines grow, from the slowest to the fastest. Fast ones are short, so they may have more.
+const PERIODS: [usize; 3] = [12, 20, 40];
+
+/// Fewest periods with which a sine still grows slowly enough.
+const FEWEST: usize = 4;
+
+/// Periods in which a rising sine falls again.
+const FALL: f64 = 2.0;
+
+/// All drives in the order of measurement: the small signal first, before large ones and the creep that they leave.
+pub(super) fn all(rig: &Rig, notes: &mut Vec<String>) -> Result<Vec<PlannedDrive>, Error> {
+    let b = rig.bandwidth;
+    let [slow, middle] = [0.1 * b, b / 3.0].map(two_digits);
+    Ok(vec![
+        small(rig, notes)?,
+        rise(rig, 0, slow, notes)?,
+        rise(rig, 1, middle, notes)?,
+        rise(rig, 2, b, notes)?,
+        creep(rig, notes)?,
+        path(rig, notes)?,
+    ])
+}
+
+/// A multisine up to nine tenths of the Nyquist frequency. Its lowest line is a tenth of the bandwidth or less.
+fn small(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
+    let period = ((10.0 / (rig.bandwidth * rig.ts)).max(2048.0).min(MOST as f64 / 4.0) as usize).next_power_of_two();
+    let (lead, ts) = (period / 8, rig.ts);
+    let whole = Multisine {
+        frequency_low: 0.99 / (period as f64 * ts),
+        frequency_high: 0.45 / ts,
+        period: period as f64 * ts,
+        ..Multisine::default()
+    };
+    let sines = whole.samples(ts, period)?;
+    let n = 2 * period + 2 * lead;
+    let shape: Vec<f64> = (0..n).map(|t| sines[(t + period - lead) % period] * faded(t, n, lead)).collect();
+    let purpose = "linear dynamics";
+    rig.drive("small", purpose, &shape, 2.0 * SMALL * rig.half(), "a small signal", notes)
+}
+
+/// A sine that rises to its amplitude, and falls to zero in its last periods.
+fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
+    let period = 1.0 / (hz * rig.ts);
+    let room = (MOST as f64 / period - FALL) as usize;
+    if room < FEWEST {
+        let least = (FEWEST as f64 + FALL) / (hz * MOST as f64);
+        let rule = format!(
+            "{FEWEST} periods of {} Hz, the slowest sine, would have more than {MOST} samples: take {} s or more, or \
+             raise the bandwidth",
+            round(hz),
+            round(least)
+        );
+        return Err(Error::parameter("ts", format!("{} s", rig.ts), rule));
+    }
+    let n = (PERIODS[k].min(room) as f64 * period).round() as usize;
+    let fall = (FALL * period).round() as usize;
+    let mut shape = RisingSine { amplitude: 1.0, frequency: hz, offset: 0.0 }.samples(rig.ts, n)?;
+    shape.extend((n..=n + fall).map(|t| {
+        let left = 1.0 - eased((t - n) as f64 / fall as f64);
+        left * (TAU * (hz * rig.ts * t as f64).fract()).sin()
+    }));
+    let (name, purpose) = [
+        ("rise1", "hysteresis, slow"),
+        ("rise2", "hysteresis, middle of the band"),
+        ("rise3", "hysteresis, highest frequency"),
+    ][k];
+    if let Some(f0) = rig.resonance.filter(|f0| hz > 0.3 * f0) {
+        let (hz, f0, ratio) = (quantity(hz, "Hz"), quantity(f0, "Hz"), hz / f0);
+        let larger = match (1.0 - ratio * ratio).abs() {
+            gap if gap > 0.3 => format!("{} times the static one", round((100.0 / gap).round() / 100.0)),
+            _ => "several times the static one: lower the bandwidth unless the actuator bears it".into(),
+        };
+        notes.push(format!(
+            "{name}_u.csv: at {hz}, near the resonance of {f0}, the displacement is {larger}; check the range of the \
+             sensor"
+        ));
+    }
+    let what = format!("a sine of {} Hz", round(hz));
+    rig.drive(name, purpose, &shape, RISE * rig.half(), &what, notes)
+}
+
+/// A step up and a step down, each held. Nothing rings: the moves take two periods of the bandwidth or more.
+fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
+    const STEEPEST: f64 = 1.875; // slope of `moved`
+    let (ts, a) = (rig.ts, STEP * rig.half());
+    let n = ((CREEP / ts) as usize).min(MOST);
+    let fastest = PART * rig.limits.fastest();
+    let move_of = |volts: f64| ((STEEPEST * volts / fastest).max(2.0 / rig.bandwidth) / ts).ceil() as usize + 1;
+    let (single, double) = (move_of(a), move_of(2.0 * a));
+    let moves = 2 * single + double;
+    if 4 * moves > n {
+        let seconds = [moves, n].map(|n| round(n as f64 * ts));
+        let rule = format!(
+            "the moves of the creep record take {} s of at most {} s: raise the bandwidth, sample slower or take a \
+             driver with more current",
+            seconds[0], seconds[1]
+        );
+        return Err(Error::parameter("bandwidth", format!("{} Hz", rig.bandwidth), rule));
+    }
+    let hold = (n - moves) / 2;
+    let mut shape = Vec::with_capacity(n);
+    for (from, to, samples, held) in [(0.0, 1.0, single, hold), (1.0, -1.0, double, hold), (-1.0, 0.0, single, 0)] {
+        shape.extend((0..samples).map(|t| from + (to - from) * moved(t as f64 / (samples - 1) as f64)));
+        shape.extend(std::iter::repeat_n(to, held));
+    }
+    if (n as f64) * ts < 0.99 * CREEP {
+        let (whole, each) = (round(n as f64 * ts), round(hold as f64 * ts));
+        notes.push(format!(
+            "creep_u.csv: shortened from {CREEP} s to {whole} s, because it has at most {MOST} samples; it shows creep \
+             up to {each} s. A longer sampling period shows slower creep"
+        ));
+    }
+    rig.drive("creep", "creep", &shape, a, "the steps", notes)
+}
+
+/// Sines up to the bandwidth with random phases, whose amplitude swells twice.
+fn path(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
+    let (ts, b) = (rig.ts, rig.bandwidth);
+    let n = (((60.0 / b).max(1.0) / ts).round() as usize).min(MOST);
+    let sines = Multisine { frequency_low: b / 20.0, frequency_high: b, seed: 1, ..Multisine::default() };
+    let sines = sines.samples(ts, n)?;
+    let lead = ((2.0 / (b * ts)) as usize).clamp(1, n / 4);
+    let swell = |t: usize| 1.0 - 0.375 * (1.0 + (2.0 * TAU * t as f64 / n as f64).cos());
+    let shape: Vec<f64> = (0..n).map(|t| sines[t] * swell(t) * faded(t, n, lead)).collect();
+    rig.drive("path", "validation only", &shape, PATH * rig.half(), "the path", notes)
+}
+
+impl Rig {
+    /// The drive of this shape, with the amplitude that is wanted [V], or the one that the limits allow.
+    fn drive(
+        &self,
+        name: &'static str,
+        purpose: &'static str,
+        shape: &[f64],
+        wanted: f64,
+        what: &str,
+        notes: &mut Vec<String>,
+    ) -> Result<PlannedDrive, Error> {
+        let peak = shape.iter().fold(0.0, |peak: f64, s| peak.max(s.abs()));
+        let step = shape.windows(2).fold(0.0, |most: f64, w| most.max((w[1] - w[0]).abs()));
+        let fastest = self.limits.fastest();
+        let allowed = PART * fastest * self.ts * peak / step;
+        let amplitude = wanted.min(allowed);
+        let [wants, allows] = [wanted, allowed].map(|volts| quantity((1e3 * volts).round() / 1e3, "V"));
+        if amplitude < LEAST * wanted {
+            let (slew, limit) = (quantity(step / peak * wanted / self.ts, "V/s"), quantity(fastest, "V/s"));
+            let rule = format!(
+                "{what} of {wants} slews {slew}, but driver and load allow {limit} ({allows}): lower the bandwidth or \
+                 the range, or take a driver with more current"
+            );
+            return Err(Error::parameter("bandwidth", format!("{} Hz", self.bandwidth), rule));
+        }
+        if amplitude < wanted {
+            let percent = round((1e2 * amplitude / wanted).round());
+            notes.push(format!(
+                "{name}_u.csv: amplitude reduced from {wants} to {allows} ({percent} %), which uses {} % of the slew or \
+                 current limit",
+                100.0 * PART
+            ));
+        }
+        let middle = self.middle();
+        let u: Vec<f64> = shape.iter().map(|s| middle + amplitude * (s / peak)).collect();
+        let usage = self.limits.refuse(&u, self.ts)?;
+        Ok(PlannedDrive { name, purpose, u, usage })
+    }
+}
+
+/// From 0 to 1 without a corner.
+fn eased(x: f64) -> f64 {
+    x * x * (3.0 - 2.0 * x)
+}
+
+/// From 0 to 1 with the least jerk.
+fn moved(x: f64) -> f64 {
+    x * x * x * (10.0 + x * (6.0 * x - 15.0))
+}
+
+/// Rises from 0 to 1 in the first `lead` of `n` samples, and falls to 0 in the last.
+fn faded(t: usize, n: usize, lead: usize) -> f64 {
+    eased((t.min(n - 1 - t) as f64 / lead as f64).min(1.0))
+}
+
+/// A frequency with two significant digits.
+fn two_digits(hz: f64) -> f64 {
+    format!("{hz:.1e}").parse().unwrap_or(hz)
+}

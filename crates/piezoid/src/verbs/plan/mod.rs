@@ -1,0 +1,238 @@
+//! The drives that identify an actuator, within the limits of its driver, and a page that says why each is measured.
+//!
+//! All drives start and end at the middle of the range: a hysteresis loop about it contains the loops of every smaller
+//! amplitude, and a unipolar actuator is never driven below its range.
+
+mod advice;
+mod drives;
+mod page;
+#[cfg(test)]
+mod tests;
+
+use super::File;
+use crate::error::Error;
+use crate::excitation::{Actuator, LimitOptions, Limits, Usage};
+use crate::formats::Table;
+use crate::hammerstein::Model;
+use crate::number::{quantity, round};
+use crate::options::{OptionKind, OptionRow, options};
+use crate::record::Record;
+use crate::system::System;
+
+/// Maximum number of samples of a drive: identification takes minutes beyond it.
+const MOST: usize = 200_000;
+
+/// Sampling rate over bandwidth: half of it, the Nyquist frequency, is ten times the bandwidth.
+const OVER_BANDWIDTH: f64 = 20.0;
+
+/// Sampling rate over resonance: the Nyquist frequency is 2.5 times the resonance.
+const OVER_RESONANCE: f64 = 5.0;
+
+/// Resonance over bandwidth from which the resonance does not set the sampling period, because the actuator follows
+/// statically.
+const FAR: f64 = 100.0;
+
+options! {
+    /// What is to be identified, and with which driver.
+    ///
+    /// ```
+    /// use piezoid::{Options, PlanOptions};
+    /// let options = serde_json::json!({"range": [0, 100], "bandwidth": 20, "driver": "e-610", "capacitance": 1.5e-6});
+    /// let plan = PlanOptions::from_json(options)?.run(None)?;
+    /// let names: Vec<&str> = plan.drives.iter().map(|drive| drive.name).collect();
+    /// assert_eq!(names, ["small", "rise1", "rise2", "rise3", "creep", "path"]);
+    /// assert!(plan.ts == 0.002 && plan.drives.iter().all(|drive| drive.u[0] == 50.0));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    pub struct PlanOptions {
+        /// Lowest and highest voltage of the application.
+        range: Option<(f64, f64)> = None, OptionRow { unit: "V", ..OptionRow::new(OptionKind::Pair) }.absent("those of \
+            the actuator");
+        /// Highest frequency of the application.
+        bandwidth: f64 = 50.0, OptionRow::positive("Hz").required();
+        /// The actuator, for its range, capacitance and resonance (see `piezoid actuators`).
+        actuator: Option<String> = None, OptionRow::new(OptionKind::Text("NAME"));
+        /// Sampling period of all drives.
+        ts: Option<f64> = None, OptionRow::positive("s").absent("from bandwidth and resonance");
+    } with limits: LimitOptions
+}
+
+/// The drives for an identification.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Plan {
+    /// Sampling period of all drives [s].
+    pub ts: f64,
+    /// The drives, in the order in which they are measured.
+    pub drives: Vec<PlannedDrive>,
+    /// What was shortened or reduced, and what to watch; one sentence each.
+    pub notes: Vec<String>,
+    /// Which drive would lower the largest uncertainty of a first model most; `None` without a model.
+    pub advice: Option<String>,
+    rig: Rig,
+}
+
+/// One drive of a [`Plan`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct PlannedDrive {
+    /// Name of its measured record, without extension: the record of `small_u.csv` is `small.csv`.
+    pub name: &'static str,
+    /// What it is measured for.
+    pub purpose: &'static str,
+    /// The voltages [V].
+    pub u: Vec<f64>,
+    /// Use of the limits.
+    pub usage: Usage,
+}
+
+impl PlannedDrive {
+    /// Name of the file of the drive.
+    pub fn file(&self) -> String {
+        format!("{}_u.csv", self.name)
+    }
+
+    /// The largest used share of a limit [%]; `None` without limits.
+    pub fn percent(&self) -> Option<f64> {
+        self.usage.peaks().filter_map(|peak| peak.share).reduce(f64::max).map(|share| 100.0 * share)
+    }
+}
+
+/// What the drives are made for.
+#[derive(Debug, Clone, PartialEq)]
+struct Rig {
+    ts: f64,
+    low: f64,
+    high: f64,
+    bandwidth: f64,
+    resonance: Option<f64>,
+    limits: Limits,
+    driver: Option<String>,
+    actuator: Option<&'static Actuator>,
+}
+
+impl Rig {
+    fn middle(&self) -> f64 {
+        0.5 * self.low + 0.5 * self.high
+    }
+
+    /// Half of the range [V].
+    fn half(&self) -> f64 {
+        0.5 * self.high - 0.5 * self.low
+    }
+}
+
+impl PlanOptions {
+    /// The drives. With a first `model` they have its sampling period, and the plan has an advice.
+    ///
+    /// # Errors
+    /// Returns an error for a range that is missing, empty, or beyond that of driver or actuator; for a bandwidth that
+    /// is not below a tenth of the sampling rate; for limits that leave no amplitude; for invalid limits; and for a
+    /// model with another sampling period, or without standard errors.
+    pub fn run(&self, model: Option<&Model>) -> Result<Plan, Error> {
+        let mut notes = Vec::new();
+        let rig = self.rig(model, &mut notes)?;
+        let drives = drives::all(&rig, &mut notes)?;
+        let mut plan = Plan { ts: rig.ts, drives, notes, advice: None, rig };
+        plan.advice = model.map(|model| advice::advise(model, &plan)).transpose()?;
+        Ok(plan)
+    }
+
+    fn rig(&self, model: Option<&Model>, notes: &mut Vec<String>) -> Result<Rig, Error> {
+        let actuator = self.actuator.as_deref().map(Actuator::find).transpose()?;
+        let mut given = self.limits.clone();
+        if given.driver.is_some() || given.own.current.is_some() {
+            given.own.capacitance = given.own.capacitance.or(actuator.and_then(|a| a.capacitance));
+        }
+        let limits = given.limits()?;
+        if limits.is_none_or(|limits| limits.fastest().is_infinite()) {
+            notes.push("No limit of slew or current is known: name the driver, or check both yourself".into());
+        }
+        let (low, high) = match (self.range, actuator) {
+            (Some(range), _) => range,
+            (None, Some(actuator)) => (actuator.low, actuator.high),
+            (None, None) => {
+                let rule = "is needed: give the lowest and highest voltage, or the actuator";
+                return Err(Error::parameter("range", "(not given)", rule));
+            }
+        };
+        let range = format!("{} {}", round(low), round(high));
+        if low >= high {
+            return Err(Error::parameter("range", range, "must go from the lowest to the highest voltage"));
+        }
+        let mut limits = limits.unwrap_or_default();
+        let driver = given.driver.as_ref().map_or("the driver".into(), |name| format!("driver `{name}`"));
+        let allowed = actuator.map(|a| (format!("actuator `{}` allows", a.name), Some(a.low), Some(a.high)));
+        for (who, least, most) in [(format!("{driver} gives"), limits.low, limits.high)].into_iter().chain(allowed) {
+            if least.is_some_and(|least| low < least) || most.is_some_and(|most| high > most) {
+                let end = |end: Option<f64>| end.map_or("any".into(), round);
+                let (least, most) = (end(least), end(most));
+                let rule = format!("{who} {least} to {most} V: take a range within it, or another one");
+                return Err(Error::parameter("range", range, rule));
+            }
+            limits.low = [limits.low, least].into_iter().flatten().reduce(f64::max);
+            limits.high = [limits.high, most].into_iter().flatten().reduce(f64::min);
+        }
+        // Data sheets of stacks state the resonance with both ends free; one is fixed in use.
+        let resonance = actuator.and_then(|a| Some(if a.kind == "stack" { 0.5 } else { 1.0 } * a.resonance?));
+        let ts = match (self.ts, model.map(System::ts)) {
+            (Some(ts), Some(of_model)) => Record::same_sampling("the model", of_model, "the plan", ts).map(|()| ts)?,
+            (Some(ts), None) | (None, Some(ts)) => ts,
+            (None, None) => self.period(resonance, notes),
+        };
+        let highest = 0.1 / ts;
+        if self.bandwidth >= highest {
+            let rule = format!(
+                "must be below {} Hz, a tenth of the sampling rate (ts = {ts} s): lower it, or sample faster",
+                round(highest)
+            );
+            return Err(Error::parameter("bandwidth", format!("{} Hz", self.bandwidth), rule));
+        }
+        let (bandwidth, driver) = (self.bandwidth, given.driver);
+        Ok(Rig { ts, low, high, bandwidth, resonance, limits, driver, actuator })
+    }
+
+    /// The sampling period: 1, 2 or 5 times a power of ten.
+    fn period(&self, resonance: Option<f64>, notes: &mut Vec<String>) -> f64 {
+        let mut longest = 1.0 / (OVER_BANDWIDTH * self.bandwidth);
+        match resonance {
+            Some(f) if f > FAR * self.bandwidth => {
+                let (f, ts) = (quantity(f, "Hz"), quantity(1.0 / (OVER_RESONANCE * f), "s"));
+                notes.push(format!(
+                    "The resonance of {f} is more than {FAR} times the bandwidth: the actuator follows statically, and \
+                     the sampling period need not resolve it; {ts} would"
+                ));
+            }
+            Some(f) => longest = longest.min(1.0 / (OVER_RESONANCE * f)),
+            None => notes.push(
+                "The resonance is unknown: if it is above a fifth of the sampling rate, give a shorter sampling period"
+                    .into(),
+            ),
+        }
+        // A product of 5 and a power of ten below 1 is not the decimal number; its text is.
+        const ROUNDING: f64 = 1e-9;
+        let power = (longest.log10() + ROUNDING).floor();
+        let mantissa = longest / 10f64.powf(power) * (1.0 + ROUNDING);
+        let step = [5, 2, 1].into_iter().find(|step| f64::from(*step) <= mantissa).unwrap_or(1);
+        format!("{step}e{power}").parse().unwrap_or(longest)
+    }
+}
+
+impl Plan {
+    /// The drives as CSV files with the columns `t_s` and `u_V`, and the page `plan.md`.
+    ///
+    /// # Errors
+    /// The errors of [`Table::write`].
+    pub fn files(&self) -> Result<Vec<File>, Error> {
+        let drive = |drive: &PlannedDrive| {
+            let name = drive.file();
+            let bytes = Table::write(&name, self.ts, &[("u_V", &drive.u)])?;
+            Ok(File::new(name, bytes))
+        };
+        let page = || Ok(File::new("plan.md", self.page()));
+        self.drives.iter().map(drive).chain(std::iter::once_with(page)).collect()
+    }
+
+    /// Length of a drive [s].
+    pub fn duration(&self, drive: &PlannedDrive) -> f64 {
+        drive.u.len() as f64 * self.ts
+    }
+}

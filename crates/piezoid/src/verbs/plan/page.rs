@@ -1,0 +1,125 @@
+//! The page of a plan: what to measure, why, within which limits, and what to run afterwards.
+
+use super::{Plan, PlannedDrive};
+use crate::excitation::Peak;
+use crate::number::{quantity, round};
+
+/// Why each record is measured.
+const WHY: [(&str, &str); 6] = [
+    (
+        "small",
+        "a multisine of 2 % of the range, two periods and their beginning and end. Loops this small are thin, so \
+      it shows the linear dynamics alone: modes, lags and delay.",
+    ),
+    (
+        "rise1",
+        "a sine that grows from zero. It contains loops of every amplitude, slow enough to show the hysteresis \
+      without dynamics.",
+    ),
+    (
+        "rise2",
+        "the same at a third of the bandwidth. With its neighbours it shows whether loops change with frequency, \
+      and each of the three can be held out and predicted from the others.",
+    ),
+    ("rise3", "the same at the bandwidth: hysteresis and dynamics as the application sees them."),
+    ("creep", "a step up and a step down, each held: slow creep, which fast records do not separate from hysteresis."),
+    (
+        "path",
+        "a random path up to the bandwidth, of small and large amplitudes. It is of another kind than the training \
+      records, so its error is that of the application.",
+    ),
+];
+
+impl Plan {
+    /// The page in Markdown.
+    pub fn page(&self) -> String {
+        let rig = &self.rig;
+        let mut page = String::from("# Records for the identification of an actuator\n\n");
+        let driver = match &rig.driver {
+            Some(name) => format!(", driver `{name}`"),
+            None => String::new(),
+        };
+        let actuator = rig.actuator.map_or(String::new(), |a| format!(", actuator {}", a.description()));
+        page += &format!(
+            "Range {} to {} V, up to {} Hz, sampling period {} s{driver}{actuator}.\n\n",
+            round(rig.low),
+            round(rig.high),
+            round(rig.bandwidth),
+            self.ts
+        );
+        page += "| drive | record | for | duration [s] | voltage [V] | slew [V/s] | current [A] |\n";
+        page += "|---|---|---|---|---|---|---|\n";
+        for drive in &self.drives {
+            page += &self.row(drive);
+        }
+        page += "\n";
+        for (name, reason) in WHY {
+            page += &format!("- **{name}**: {reason}\n");
+        }
+        page += "\nPercentages are shares of the limits; those of voltages are measured from the middle of the allowed \
+                 range.\n\n## How to measure\n\n";
+        let middle = round(rig.middle());
+        let first = match rig.middle() {
+            0.0 => "Every drive starts and ends at 0 V.".to_string(),
+            _ => format!(
+                "Every drive starts and ends at {middle} V, the middle of the range. Bring the driver there slowly, and \
+                 back to 0 V only after the last record: a jump exceeds the current limit."
+            ),
+        };
+        let creep = "Wait ten seconds before each record, so that creep from before does not drift into it.";
+        let record = format!(
+            "Play each drive sample by sample, every {} s, and record the voltage at the actuator and the displacement \
+             at the same instants.",
+            self.ts
+        );
+        let small = "Measure in the order of the table: the small signal before any large one.";
+        let path = "`path.csv` takes no part in the identification: only then does it test the model.";
+        for line in [&*first, creep, &record, small, path] {
+            page += &format!("- {line}\n");
+        }
+        page += &format!("\n## What to run\n\n```text\n{}\n```\n", self.commands().join("\n"));
+        if let Some(advice) = &self.advice {
+            page += &format!("\n## What would help most\n\n{advice}\n");
+        }
+        if !self.notes.is_empty() {
+            page += "\n## Notes\n\n";
+            for note in &self.notes {
+                page += &format!("- {note}.\n");
+            }
+        }
+        page
+    }
+
+    /// The commands for the measured records.
+    pub fn commands(&self) -> [String; 2] {
+        let large = self.drives.iter().filter(|drive| !["small", "path"].contains(&drive.name));
+        let large: Vec<String> = large.map(|drive| format!("{}.csv", drive.name)).collect();
+        [
+            format!("piezoid identify {} --small-signal small.csv -o model.json", large.join(" ")),
+            "piezoid validate path.csv --model model.json".into(),
+        ]
+    }
+
+    fn row(&self, drive: &PlannedDrive) -> String {
+        let share = |peak: &Peak| match peak.share {
+            Some(share) => format!(" ({} %)", round((1e3 * share).round() / 10.0)),
+            None => String::new(),
+        };
+        let value = |peak: &Peak| format!("{}{}", round(peak.value), share(peak));
+        let usage = &drive.usage;
+        let current = usage.current.as_ref().map_or("-".into(), |peak| {
+            let amperes = quantity(peak.value, "A");
+            format!("{amperes}{}", share(peak))
+        });
+        format!(
+            "| `{}` | `{}.csv` | {} | {} | {} to {} | {} | {current} |\n",
+            drive.file(),
+            drive.name,
+            drive.purpose,
+            round(self.duration(drive)),
+            value(&usage.lowest),
+            value(&usage.highest),
+            value(&usage.slew),
+        )
+    }
+}

@@ -1,0 +1,193 @@
+use super::advice::{expected, information, uncertain};
+use super::{MOST, Plan, PlanOptions, PlannedDrive};
+use crate::creep::{Creep, Lag};
+use crate::error::Error;
+use crate::hammerstein::Model;
+use crate::hysteresis::Proportional;
+use crate::linear::Arx;
+use crate::options::Options;
+use crate::testing::assert_close;
+use serde_json::{Value, json};
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+fn planned(given: Value) -> Result<Plan, Error> {
+    PlanOptions::from_json(given).and_then(|options| options.run(None))
+}
+
+fn refusal(given: Value) -> String {
+    planned(given).unwrap_err().to_string()
+}
+
+/// Requests for the simulated actuators.
+fn requests() -> [Value; 5] {
+    [
+        json!({"range": [-30, 30], "bandwidth": 80, "driver": "pl140", "actuator": "pl140"}),
+        json!({"range": [0, 120], "bandwidth": 50, "driver": "e-610", "capacitance": 1.5e-6, "ts": 2e-4}),
+        json!({"bandwidth": 30, "driver": "e-503", "actuator": "p-611.1s"}),
+        json!({"range": [-250, 250], "bandwidth": 200, "driver": "trek-2220", "actuator": "tb3507"}),
+        // Little current: all amplitudes but that of the slow sine are reduced.
+        json!({"range": [0, 150], "bandwidth": 150, "driver": "kpz101", "capacitance": 1e-6}),
+    ]
+}
+
+#[test]
+fn every_drive_is_within_the_limits_and_starts_and_ends_at_the_middle() {
+    for request in requests() {
+        let plan = planned(request.clone()).unwrap();
+        let (middle, fastest) = (plan.rig.middle(), plan.rig.limits.fastest());
+        for PlannedDrive { name, u, usage, .. } in &plan.drives {
+            assert!(usage.peaks().all(|peak| !peak.exceeds()), "{request} {name}: {usage:?}");
+            assert!(usage.slew.value <= 0.9 * fastest * (1.0 + 1e-9), "{request} {name}: {usage:?}");
+            assert!(usage.lowest.value >= plan.rig.low && usage.highest.value <= plan.rig.high, "{request} {name}");
+            assert_close(&[u[0], u[u.len() - 1]], &[middle; 2], 0.0, 1e-3 * plan.rig.half());
+            assert!(u.len() <= MOST && u.len() as f64 * plan.ts < 60.01, "{request} {name}: {}", u.len());
+        }
+        assert_eq!(plan, planned(request).unwrap());
+    }
+}
+
+#[test]
+fn amplitudes_are_those_of_the_request_unless_the_driver_is_too_slow() {
+    let [ample, .., scarce] = requests().map(|request| planned(request).unwrap());
+    let peak = |plan: &Plan, k: usize| plan.drives[k].usage.highest.value;
+    assert_close(&[0, 1, 3, 4, 5].map(|k| peak(&ample, k)), &[0.6, 28.5, 28.5, 24.0, 27.0], 0.02, 0.0);
+    assert!(ample.notes.iter().all(|note| !note.contains("reduced")), "{:?}", ample.notes);
+    // 90 % of 7.5 mA into 1 uF: a sine of 150 Hz has 6750 / (2 pi 150) = 7.16 V.
+    assert_close(&[peak(&scarce, 1), peak(&scarce, 3)], &[146.25, 82.16], 1e-3, 0.0);
+    let told = scarce.notes.join("\n");
+    assert!(told.contains("rise3_u.csv: amplitude reduced from 71.25 V to 7.176 V (10 %)"), "{told}");
+    assert!(told.contains("creep_u.csv: shortened from 60 s to 40 s"), "{told}");
+}
+
+#[test]
+fn the_sampling_period_follows_from_bandwidth_and_resonance() {
+    let ts = |given: Value| planned(given).unwrap().ts;
+    assert_eq!(ts(json!({"range": [0, 1], "bandwidth": 50})), 1e-3);
+    assert_eq!(ts(json!({"range": [0, 1], "bandwidth": 51})), 5e-4);
+    assert_eq!(ts(json!({"actuator": "tb3507", "bandwidth": 200})), 5e-5);
+    // 70 kHz with both ends free: far above the band.
+    assert_eq!(ts(json!({"actuator": "p-885.51", "bandwidth": 50})), 1e-3);
+    assert_eq!(ts(json!({"actuator": "p-885.51", "bandwidth": 1000})), 5e-6);
+}
+
+#[test]
+fn impossible_requests_are_refused_with_the_limit_and_a_remedy() {
+    for (given, says) in [
+        (json!({"bandwidth": 5}), "range = (not given): is needed: give the lowest and highest voltage"),
+        (json!({"bandwidth": 5, "range": [3, 1]}), "range = 3 1: must go from the lowest to the highest"),
+        (
+            json!({"bandwidth": 5, "range": [0, 160], "driver": "kpz101", "capacitance": 1e-6}),
+            "range = 0 160: driver `kpz101` gives 0 to 150 V: take a range within it",
+        ),
+        (json!({"bandwidth": 5, "range": [-40, 0], "actuator": "pl140"}), "actuator `pl140` allows -30 to 30 V"),
+        (
+            json!({"bandwidth": 500, "range": [0, 1], "ts": 1e-3}),
+            "bandwidth = 500 Hz: must be below 100 Hz, a tenth of the sampling rate (ts = 0.001 s): lower it",
+        ),
+        (
+            json!({"bandwidth": 500, "range": [0, 150], "driver": "kpz101", "capacitance": 1e-6}),
+            "a sine of 500 Hz of 71.25 V slews 220.2 kV/s, but driver and load allow 7.5 kV/s (2.184 V): lower the",
+        ),
+        (json!({"bandwidth": 20, "range": [0, 1], "ts": 2e-6}), "more than 200000 samples: take 1.5e-5 s or more"),
+        (json!({"bandwidth": 20, "range": [0, 1], "driver": "kpz101"}), "depends on the load: give it in farad"),
+        (json!({"bandwidth": 20, "actuator": "pl14"}), "did you mean `pl140`?"),
+    ] {
+        let told = refusal(given.clone());
+        assert!(told.contains(says), "{given}: {told}");
+    }
+}
+
+#[test]
+fn files_and_page_are_complete() {
+    let plan = planned(requests()[0].clone()).unwrap();
+    let files = plan.files().unwrap();
+    let names: Vec<&str> = files.iter().map(|file| &*file.name).collect();
+    let drives = ["small_u.csv", "rise1_u.csv", "rise2_u.csv", "rise3_u.csv", "creep_u.csv", "path_u.csv"];
+    assert_eq!((&names[..6], names[6]), (&drives[..], "plan.md"));
+    assert!(files[0].bytes.starts_with(b"t_s,u_V\n"));
+    let page = files[6].text().unwrap();
+    assert!(drives.iter().all(|name| page.contains(&format!("| `{name}` |"))), "{page}");
+    assert!(page.contains("identify rise1.csv rise2.csv rise3.csv creep.csv --small-signal small.csv -o model.json\n"));
+    assert!(page.contains("piezoid validate path.csv --model model.json\n"));
+}
+
+const TS: f64 = 1e-3;
+
+/// A gain of 30 with a mode at 120 Hz and creep of one lag of 5 s, whose file states these standard errors.
+fn model(gain_error: f64, hz_error: f64) -> Model {
+    let (w, zeta) = (TAU * 120.0 * TS, 0.02);
+    let modulus = f64::exp(-zeta * w);
+    let a = vec![2.0 * modulus * (w * f64::sqrt(1.0 - zeta * zeta)).cos(), -modulus * modulus];
+    let linear = Arx::new(TS, a.clone(), vec![0.0, 30.0 * (1.0 - a[0] - a[1])]).unwrap();
+    let creep = Creep::new(TS, vec![Lag { tau_s: 5.0, gain: 0.008 }]).unwrap();
+    let verdict = json!({
+        "error_percent": 0.1, "measured": "free run", "noise_percent": 0.01, "u": [-30.0, 30.0], "unit": "V",
+        "hz": [1.0, 10.0], "unproven": [],
+    });
+    let parameters = json!([
+        {"name": "creep gain at 5.000 s [-]", "value": 0.008, "error": gain_error},
+        {"name": "mode 1 frequency [Hz]", "value": 120.0, "error": hz_error},
+        {"name": "mode 1 damping", "value": 0.02, "error": 1e-6},
+    ]);
+    let hysteresis = Arc::new(Proportional::new(TS, 1.0).unwrap());
+    let model = Model::new(hysteresis, linear, 2.0).unwrap().with_creep(creep).unwrap();
+    model.with_provenance(json!({"verdict": verdict, "parameters": parameters}))
+}
+
+fn advised(model: &Model) -> String {
+    let given = json!({"range": [-30, 30], "bandwidth": 10, "driver": "pl140"});
+    PlanOptions::from_json(given).unwrap().run(Some(model)).unwrap().advice.unwrap()
+}
+
+#[test]
+fn an_uncertain_slow_creep_gain_needs_the_creep_record_and_an_uncertain_mode_the_small_signal() {
+    let told = advised(&model(0.0047, 1e-3));
+    let begin = "The largest uncertainty is the creep gain at 5 s (0.008, standard error 0.0047): record creep_u.csv, ";
+    assert!(told.starts_with(begin) && told.contains("which is expected to lower it to "), "{told}");
+    let told = advised(&model(1e-5, 40.0));
+    let begin = "The largest uncertainty is the frequency of mode 1 (120 Hz, standard error 40 Hz): record small_u.csv";
+    assert!(told.starts_with(begin), "{told}");
+}
+
+#[test]
+fn repetitions_are_counted_where_one_record_is_not_enough() {
+    let told = advised(&model(1e-9, 1e-9));
+    assert!(told.contains("no single record halves it; record small_u.csv 21 times, which is expected to"), "{told}");
+}
+
+#[test]
+fn a_model_without_standard_errors_or_at_another_rate_is_refused() {
+    let given = || json!({"range": [-30, 30], "bandwidth": 10});
+    let refused =
+        |given: Value, model: &Model| PlanOptions::from_json(given).unwrap().run(Some(model)).unwrap_err().to_string();
+    let model = model(0.001, 1.0);
+    assert!(refused(given(), &model.clone().with_provenance(Value::Null)).contains("states no standard error"));
+    let mut other = given();
+    other["ts"] = json!(2e-3);
+    assert!(refused(other, &model).contains("the model is sampled every 0.001 s but the plan every 0.002 s"));
+}
+
+/// Creep behind a gain K along a sine: the lag has the amplitude A / sqrt(1 + (w tau)^2) and the phase -atan(w tau).
+/// The gain explains its part in phase with y, so that the part K A w tau / (1 + (w tau)^2) at right angles remains.
+#[test]
+fn the_expected_standard_error_is_that_of_theory() {
+    let (tau, gain, k, amplitude, hz, sigma, error) = (0.05, 1e-3, 30.0, 20.0, 4.0, 2.0, 5e-3);
+    let hysteresis = Arc::new(Proportional::new(TS, 1.0).unwrap());
+    let creep = Creep::new(TS, vec![Lag { tau_s: tau, gain }]).unwrap();
+    let made = json!({"parameters": [{"name": "creep gain at 0.05000 s [-]", "value": gain, "error": error}]});
+    let model = Model::new(hysteresis, Arx::gain(TS, k).unwrap(), 0.0).unwrap().with_creep(creep).unwrap();
+    let model = model.with_provenance(made);
+    let n = 20_000;
+    let u: Vec<f64> = (0..n).map(|t| amplitude * (TAU * hz * TS * f64::from(t)).sin()).collect();
+    let known = uncertain(&model);
+    assert_eq!((known.len(), known[0].value, known[0].error), (1, gain, error));
+    let found = information(&model, &known, &u, sigma).unwrap();
+    for records in [1, 4] {
+        let wt = TAU * hz * tau;
+        let slope = k * amplitude * wt / (1.0 + wt * wt);
+        let of_records = f64::from(records) * f64::from(n) * slope * slope / (2.0 * sigma * sigma);
+        let theory = 1.0 / (1.0 / (error * error) + of_records).sqrt();
+        assert_close(&[expected(&known, 0, &found, records)], &[theory], 0.05, 0.0);
+    }
+}
