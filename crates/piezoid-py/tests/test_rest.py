@@ -12,6 +12,16 @@ import piezoid as pz
 import pytest
 
 
+def test_a_plan_is_within_its_limits_and_written_to_a_folder(tmp_path: Path) -> None:
+    made = pz.plan(tmp_path, range=(0, 120), bandwidth=50, driver="e-610", actuator="p-885.51")
+    assert set(made) >= {"small", "rise1", "rise2", "rise3", "creep", "path"}
+    assert all(u.min() >= 0 and u.max() <= 120 for u in made.values())
+    assert "piezoid identify" in made.page and (tmp_path / "plan.md").read_text() == made.page
+    assert made.advice is None
+    with pytest.raises(pz.PiezoidError, match="range"):
+        pz.plan(bandwidth=50)
+
+
 def test_every_excitation_is_a_function_that_says_what_it_takes() -> None:
     assert {name.replace("-", "_") for name in pz.excitations} == set(pz.excite.__all__)
     for name in pz.excite.__all__:
