@@ -124,7 +124,7 @@ mod tests {
         let trials = Validated { files: records.into_iter().map(compared).collect() };
         let html = report(&model, &trials).html();
         for said in [
-            "Only good to ",
+            "Good to ",
             "Error by frequency",
             "Loops, measured and model",
             "with itself",
