@@ -60,7 +60,7 @@ def main() -> None:
     given = words.parse_args()
     data = given.data or HERE.parent / "target" / "files" / given.set
     if not (data / "truth.json").exists():
-        script = {"first": "make.py", "second": "second.py"}[given.set]
+        script = {"first": "make.py", "second": "second/make.py"}[given.set]
         subprocess.run([sys.executable, HERE / "files" / script, data], check=True)
     entries = json.loads((data / "truth.json").read_text())
     counts: dict[str, collections.Counter[str]] = collections.defaultdict(collections.Counter)

@@ -16,6 +16,7 @@ mod fir;
 mod learning;
 mod preview;
 mod program;
+mod remarks;
 mod sample;
 pub mod shaping;
 
@@ -27,10 +28,8 @@ pub use sample::Causal;
 
 use crate::error::{Error, finite};
 use crate::excitation::{LimitOptions, Limits, Usage};
-use crate::hammerstein::{Domain, Model};
+use crate::hammerstein::Model;
 use crate::number::{round, short};
-use crate::record::Units;
-use crate::series::ends;
 use crate::system::System;
 
 /// Allowed input beyond the identified range, as a share of that range on each side: operators extrapolate well so far.
@@ -38,9 +37,6 @@ const BEYOND: f64 = 0.05;
 
 /// Share of the range of an operator below which an error counts as zero.
 const REACHED: f64 = 1e-9;
-
-/// Range of a reference, over the displacements that can be held, from which its unit is doubted.
-const FAR: f64 = 5.0;
 
 /// Settings of the feed-forward. The default has no limits but the model's own, clips nothing, and makes no sweeps.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -318,75 +314,6 @@ impl FeedForward {
     /// True if the error counts as zero.
     fn within(&self, error: f64) -> bool {
         error.abs() <= REACHED * (self.crept.1 - self.crept.0)
-    }
-
-    fn unreachable(&self, r: &[f64], sample: usize) -> Error {
-        let Units { u: input, y: unit } = self.model.units();
-        let [low, high] = [self.ends.0, self.ends.1].map(round);
-        let ((bottom, top), (lowest, highest)) = (self.reach(), ends(r.iter().copied()));
-        let times = (highest - lowest) / (top - bottom);
-        let [from, to] = [lowest, highest].map(round);
-        let is_inside = bottom <= lowest && highest <= top;
-        let [value, at, bottom, top] = [r[sample], sample as f64 * self.model.ts(), bottom, top].map(round);
-        if !is_inside {
-            let why = match times > FAR {
-                true => format!("this is {} times the stroke: check the unit of the reference", short(times)),
-                false => "reduce its amplitude".into(),
-            };
-            return Error::Unreachable(format!(
-                "it runs from {from} to {to} {unit}, but within {low} to {high} {input} only {bottom} to {top} {unit} \
-                 can be held; {why}, or clip"
-            ));
-        }
-        let instead = match sample < self.preview.fir().ahead() {
-            true => "begin the reference with some milliseconds at a constant value, or smooth it",
-            false => "the reference changes too fast there: slow it down or smooth it",
-        };
-        Error::Unreachable(format!(
-            "{value} {unit} at sample {sample} ({at} s) needs an input outside {low} to {high} {input} (at rest, \
-             {bottom} to {top} {unit} can be held); {instead}, or clip"
-        ))
-    }
-
-    /// Notes on clipped samples, jumps, and voltages outside the identification data.
-    fn notes_on(&self, run: &InverseRun) -> Vec<String> {
-        let (n, clipped) = (run.u.len(), run.clipped);
-        let mut notes = Vec::new();
-        if clipped > 0 {
-            notes.push(format!("{clipped} of {n} samples are clipped to the limits"));
-        }
-        if run.jumped > 0 {
-            let jumped = run.jumped;
-            notes.push(format!(
-                "at {jumped} of {n} samples the hysteresis block cannot give the requested value (it jumps); the \
-                 nearest value is used"
-            ));
-        }
-        notes.extend(self.beyond(&run.u));
-        notes
-    }
-
-    /// Notes on voltages `u` outside the identification data.
-    pub fn beyond(&self, u: &[f64]) -> Vec<String> {
-        let mut notes = Vec::new();
-        if let Some(known) = self.model.identified() {
-            let used = Domain::of_input(u, self.model.ts());
-            let input = &self.model.units().u;
-            let [low, high, known_low, known_high] = [used.u[0], used.u[1], known.u[0], known.u[1]].map(round);
-            if used.u[0] < known.u[0] || used.u[1] > known.u[1] {
-                notes.push(format!(
-                    "inputs from {low} to {high} {input} are used, but the model was identified from {known_low} to \
-                    {known_high}"
-                ));
-            }
-            if used.slew > known.slew {
-                let [slew, known] = [used.slew, known.slew].map(round);
-                notes.push(format!(
-                    "the input changes by {slew} {input}/s, but at most by {known} in the identification data"
-                ));
-            }
-        }
-        notes
     }
 }
 

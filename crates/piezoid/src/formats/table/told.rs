@@ -1,0 +1,103 @@
+//! What is told of how a table is read: its columns with their roles, a profile, what was guessed, and what is doubtful.
+
+use super::super::ColumnSelection;
+use super::super::column::Column;
+use super::super::roles::Role;
+use super::Table;
+use crate::record::Record;
+use serde_json::{Value, json};
+
+/// Relative deviation of a period that the user states from that of the file that is doubted.
+const DIFFERENT: f64 = 0.01;
+/// Sampling period that nobody means [s].
+const LONG: f64 = 20.0;
+
+impl Table {
+    /// All columns, with their units, ranges and roles.
+    pub(crate) fn described(&self, selection: &ColumnSelection) -> Vec<Value> {
+        let roles = [Role::Time, Role::Input, Role::Output];
+        let found: Vec<_> = roles.iter().map(|role| (role.what(), role.find(self, selection).ok())).collect();
+        let one = |column: &Column| {
+            let role = found.iter().find(|(_, found)| found.is_some_and(|found| std::ptr::eq(found, column)));
+            let (low, high) = crate::series::ends(column.samples.iter().copied());
+            json!({
+                "name": self.title(column),
+                "unit": column.stated(),
+                "samples": column.samples.len(),
+                "low": low,
+                "high": high,
+                "role": role.map(|(what, _)| what),
+                "flaw": column.flaw.as_ref().map(ToString::to_string),
+            })
+        };
+        self.columns.iter().chain(&self.others).map(one).collect()
+    }
+
+    /// What the user says, completed by the names and units that were found.
+    pub fn profile(&self, selection: &ColumnSelection) -> ColumnSelection {
+        let found = |role: Role| role.find(self, selection).ok();
+        let name = |role: Role| role.asked(selection).cloned().or_else(|| Some(self.title(found(role)?)));
+        let unit = |role: Role, said: &Option<String>, scale: &Option<String>| match (said, scale) {
+            (None, None) => Some(found(role)?.unit(role)),
+            _ => said.clone(),
+        };
+        let stamped = selection.period() == Ok(None) || selection.time_col.is_some();
+        ColumnSelection {
+            time_col: if stamped { name(Role::Time) } else { None },
+            input_col: name(Role::Input),
+            output_col: name(Role::Output),
+            input_unit: unit(Role::Input, &selection.input_unit, &selection.input_scale),
+            output_unit: unit(Role::Output, &selection.output_unit, &selection.output_scale),
+            ..selection.clone()
+        }
+    }
+
+    /// What was guessed, scaled and cut to make a record.
+    pub(super) fn history(&self, selection: &ColumnSelection) -> Vec<String> {
+        let mut guessed = Vec::new();
+        let mut steps = Vec::new();
+        for role in [Role::Time, Role::Input, Role::Output] {
+            let Ok(column) = role.find(self, selection) else { continue };
+            if role.asked(selection).is_none()
+                && !role.owns(column)
+                && (role != Role::Time || selection.period() == Ok(None))
+            {
+                guessed.push(format!("{} `{}`", role.what(), self.title(column)));
+            }
+            let unit = if role == Role::Input { &selection.input_unit } else { &selection.output_unit };
+            if role != Role::Time && unit.is_none() && !role.owns(column) && column.stated().is_none() {
+                let assumed = column.unit(role);
+                steps.push(format!("the unit of the {} is not stated: {assumed} is assumed", role.what()));
+            }
+        }
+        steps.extend(self.doubt(selection));
+        if !guessed.is_empty() {
+            steps.insert(0, format!("{}, by names and units", guessed.join(", ")));
+        }
+        for (what, scale) in [("input", &selection.input_scale), ("output", &selection.output_scale)] {
+            steps.extend(scale.as_ref().map(|scale| format!("{what} scaled by {scale}")));
+        }
+        if selection.from.is_some() || selection.to.is_some() {
+            steps.push(Record::cut(selection.from, selection.to));
+        }
+        steps
+    }
+
+    /// A doubt about the sampling period that the user states.
+    fn doubt(&self, selection: &ColumnSelection) -> Option<String> {
+        let stated = selection.period().ok()??;
+        let stamps = Role::Time.find(self, selection).ok().and_then(|time| self.period(time, selection, None).ok());
+        let likely = match selection.fs {
+            Some(fs) => format!("if {fs} is the sampling period in s, state it as such"),
+            None => format!("if {stated} is the sampling rate in Hz, state it as such"),
+        };
+        match stamps.or(self.ts) {
+            Some(own) if (own / stated - 1.0).abs() > DIFFERENT => {
+                let likely = if (own * stated - 1.0).abs() < DIFFERENT { format!("; {likely}") } else { String::new() };
+                Some(format!("the file says {own} s for the sampling period, but {stated} s is stated{likely}"))
+            }
+            None if stated > LONG => Some(format!("the stated sampling period is {stated} s: {likely}")),
+            _ => None,
+        }
+    }
+}
