@@ -25,6 +25,9 @@ pub(super) struct Column {
     pub(super) flaw: Option<Error>,
     /// The decimal separator, point or comma, and the line of its first use.
     pub(super) decimal: Option<(char, u64)>,
+    /// True if a comma in it can only be a decimal one, and if there are whole numbers without a comma.
+    pub(super) proven: bool,
+    pub(super) whole: bool,
     /// If it holds times of day, the seconds of the days that have passed.
     pub(super) clock: Option<f64>,
 }
@@ -32,7 +35,17 @@ pub(super) struct Column {
 impl Column {
     /// A column without samples.
     pub(super) fn new(name: String) -> Self {
-        Column { name, unit: None, ts: None, samples: Vec::new(), flaw: None, decimal: None, clock: None }
+        Column {
+            name,
+            unit: None,
+            ts: None,
+            samples: Vec::new(),
+            flaw: None,
+            decimal: None,
+            proven: false,
+            whole: false,
+            clock: None,
+        }
     }
 
     /// The unit that stands in the file: beside the name, or in it.

@@ -80,17 +80,23 @@ impl Table {
             let missing =
                 || cells(row, dialect.separator).next().is_some_and(|cell| cell.is_ok_and(number::not_finite));
             if blank(row) || remark(row) && !missing() || Some(row) == header {
+                if Some(row) == header {
+                    table.again.push(table.count);
+                }
                 table.gaps.push(table.count);
                 continue;
             }
             if let Err(error) = table.row(line, row, &dialect, &mut split) {
                 // Words below the last row are a summary.
-                if dialect.begins_like_a_row(row) || lines.any(|(_, row)| dialect.is_row(row)) {
+                if dialect.begins_like_a_row(row) || lines.clone().any(|(_, row)| dialect.is_row(row)) {
                     return Err(error);
                 }
+                let below = 1 + lines.filter(|(_, row)| !blank(row)).count();
+                table.steps.push(format!("{} below the last row left out", counted(below, "line")));
                 break;
             }
         }
+        table.doubt_commas(dialect.separator);
         match stated {
             Some(rows) if table.count < rows => Err(Error::Content(format!(
                 "the head states {rows} rows, but {} follow: the file was cut; to use what is there, set NDATA to {}",
@@ -151,6 +157,22 @@ impl Table {
         Ok(())
     }
 
+    /// Refuses columns whose commas may stand between thousands, unless another column has decimal commas: `1,234`
+    /// between commas, or beside whole numbers.
+    fn doubt_commas(&mut self, separator: char) {
+        if self.columns.iter().any(|column| column.proven) {
+            return;
+        }
+        for column in self.columns.iter_mut().filter(|column| separator == ',' || column.whole) {
+            if let (Some((',', line)), None) = (column.decimal, &column.flaw) {
+                let problem = "the comma before three digits may be a decimal comma (1,234 is 1.234) or stand between \
+                               thousands (1234): write the numbers with a decimal point and without other marks";
+                column.flaw =
+                    Some(Error::Line { line, column: Some(shortened(&column.name)), problem: problem.into() });
+            }
+        }
+    }
+
     /// The error for a line of words between rows.
     fn another(&self, line: u64) -> Error {
         let problem =
@@ -170,7 +192,6 @@ impl Table {
         } else {
             "remove the additional cells, or name their columns in the header"
         };
-        let counted = |n, what| if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") };
         let (fields, columns) = (counted(count, "field"), counted(names, "column"));
         let than = if self.header > 0 {
             format!("but the header on line {} names {columns}", self.header)
@@ -199,6 +220,10 @@ fn above<'a>(
         above.extend(lines.next());
     }
     above
+}
+
+fn counted(n: usize, what: &str) -> String {
+    if n == 1 { format!("1 {what}") } else { format!("{n} {what}s") }
 }
 
 /// True if a line contains only separators and spaces.
@@ -243,6 +268,8 @@ impl Column {
                     (Some((known, above)), Some(sign)) if known != sign => number::mixed(cell, known, above),
                     _ => {
                         self.decimal = self.decimal.or(sign.map(|sign| (sign, line)));
+                        self.proven |= sign == Some(',') && !number::may_group(cell);
+                        self.whole |= sign.is_none() && value.abs() >= 1.0;
                         return self.samples.push(value);
                     }
                 }
@@ -261,6 +288,7 @@ impl Column {
         self.flaw = Some(Error::Line { line, column: Some(shortened(&self.name)), problem });
     }
 }
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -383,13 +411,47 @@ mod tests {
     fn words_below_the_last_row_are_a_summary_and_between_rows_an_error() {
         let rows = "t_s,u_V,y_um\n0,1,2\n0.1,2,3\n";
         for below in ["# end\n", "\nMean,1.5,2.5\nEnd of data\n", "\u{1a}"] {
-            assert_eq!(record(&format!("{rows}{below}")), record(rows), "{below}");
+            let (with, without) = (record(&format!("{rows}{below}")).unwrap(), record(rows).unwrap());
+            assert_eq!((with.u(), with.y()), (without.u(), without.y()), "{below}");
+            let told = with.history().join("; ");
+            assert_eq!(told, if below.contains("Mean") { "2 lines below the last row left out" } else { "" });
         }
         assert_eq!(
             refusal(&format!("{rows}a,b,c\n0,1,2\n")),
             "line 4: words stand here, but rows follow further down: if another table starts here, split the file; if \
              not, delete the line"
         );
+    }
+
+    #[test]
+    fn names_that_stand_again_without_a_time_may_begin_another_record() {
+        let again = "u_V,y_um\n1,2\n2,3\nu_V,y_um\n3,4\n4,5\n";
+        let every = ColumnSelection { ts: Some(0.1), ..ColumnSelection::default() };
+        let read = |file: &str| Table::parse(file.as_bytes()).unwrap().record(&every);
+        assert_eq!(
+            read(again).unwrap_err().to_string(),
+            "line 4: the names stand again: if another record begins here, split the file; if not, delete the line"
+        );
+        let timed = "t_s,u_V,y_um\n0,1,2\n0.1,2,3\nt_s,u_V,y_um\n0.2,3,4\n";
+        assert_eq!(read(timed).unwrap().len(), 3);
+        assert!(read(&timed.replace("0.2,", "0,")).is_err());
+    }
+
+    #[test]
+    fn a_comma_that_may_stand_between_thousands_is_refused() {
+        let rows = |separator: &str, y: [&str; 3]| {
+            let quote = if separator == "," { "\"" } else { "" };
+            let row = |(k, y): (usize, &str)| format!("{k}{separator}{k}{separator}{quote}{y}{quote}\n");
+            ["t_s", "u_V", "y_nm"].join(separator) + "\n" + &y.into_iter().enumerate().map(row).collect::<String>()
+        };
+        for doubtful in [rows(",", ["1,234", "1,239", "1,301"]), rows(";", ["998", "1,002", "1,005"])] {
+            let error = refusal(&doubtful);
+            assert!(error.contains("the comma before three digits may be a decimal comma"), "{error}");
+        }
+        let decimal = |file: &str| record(file).unwrap().y()[2];
+        assert_eq!(decimal(&rows(";", ["1,234", "1,239", "1,301"])), 1.301, "Excel writes no `;` with such thousands");
+        assert_eq!(decimal(&rows(",", ["0,999", "1,002", "1,005"])), 1.005, "no thousands begin with 0");
+        assert_eq!(decimal(&rows(",", ["1,234", "1,23", "1,301"])), 1.301, "two digits");
     }
 
     #[test]
@@ -407,7 +469,7 @@ mod tests {
             "line 3, column u_V: `1.5` has another decimal separator than line 2 (`,`): use one of them throughout, and no thousands separator"
         );
         assert_eq!(
-            refusal("t_s;u_V;y_um\n0.0;1;2\n0.1;1,234;3\n"),
+            refusal("t_s;u_V;y_um\n0.0;1;2\n0.1;1,23;3\n"),
             "line 3, column u_V: a decimal comma, but line 2 has a decimal point in `t_s`: use one of them throughout, \
              and no thousands separator"
         );

@@ -99,13 +99,14 @@ impl Reading {
         if depth > DEEPEST {
             return Err(damaged(format!("groups {depth} deep")));
         }
-        let mut content = periods(&group.attributes().map_err(refused)?);
+        let stated = periods(&group.attributes().map_err(refused)?).into_iter();
+        let mut content: Vec<_> = stated.map(|(name, value)| (name, Node::series(Ok(vec![value]), None))).collect();
         let (groups, data) = group.members().map_err(refused)?;
         for data in &data {
             self.count()?;
             let attributes = data.attributes();
-            content.extend(self.data(data, &attributes)?.map(|node| (data.name().to_string(), node)));
-            content.extend(periods(&attributes));
+            let own = periods(&attributes).into_iter().find_map(|(name, value)| stated_period(&name, value));
+            content.extend(self.data(data, &attributes)?.map(|node| (data.name().to_string(), node.every(own))));
         }
         for group in &groups {
             let name = group.name().to_string();
@@ -171,7 +172,7 @@ impl Reading {
                 self.unpacking.count(n.saturating_mul(8))?;
                 let raw = self.raw(data, n, numbers.size)?;
                 let read = |raw: Vec<u8>| numbers.read(&raw, numbers.size).ok_or_else(|| "of an unknown type".into());
-                Node::series(raw.and_then(read), unit)
+                Node::series(raw.and_then(read).map(|values| unpacked(values, attributes)), unit)
             }
         }))
     }
@@ -194,13 +195,25 @@ impl Reading {
 }
 
 /// The sampling periods and rates among attributes.
-fn periods(attributes: &[Attribute]) -> Vec<(String, Node)> {
-    let number = |attribute: &Attribute| {
-        let value = attribute.read_as_f64().ok()?;
-        stated_period(&attribute.name, value)?;
-        Some((attribute.name.clone(), Node::series(Ok(vec![value]), None)))
+fn periods(attributes: &[Attribute]) -> Vec<(String, f64)> {
+    let number = |attribute: &Attribute| Some((attribute.name.clone(), attribute.read_as_f64().ok()?));
+    attributes.iter().filter_map(number).filter(|(name, value)| stated_period(name, *value).is_some()).collect()
+}
+
+/// Values as NetCDF packs them: `scale_factor` and `add_offset`, NaN for `_FillValue`.
+/// <https://docs.unidata.ucar.edu/nug/current/attribute_conventions.html>
+fn unpacked(values: Vec<f64>, attributes: &[Attribute]) -> Vec<f64> {
+    let stated = |name: &str| attributes.iter().find(|attribute| attribute.name == name)?.read_as_f64().ok();
+    let fill = stated("_FillValue").or_else(|| stated("missing_value"));
+    let (scale, offset) = (stated("scale_factor"), stated("add_offset"));
+    if (fill, scale, offset) == (None, None, None) {
+        return values;
+    }
+    let one = |value: f64| match Some(value) == fill {
+        true => f64::NAN,
+        false => value * scale.unwrap_or(1.0) + offset.unwrap_or(0.0),
     };
-    attributes.iter().filter_map(number).collect()
+    values.into_iter().map(one).collect()
 }
 
 /// The format of numbers, or a description of a type that is not real numbers.

@@ -116,8 +116,11 @@ impl Role {
                 let length =
                     those(&|c| c.quantity() == Some(Quantity::Displacement) && !is(c, REQUESTED) && !is(c, OTHER));
                 let unclear = |c: &Column| matches!(c.quantity(), None | Some(Quantity::Voltage)) || c.is_raw();
+                // A length beside a sensor that counts is perhaps a setting.
+                let counts = those(&|c| c.is_raw() && is(c, OUTPUT) && !is(c, REQUESTED) && !is(c, OTHER));
+                let named = length.iter().any(|c| is(c, OUTPUT));
                 vec![
-                    preferred(length, OUTPUT),
+                    if named || length.is_empty() { preferred(length, OUTPUT) } else { [length, counts].concat() },
                     those(&|c| unclear(c) && is(c, OUTPUT) && !is(c, INPUT) && !is(c, REQUESTED) && !is(c, OTHER)),
                 ]
             }

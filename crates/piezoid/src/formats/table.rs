@@ -45,6 +45,8 @@ pub struct Table {
     pub(super) count: usize,
     /// Rows before which an empty line stands.
     pub(super) gaps: Vec<usize>,
+    /// Rows before which the names stand again.
+    pub(super) again: Vec<usize>,
     /// Sampling period [s], if the format states it.
     pub(super) ts: Option<f64>,
     /// Channels that were left out, with the reasons.
@@ -84,8 +86,18 @@ pub struct Signal {
 impl Table {
     /// A table without columns or lines.
     pub(super) fn empty() -> Self {
-        let (columns, gaps, left, steps) = (Vec::new(), Vec::new(), String::new(), Vec::new());
-        Table { columns, others: Vec::new(), header: 0, first: 0, count: 0, gaps, ts: None, left, steps }
+        Table {
+            columns: Vec::new(),
+            others: Vec::new(),
+            header: 0,
+            first: 0,
+            count: 0,
+            gaps: Vec::new(),
+            again: Vec::new(),
+            ts: None,
+            left: String::new(),
+            steps: Vec::new(),
+        }
     }
 
     /// Names of the columns, in the order of the file.
@@ -171,6 +183,17 @@ impl Table {
             return Err(Missing::error(missing, self));
         }
         self.usable(&needed)?;
+        if needed.len() == count {
+            self.is_one_record(selection)?;
+            let differs = |column: &&&Column| stated.is_none() && column.ts.is_some() && column.ts != own;
+            if let (Some(other), Some(own)) = (needed.iter().find(differs), own) {
+                let [first, other, ts] =
+                    [quoted(&needed[0].name), quoted(&other.name), other.ts.unwrap_or_default().to_string()];
+                let problem =
+                    format!("{first} is sampled every {own} s, but {other} every {ts} s: resample one of them");
+                return Err(Error::Content(problem));
+            }
+        }
         let ts = match (stated, needed.get(count)) {
             (Some(ts), _) => ts,
             (None, Some(time)) => self.period(time, selection, own)?,
@@ -187,6 +210,24 @@ impl Table {
         // As many signals as roles.
         let signals = signals.try_into().map_err(|_| Error::Content("a column is missing".into()))?;
         Ok((ts, signals))
+    }
+
+    /// Returns an error if the names stand again between the rows, and no time tells that the record goes on there.
+    fn is_one_record(&self, selection: &ColumnSelection) -> Result<(), Error> {
+        let time = Role::Time.find(self, selection).ok();
+        let goes_on = |row: usize| {
+            time.is_some_and(|time| row > 0 && matches!(time.samples.get(row - 1..=row), Some([a, b]) if a < b))
+        };
+        match self.again.iter().find(|row| **row < self.count && !goes_on(**row)) {
+            None => Ok(()),
+            Some(row) => Err(Error::Line {
+                line: self.line(*row) - 1,
+                column: None,
+                problem:
+                    "the names stand again: if another record begins here, split the file; if not, delete the line"
+                        .into(),
+            }),
+        }
     }
 
     /// The sampling period [s] of a time column.

@@ -11,6 +11,8 @@ use super::csv::stated_period;
 use super::{Channel, Table, history};
 use std::collections::HashMap;
 
+/// Relative difference of sampling periods that is rounding, as of a period beside its rate.
+const ROUNDED: f64 = 1e-6;
 /// Fields that hold the samples of a structure that is one channel.
 const SAMPLES: [&str; 4] = ["values", "value", "data", "samples"];
 /// Fields that hold its name.
@@ -37,6 +39,14 @@ impl Node {
         Node::Series(Channel { unit, samples, ..Channel::new("", Vec::new()) })
     }
 
+    /// The same, with the sampling period [s] that stands beside it.
+    pub(super) fn every(self, ts: Option<f64>) -> Self {
+        match self {
+            Node::Series(channel) => Node::Series(Channel { ts: channel.ts.or(ts), ..channel }),
+            other => other,
+        }
+    }
+
     /// What is left out, with a description.
     pub(super) fn other(what: impl Into<String>) -> Self {
         Node::Series(Channel::other("", what))
@@ -51,18 +61,41 @@ pub(super) fn table(content: Vec<(String, Node)>) -> Table {
     }
     let mut counts: HashMap<String, usize> = HashMap::new();
     found.channels.iter().for_each(|(_, channel)| *counts.entry(channel.name.clone()).or_default() += 1);
-    let named = |(path, channel): (Vec<String>, Channel)| match counts.get(&channel.name) {
-        Some(1) | None => channel,
-        Some(_) => Channel { name: [path, vec![channel.name]].concat().join("/"), ..channel },
+    let Found { channels, periods, steps } = found;
+    let own = channels.iter().filter_map(|(_, channel)| channel.ts);
+    let only = agreed(periods.iter().map(|(_, ts)| *ts).chain(own));
+    // Of several rates, that of the nearest group around a channel.
+    let around = |path: &[String]| {
+        let stated = |depth: usize| {
+            let inside = |(group, _): &&(Vec<String>, f64)| group.len() == depth && path.starts_with(group);
+            periods.iter().filter(inside).map(|(_, ts)| *ts).collect::<Vec<_>>()
+        };
+        agreed((0..=path.len()).rev().map(stated).find(|stated| !stated.is_empty())?)
     };
-    Table { ts: found.ts, steps: found.steps, ..Table::of(found.channels.into_iter().map(named)) }
+    let named = |(path, channel): (Vec<String>, Channel)| {
+        let ts = if only.is_some() { channel.ts } else { channel.ts.or_else(|| around(&path)) };
+        let name = match counts.get(&channel.name) {
+            Some(1) | None => channel.name,
+            Some(_) => [path, vec![channel.name]].concat().join("/"),
+        };
+        Channel { name, ts, ..channel }
+    };
+    Table { ts: only, steps, ..Table::of(channels.into_iter().map(named)) }
+}
+
+/// The first of these periods, unless another differs by more than rounding.
+fn agreed(periods: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut periods = periods.into_iter();
+    let first = periods.next()?;
+    periods.all(|ts| (ts / first - 1.0).abs() < ROUNDED).then_some(first)
 }
 
 #[derive(Default)]
 struct Found {
     /// Channels, with the names of the groups around them.
     channels: Vec<(Vec<String>, Channel)>,
-    ts: Option<f64>,
+    /// Stated sampling periods [s], with the names of the groups they stand in.
+    periods: Vec<(Vec<String>, f64)>,
     /// The history of the record.
     steps: Vec<String>,
 }
@@ -74,7 +107,7 @@ impl Found {
             Node::Text(_) => {}
             Node::Series(channel) => {
                 if let Ok([value]) = channel.samples.as_deref() {
-                    self.ts = self.ts.or(stated_period(&name, *value));
+                    self.periods.extend(stated_period(&name, *value).map(|ts| (path.to_vec(), ts)));
                 }
                 self.channels.push((path.to_vec(), Channel { name, ..channel }));
             }
@@ -225,6 +258,24 @@ mod tests {
             ..ColumnSelection::default()
         };
         assert_eq!(table.record(&asked).unwrap().u(), U);
+    }
+
+    #[test]
+    fn a_rate_is_that_of_the_nearest_group() {
+        let run = |fs: f64| fields(&[("u", vector(&U)), ("y", vector(&Y)), ("fs", vector(&[fs]))]);
+        let content = || vec![("slow".to_string(), run(100.0)), ("fast".to_string(), run(2000.0))];
+        let of = |u: &str, y: &str| {
+            let asked =
+                ColumnSelection { input_col: Some(u.into()), output_col: Some(y.into()), ..ColumnSelection::default() };
+            table(content()).record(&asked)
+        };
+        assert_eq!(of("slow/u", "slow/y").unwrap().ts(), 0.01);
+        assert_eq!(of("fast/u", "fast/y").unwrap().ts(), 5e-4);
+        let error = of("slow/u", "fast/y").unwrap_err().to_string();
+        assert_eq!(error, "`slow/u` is sampled every 0.01 s, but `fast/y` every 0.0005 s: resample one of them");
+        let two = fields(&[("u", vector(&U)), ("y", vector(&Y)), ("fs", vector(&[100.0])), ("Ts", vector(&[5e-4]))]);
+        let error = table(vec![("run".into(), two)]).record(&ColumnSelection::default()).unwrap_err().to_string();
+        assert!(error.contains("there is no time column"), "two rates: {error}");
     }
 
     #[test]

@@ -9,7 +9,7 @@ use super::{clock, number};
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-/// Number of bytes in the middle of the file that are tried.
+/// Number of bytes of a large file that are tried.
 const SAMPLE: usize = 1 << 16;
 /// Separators, in the order of preference.
 const SEPARATORS: [char; 5] = ['\t', ';', ',', '|', SPACES];
@@ -27,10 +27,11 @@ pub(super) struct Dialect {
 impl Dialect {
     /// The dialect of a text; `None` if no line holds a number.
     pub(super) fn of(text: &str) -> Option<Dialect> {
-        let sample = sample(text);
+        let samples = samples(text);
         let mut best = (0, None);
         for separator in SEPARATORS {
-            let rows: Vec<Vec<Cell>> = lines(sample).filter_map(|(_, line)| row(line, separator)).collect();
+            let rows: Vec<Vec<Cell>> =
+                samples.iter().flat_map(|sample| lines(sample)).filter_map(|(_, line)| row(line, separator)).collect();
             // Rows of a length: how many, their numbers less words, and the place of the first.
             let mut lengths: BTreeMap<usize, (usize, usize, Reverse<usize>)> = BTreeMap::new();
             for (at, row) in rows.iter().enumerate() {
@@ -126,18 +127,20 @@ fn row(line: &str, separator: char) -> Option<Vec<Cell>> {
     Some(all[..len].iter().map(|cell| one(*cell)).collect())
 }
 
-/// The whole of a small text, or the lines in the middle of a large one.
-fn sample(text: &str) -> &str {
+/// The whole of a small text, or the lines in two parts of a large one: the first of them may be above the rows.
+fn samples(text: &str) -> Vec<&str> {
     if text.len() <= 2 * SAMPLE {
-        return text;
+        return vec![text];
     }
     let near = |at: usize| (at..text.len()).find(|at| text.is_char_boundary(*at)).unwrap_or(text.len());
-    let middle = &text[near(text.len() / 2)..near(text.len() / 2 + SAMPLE)];
-    let end = |c: char| "\r\n".contains(c);
-    // The first and the last line are cut.
-    let start = middle.find(end).map_or(0, |at| at + 1);
-    let stop = middle.rfind(end).unwrap_or(middle.len());
-    middle.get(start..stop).unwrap_or(middle)
+    let part = |from: usize| {
+        let part = &text[near(from)..near(from + SAMPLE / 2)];
+        // The first and the last line are cut.
+        let end = |c: char| "\r\n".contains(c);
+        let start = part.find(end).map_or(0, |at| at + 1);
+        part.get(start..part.rfind(end).unwrap_or(part.len())).unwrap_or(part)
+    };
+    vec![part(text.len() / 2), part(text.len() - text.len() / 8)]
 }
 
 #[cfg(test)]
@@ -167,8 +170,10 @@ mod tests {
     }
 
     #[test]
-    fn a_large_file_is_judged_by_its_middle() {
+    fn a_large_file_is_judged_by_parts_of_it() {
         let text = format!("{}{}", "word;word;1;2;3\n".repeat(5000), "0,1\n".repeat(60_000));
         assert_eq!(found(&text), (',', vec![true; 2]));
+        let text = format!("{}{}", "# a picture, in letters\n".repeat(10_000), "0,1\n".repeat(40_000));
+        assert_eq!(found(&text), (',', vec![true; 2]), "more above the rows than in them");
     }
 }

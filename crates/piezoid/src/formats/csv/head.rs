@@ -82,7 +82,9 @@ impl Head {
                 let halved = dialect.separator == ',' && 2 * cells.len() == width;
                 let fits = cells.len() >= width || numbered && cells.len() + 1 == width || halved;
                 let words = cells.iter().take(width).all(|cell| cell.is_empty() || !number::looks_numeric(cell));
-                if fits && head.units.is_empty() && are_units(&cells[..width.min(cells.len())]) {
+                // The last columns may have no unit.
+                let short = filled > 1 && cells.len() < width;
+                if (fits || short) && head.units.is_empty() && are_units(&cells[..width.min(cells.len())]) {
                     // Words between the units and the rows are remarks on the columns.
                     head.names = Vec::new();
                     head.units = cells.iter().map(|cell| unbracketed(cell).into()).collect();
@@ -265,7 +267,7 @@ fn quantity(text: &str, next: &str, rate: bool) -> Option<f64> {
     let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.,eE".contains(c))).unwrap_or(text.len());
     let digits = text[..end].trim_end_matches([',', 'e', 'E']);
     // 2,000 is 2 or 2000.
-    if digits.split_once(',').is_some_and(|(_, rest)| rest.len() == 3 && !rest.contains('.')) {
+    if digits.split_once(',').is_some_and(|(whole, rest)| rest.len() == 3 && !rest.contains('.') && whole != "0") {
         return None;
     }
     let (value, _) = number::read(digits)?;
@@ -332,6 +334,8 @@ mod tests {
         }
         assert_eq!(head(&format!("Label,,\nTIME,CH1,CH2\n{ROWS}")).names, ["TIME", "CH1", "CH2"]);
         assert_eq!(head(&format!("t,u,y\n[ms],[V],[nm]\n{ROWS}")).units, ["ms", "V", "nm"]);
+        let last = head(&format!("t,u,y\ns,V,\n{ROWS}"));
+        assert_eq!((last.names, last.units), (["t", "u", "y"].map(String::from).into(), vec!["s".into(), "V".into()]));
     }
 
     #[test]
@@ -354,6 +358,8 @@ mod tests {
             let ts = head(&format!("{above}{ROWS}")).ts;
             assert_eq!(ts, Some(wanted), "{above}");
         }
+        assert_eq!(quantity("0,005 s", "", false), Some(5e-3));
+        assert_eq!(quantity("2,000 Hz", "", true), None, "2 or 2000");
         assert_eq!(head(&format!("# sample rate: high\nt,u,y\n{ROWS}")).ts, None);
     }
 }

@@ -63,6 +63,13 @@ fn in_thousands(whole: &str, mark: char) -> bool {
         && groups.all(|group| group.len() == 3 && digits(group))
 }
 
+/// True if the comma in a number may stand between thousands: `1,234`.
+#[cold]
+pub(super) fn may_group(cell: &str) -> bool {
+    let digits = cell.trim_start_matches(['+', '-']);
+    !digits.starts_with('0') && in_thousands(digits, ',') && digits.contains(',')
+}
+
 /// True if a cell would be a number, or a notation for a missing number, in some format.
 pub(super) fn looks_numeric(cell: &str) -> bool {
     read(cell).is_some() || not_finite(cell)
