@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Reads files as other programs write them (bench/files), and counts how many are read right without an option.
 
-usage: files.py [--set first|second] [--data FOLDER] [--only csv] [--all]
+usage: files.py [--set first|second|third] [--data FOLDER] [--only csv] [--all]
 
-The first set was there while the readers were written; the second was written by someone who had not seen them, and
-read for the first time after that.
+The first set was there while the readers were written; the second and the third were written by people who had not
+seen them, and read for the first time after that.
 
 A file is read right if u and y are those of truth.json to the bit, and the sampling period but for rounding; it may be
 refused if truth.json says that it cannot be known what is what. Each file that fails is listed with its message, cut to
@@ -53,14 +53,14 @@ def outcome(folder: Path, truth: dict) -> tuple[str, str]:
 def main() -> None:
     """Reads all files, and prints a table."""
     words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--set", choices=["first", "second"], default="first")
+    words.add_argument("--set", choices=["first", "second", "third"], default="first")
     words.add_argument("--data", type=Path, help="folder of the files; they are written if they are not there")
     words.add_argument("--only", default="", help="files whose name begins so")
     words.add_argument("--all", action="store_true", help="lists the files that are read right too")
     given = words.parse_args()
     data = given.data or HERE.parent / "target" / "files" / given.set
     if not (data / "truth.json").exists():
-        script = {"first": "make.py", "second": "second/make.py"}[given.set]
+        script = {"first": "make.py", "second": "second/make.py", "third": "third/make.py"}[given.set]
         subprocess.run([sys.executable, HERE / "files" / script, data], check=True)
     entries = json.loads((data / "truth.json").read_text())
     counts: dict[str, collections.Counter[str]] = collections.defaultdict(collections.Counter)

@@ -59,8 +59,9 @@ def grouped(b):
            "two groups deep; a short dataset besides", WHO, REAL)
     name = "h5_two_runs.h5"
     r2 = record(name)
-    write(b, name, lambda f: [three(f.create_group(g), r2)
-                              for g in ("run1", "run2")])
+    again = record(name + " again")
+    write(b, name, lambda f: [three(f.create_group(g), one)
+                              for g, one in (("run1", r2), ("run2", again))])
     b.refuse(name, "two groups with the same datasets", ["which group"],
              WHO, REAL, data=r2, u=Ch("/run1/u", "u", "V"),
              y=Ch("/run1/y", "y", "um"))

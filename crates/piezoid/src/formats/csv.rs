@@ -158,12 +158,12 @@ impl Table {
     }
 
     /// Refuses columns whose commas may stand between thousands, unless another column has decimal commas: `1,234`
-    /// between commas, or beside whole numbers.
+    /// beside whole numbers, or not between semicolons.
     fn doubt_commas(&mut self, separator: char) {
         if self.columns.iter().any(|column| column.proven) {
             return;
         }
-        for column in self.columns.iter_mut().filter(|column| separator == ',' || column.whole) {
+        for column in self.columns.iter_mut().filter(|column| separator != ';' || column.whole) {
             if let (Some((',', line)), None) = (column.decimal, &column.flaw) {
                 let problem = "the comma before three digits may be a decimal comma (1,234 is 1.234) or stand between \
                                thousands (1234): write the numbers with a decimal point and without other marks";
@@ -444,7 +444,11 @@ mod tests {
             let row = |(k, y): (usize, &str)| format!("{k}{separator}{k}{separator}{quote}{y}{quote}\n");
             ["t_s", "u_V", "y_nm"].join(separator) + "\n" + &y.into_iter().enumerate().map(row).collect::<String>()
         };
-        for doubtful in [rows(",", ["1,234", "1,239", "1,301"]), rows(";", ["998", "1,002", "1,005"])] {
+        for doubtful in [
+            rows(",", ["1,234", "1,239", "1,301"]),
+            rows("\t", ["1,234", "1,239", "1,301"]),
+            rows(";", ["998", "1,002", "1,005"]),
+        ] {
             let error = refusal(&doubtful);
             assert!(error.contains("the comma before three digits may be a decimal comma"), "{error}");
         }

@@ -132,6 +132,12 @@ impl Role {
         kinds.into_iter().find(|kind| !kind.is_empty()).unwrap_or_default()
     }
 
+    /// True if it makes no difference which of two columns is taken.
+    fn is_same(self, a: &Column, b: &Column) -> bool {
+        let linked = a.name != b.name && a.leaf() == b.leaf() && a.stated() == b.stated() && a.has_numbers();
+        a.samples == b.samples && (self == Role::Time || linked)
+    }
+
     /// The column of the table with this role.
     pub(super) fn find<'a>(self, table: &'a Table, selection: &ColumnSelection) -> Result<&'a Column, Missing<'a>> {
         if let Some(name) = self.asked(selection) {
@@ -164,10 +170,8 @@ impl Role {
                 None => Ok(column),
             },
             [] => Err(Missing::None(self, free)),
-            // Some programs write the same time before every channel.
-            [column, ref others @ ..] if self == Role::Time && others.iter().all(|c| c.samples == column.samples) => {
-                Ok(column)
-            }
+            // Some programs write the same time before every channel, or link to a channel from several groups.
+            [column, ref others @ ..] if others.iter().all(|c| self.is_same(c, column)) => Ok(column),
             ref several => Err(Missing::Several(self, several.to_vec())),
         }
     }

@@ -370,6 +370,11 @@ mod tests {
         let doubt = said(timed, Some(2000.0), None);
         assert!(doubt.contains("the file says 0.0005 s for the sampling period, but 2000 s is stated"), "{doubt}");
         assert!(doubt.ends_with("if 2000 is the sampling rate in Hz, state it as such"), "{doubt}");
+        let doubt = said(&format!("# rate: 10 kHz\n{timed}"), None, None);
+        assert_eq!(
+            doubt,
+            "the file states a sampling period of 0.0001 s: the time column is used, which has steps of 0.0005 s"
+        );
         let doubt = said(timed, None, Some(1000.0));
         assert!(doubt.ends_with("but 0.001 s is stated"), "{doubt}");
         let doubt = said(bare, None, Some(5e-4));

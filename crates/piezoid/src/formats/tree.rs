@@ -248,10 +248,10 @@ mod tests {
 
     #[test]
     fn two_runs_in_one_file_are_told_apart_by_their_groups() {
-        let run = || fields(&[("t", vector(&T)), ("u", vector(&U)), ("y", vector(&Y))]);
-        let table = table(vec![("run1".into(), run()), ("run2".into(), run())]);
+        let run = |y: &[f64]| fields(&[("t", vector(&T)), ("u", vector(&U)), ("y", vector(y))]);
+        let table = table(vec![("run1".into(), run(&Y)), ("run2".into(), run(&U))]);
         let error = table.record(&ColumnSelection::default()).unwrap_err().to_string();
-        assert!(error.contains("input_col") && error.contains("run1/u"), "{error}");
+        assert!(error.contains("output_col") && error.contains("run1/y"), "{error}");
         let asked = ColumnSelection {
             input_col: Some("run2/u".into()),
             output_col: Some("run2/y".into()),

@@ -36,6 +36,15 @@ fn duration(cell: &str) -> Option<f64> {
 fn of_day(time: &str) -> Option<f64> {
     let end = time.find(|c: char| !c.is_ascii_digit() && !":.,".contains(c)).unwrap_or(time.len());
     let (time, after) = time.split_at(end);
+    // Minutes and seconds, which alone have a fraction.
+    if let Some((minute, second)) = time.split_once(':')
+        && second.find(['.', ',']) == Some(2)
+        && (1..=2).contains(&minute.len())
+        && after.is_empty()
+    {
+        let second: f64 = second.replace(',', ".").parse().ok()?;
+        return Some(minute.parse::<f64>().ok()? * 60.0 + second).filter(|_| second < 60.0);
+    }
     let mut parts = time.splitn(3, ':');
     let hour: f64 = parts.next().filter(|hour| (1..=2).contains(&hour.len()))?.parse().ok()?;
     let minute: f64 = parts.next().filter(|minute| minute.len() == 2)?.parse().ok()?;
@@ -46,11 +55,22 @@ fn of_day(time: &str) -> Option<f64> {
         Some("pm") if hour < 12.0 => 12.0,
         Some("am") if hour == 12.0 => -12.0,
         Some("am" | "pm") => 0.0,
-        // A time zone.
-        _ if after.is_empty() || after.starts_with(['Z', 'z', '+', '-']) => 0.0,
-        _ => return None,
+        _ => -zone(after)?,
     };
     (hour < 24.0 && minute < 60.0 && second < 61.0).then_some(((hour + noon) * 60.0 + minute) * 60.0 + second)
+}
+
+/// The hours of a time zone such as `+01:00`, `-0530` or `Z`.
+fn zone(text: &str) -> Option<f64> {
+    let sign = match text.chars().next() {
+        None | Some('Z' | 'z') => return Some(0.0),
+        Some('+') => 1.0,
+        Some('-') => -1.0,
+        _ => return None,
+    };
+    let digits: String = text[1..].chars().filter(|c| *c != ':').collect();
+    let number = |range: std::ops::Range<usize>| digits.get(range)?.parse::<f64>().ok();
+    Some(sign * (number(0..2)? + number(2..4).unwrap_or(0.0) / 60.0))
 }
 
 fn in_a_date(c: char) -> bool {
@@ -65,8 +85,10 @@ mod tests {
     fn a_time_of_day_is_read_with_or_without_its_date() {
         for (cell, wanted) in [
             ("14:07:09.0005", Some(50829.0005)),
-            ("2024-03-05T14:07:09.0005+01:00", Some(50829.0005)),
+            ("2024-03-05T14:07:09.0005+01:00", Some(47229.0005)),
+            ("2024-03-05T14:07:09.0005-0130", Some(56229.0005)),
             ("2024-03-05 14:07:09", Some(50829.0)),
+            ("07:09.5", Some(429.5)),
             ("05.03.2024 14:07:09,5", Some(50829.5)),
             ("3/5/2024 2:07:09 PM", Some(50829.0)),
             ("12:00:01 AM", Some(1.0)),

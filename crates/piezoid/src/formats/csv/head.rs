@@ -25,11 +25,12 @@ const UNITS: &str = "\
 /// Names of a sampling period, as letters.
 const PERIODS: &str = "\
     sampleinterval samplinginterval sampletime samplingtime samplingperiod sampleperiod timestep timeincrement dt \
-    deltat deltax hresolution interval increment tinc xincrement ts wfincrement abtastintervall abtastzeit";
+    deltat deltax hresolution interval increment tinc xincrement ts wfincrement timeinterval tinterval \
+    abtastintervall abtastzeit";
 /// Names of a sampling rate, as letters.
 const RATES: &str = "\
     samplerate samplingrate samplefrequency samplingfrequency acquisitionrate datarate fs samplespersecond scanrate \
-    rate abtastrate abtastfrequenz";
+    rate abtastrate abtastfrequenz messrate messfrequenz";
 
 /// The head of a file.
 #[derive(Debug, Default, PartialEq)]

@@ -29,6 +29,9 @@ pub(super) fn read(cell: &str) -> Option<(f64, Option<char>)> {
 /// A number with a decimal comma, with marks between thousands, or with Fortran's exponent.
 #[cold]
 fn spelled(cell: &str) -> Option<(f64, Option<char>)> {
+    // The minus sign of typesetters.
+    let minus = cell.strip_prefix('\u{2212}').map(|digits| format!("-{digits}"));
+    let cell = minus.as_deref().unwrap_or(cell);
     if !cell.starts_with(|c: char| c.is_ascii_digit() || "+-.,".contains(c)) {
         return None;
     }
@@ -151,6 +154,7 @@ mod tests {
             ("1.23,5", None),
             ("12:30", None),
             ("-    0.25", Some((-0.25, Some('.')))),
+            ("\u{2212}0.25", Some((-0.25, Some('.')))),
             ("", None),
             (",", None),
             ("1.2.3", None),

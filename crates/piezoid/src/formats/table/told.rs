@@ -83,17 +83,23 @@ impl Table {
         steps
     }
 
-    /// A doubt about the sampling period that the user states.
+    /// A doubt about the sampling period that the user or the file states.
     fn doubt(&self, selection: &ColumnSelection) -> Option<String> {
-        let stated = selection.period().ok()??;
         let stamps = Role::Time.find(self, selection).ok().and_then(|time| self.period(time, selection, None).ok());
+        let differs = |a: f64, b: f64| (a / b - 1.0).abs() > DIFFERENT;
+        let Some(stated) = selection.period().ok()? else {
+            let (stamps, own) = (stamps?, self.ts?);
+            let steps = "the time column is used, which has steps of";
+            return differs(stamps, own)
+                .then(|| format!("the file states a sampling period of {own} s: {steps} {stamps} s"));
+        };
         let likely = match selection.fs {
             Some(fs) => format!("if {fs} is the sampling period in s, state it as such"),
             None => format!("if {stated} is the sampling rate in Hz, state it as such"),
         };
         match stamps.or(self.ts) {
-            Some(own) if (own / stated - 1.0).abs() > DIFFERENT => {
-                let likely = if (own * stated - 1.0).abs() < DIFFERENT { format!("; {likely}") } else { String::new() };
+            Some(own) if differs(own, stated) => {
+                let likely = if !differs(own, 1.0 / stated) { format!("; {likely}") } else { String::new() };
                 Some(format!("the file says {own} s for the sampling period, but {stated} s is stated{likely}"))
             }
             None if stated > LONG => Some(format!("the stated sampling period is {stated} s: {likely}")),
