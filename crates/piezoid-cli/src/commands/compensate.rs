@@ -63,7 +63,7 @@ impl Compensate {
         if self.json.as_deref() != stdout && Some(&*self.output) != stdout {
             console.print(&tables(&made, console))?;
         }
-        for note in made.made.notes.iter().chain([&made.proven]) {
+        for note in made.made.notes.iter().chain([&made.proven()]) {
             console.remark(note);
         }
         files::write_record(&self.output, |name| made.written(name), console)?;

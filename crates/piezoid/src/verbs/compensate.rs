@@ -1,6 +1,6 @@
 //! The voltage for a requested displacement.
 
-use super::{File, Verdict, blamed};
+use super::{File, Verdict, blamed, verdict};
 use crate::compensation::shaping::Shaping;
 use crate::compensation::{Compensated, FeedForward, FeedForwardSettings};
 use crate::error::Error;
@@ -40,8 +40,13 @@ pub struct Compensation {
     pub reach: (f64, f64),
     /// How good the model was at its identification, if its file says so.
     pub verdict: Option<Verdict>,
-    /// The same in words.
-    pub proven: String,
+}
+
+impl Compensation {
+    /// How good the model is, in words.
+    pub fn proven(&self) -> String {
+        verdict::proven(self.verdict.as_ref())
+    }
 }
 
 impl CompensateOptions {
@@ -63,7 +68,7 @@ impl CompensateOptions {
         let shaped = self.shape.of(model, r.clone())?;
         let made = inverse.whole(&shaped)?;
         let (ts, units, reach, verdict) = (model.ts(), model.units().clone(), inverse.reach(), model.verdict());
-        Ok(Compensation { ts, units, requested: r, shaped, made, reach, verdict, proven: model.proven() })
+        Ok(Compensation { ts, units, requested: r, shaped, made, reach, verdict })
     }
 
     /// The same with the model and the reference from files.

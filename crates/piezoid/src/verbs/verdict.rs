@@ -170,10 +170,15 @@ impl Model {
 
     /// The verdict in words, for what is made of this model.
     pub fn proven(&self) -> String {
-        match self.verdict() {
-            Some(verdict) => format!("the model is {verdict}"),
-            None => "no record has proven this model: validate it on a record that it was not identified on".into(),
-        }
+        proven(self.verdict().as_ref())
+    }
+}
+
+/// A verdict in words, or that there is none.
+pub(super) fn proven(verdict: Option<&Verdict>) -> String {
+    match verdict {
+        Some(verdict) => format!("the model is {verdict}"),
+        None => "no record has proven this model: validate it on a record that it was not identified on".into(),
     }
 }
 
