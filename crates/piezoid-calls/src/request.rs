@@ -1,0 +1,93 @@
+//! A request: the verb, its options, what is said of the columns, and the names of files by their roles.
+
+use crate::{Given, Role};
+use piezoid::formats::ColumnSelection;
+use piezoid::{Error, File, Options};
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// A request.
+#[derive(Debug, Clone, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Request {
+    /// Name of the verb: a row of [`CALLS`](crate::CALLS).
+    pub call: String,
+    /// Its options by name.
+    #[serde(default)]
+    pub options: Map<String, Value>,
+    /// What is said of the columns of data files: a [`ColumnSelection`] by the names of its fields.
+    #[serde(default)]
+    pub columns: Map<String, Value>,
+    /// Names of files, by their roles.
+    #[serde(default)]
+    pub files: BTreeMap<String, Vec<String>>,
+}
+
+impl Request {
+    /// The request in a document.
+    ///
+    /// # Errors
+    /// Returns an error if it is none.
+    pub fn of(document: Value) -> Result<Request, Error> {
+        let example = "{\"call\": \"inspect\", \"files\": {\"data\": [\"log.csv\"]}}";
+        let refused = |e| Error::Content(format!("this is not a request: {e}; a request is such as {example}"));
+        serde_json::from_value(document).map_err(refused)
+    }
+
+    /// Returns an error if a role has too few or too many files, or is unknown.
+    pub(crate) fn fit(&self, roles: &[Role]) -> Result<(), Error> {
+        let names = || roles.iter().map(|role| role.name);
+        if let Some(name) = self.files.keys().find(|name| names().all(|known| known != **name)) {
+            return Err(Error::unknown("role of files", name, names()));
+        }
+        for Role { name, least, most } in roles {
+            let count = self.files.get(*name).map_or(0, Vec::len);
+            if !(*least..=*most).contains(&count) {
+                let wanted = match (least, most) {
+                    (least, most) if least == most => format!("exactly {least}"),
+                    (least, &usize::MAX) => format!("{least} or more"),
+                    (least, most) => format!("{least} to {most}"),
+                };
+                let call = &self.call;
+                return Err(Error::Content(format!(
+                    "{call} takes {wanted} of the files `{name}`, but {count} are given"
+                )));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Given<'_> {
+    /// The options of the verb.
+    pub(crate) fn options<O: Options>(&self) -> Result<O, Error> {
+        O::from_json(Value::Object(self.request.options.clone()))
+    }
+
+    /// What is said of the columns of data files.
+    pub(crate) fn columns(&self) -> Result<ColumnSelection, Error> {
+        ColumnSelection::from_json(Value::Object(self.request.columns.clone()))
+    }
+
+    /// The files with a role.
+    pub(crate) fn all(&self, role: &str) -> Result<Vec<File>, Error> {
+        let names = self.request.files.get(role).into_iter().flatten();
+        let file = |name: &String| {
+            let known = || Error::unknown("file", name, self.files.iter().map(|file| &*file.name));
+            self.files.iter().find(|file| file.name == *name).cloned().ok_or_else(known)
+        };
+        names.map(file).collect()
+    }
+
+    /// The first file with a role, if there is one.
+    pub(crate) fn some(&self, role: &str) -> Result<Option<File>, Error> {
+        Ok(self.all(role)?.into_iter().next())
+    }
+
+    /// The only file with a role.
+    pub(crate) fn one(&self, role: &str) -> Result<File, Error> {
+        let none = || Error::Content(format!("{} needs a file `{role}`", self.request.call));
+        self.some(role)?.ok_or_else(none)
+    }
+}

@@ -1,0 +1,12 @@
+//! The verbs as a WebAssembly module: packed requests in, packed answers out (`piezoid_calls::answered`).
+//!
+//! ```text
+//! address = reserve(length)            write the request there
+//! address = answer(address, length)    takes the request; the answer has `length()` bytes at this address
+//! release(address, length)             when the answer is read
+//! ```
+//! The module imports one function, `progress(text, length, done, total)`: it returns 0 to cancel.
+#![cfg_attr(target_family = "wasm", allow(unsafe_code))]
+
+#[cfg(target_family = "wasm")]
+mod boundary;
