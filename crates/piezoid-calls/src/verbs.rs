@@ -183,17 +183,8 @@ fn excite(given: &Given) -> Result<Answer, Error> {
 fn plan(given: &Given) -> Result<Answer, Error> {
     let model = given.some("model")?.map(|file| file.model()).transpose()?;
     let plan = given.options::<PlanOptions>()?.run(model.as_ref())?;
-    let one = |drive: &piezoid::PlannedDrive| {
-        json!({
-            "name": drive.name, "file": drive.file(), "purpose": drive.purpose, "seconds": plan.duration(drive),
-            "percent": drive.percent(), "usage": drive.usage,
-        })
-    };
-    let drives: Vec<_> = plan.drives.iter().map(one).collect();
-    let result =
-        json!({"ts": plan.ts, "drives": drives, "notes": plan.notes, "advice": plan.advice, "page": plan.page()});
     let series = plan.drives.iter().map(|drive| (drive.name.to_string(), drive.u.clone())).collect();
-    Ok(Answer { result, series, files: plan.files()? })
+    Ok(Answer { result: plan.to_json(), series, files: plan.files()? })
 }
 
 fn simulate(given: &Given) -> Result<Answer, Error> {

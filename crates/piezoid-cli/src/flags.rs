@@ -67,7 +67,9 @@ pub(crate) fn argument(row: &OptionRow) -> Arg {
             argument.value_parser(PossibleValuesParser::new(known).map(Value::from))
         }
         OptionKind::Texts(_) => several((1..).into()),
-        OptionKind::Pair => several(2.into()).value_names(["LOW", "HIGH"]).allow_negative_numbers(true),
+        OptionKind::Pair => several(2.into()).value_names(["LOW", "HIGH"]).allow_hyphen_values(true),
+        // Negative numbers with a unit too.
+        OptionKind::Number { .. } => several(1.into()).allow_hyphen_values(true),
         _ => several(1.into()).allow_negative_numbers(true),
     }
 }

@@ -13,7 +13,7 @@ const WORST: usize = 8;
 
 /// A verdict as text.
 pub(crate) fn verdict(found: Option<&Verdict>) -> String {
-    found.map_or_else(|| "not proven: the error of the free run is not finite".into(), Verdict::to_string)
+    found.map_or_else(|| "not proven: the output is constant, or the free run is not finite".into(), Verdict::to_string)
 }
 
 /// The table of the error figures.

@@ -57,8 +57,9 @@ impl Exported {
             Some(rows) => rows?,
             None => Vec::new(),
         };
-        // Files may have been deleted or moved since. None is outside of the folder.
-        rows.iter_mut().for_each(|row| row.files.retain(|file| !file.contains(['/', '\\']) && exists(file)));
+        // Files may have been deleted or moved since. None is outside of the folder, and none is the list.
+        let is_name = |file: &str| !file.contains(['/', '\\']) && ![".", "..", LIST].contains(&file);
+        rows.iter_mut().for_each(|row| row.files.retain(|file| is_name(file) && exists(file)));
         rows.retain(|row| !row.files.is_empty());
         let own = rows.iter().position(|row| row.target == target.name && row.name == name).map(|k| rows.remove(k));
         let is_own = |file: &String| own.as_ref().is_some_and(|own| own.files.contains(file));

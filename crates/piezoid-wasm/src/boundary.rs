@@ -50,8 +50,7 @@ pub(crate) unsafe extern "C" fn answer(address: *mut u8, length: usize) -> *mut 
     let request = unsafe { std::slice::from_raw_parts(address, length) };
     let mut tell = |stage: Stage| {
         // SAFETY: JavaScript reads the text during the call alone.
-        let goes_on =
-            unsafe { progress(stage.what.as_ptr(), stage.what.len(), stage.done as f64, stage.total as f64) };
+        let goes_on = unsafe { progress(stage.what.as_ptr(), stage.what.len(), stage.done as f64, stage.total as f64) };
         if goes_on == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let answer = piezoid_calls::answered(request, &mut tell);

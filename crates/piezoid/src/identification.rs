@@ -224,7 +224,7 @@ impl IdentifyOptions {
         let estimator = self.estimator.clone().unwrap_or(usual.estimator);
         linear::Estimator::find(&estimator)?;
         let operator = match &*self.operator {
-            "auto" => "auto",
+            names if crate::hysteresis::is_auto(names) => names,
             name => crate::hysteresis::Operator::find(name)?.name,
         };
         Ok(PaperOptions {

@@ -25,22 +25,28 @@ impl Units {
     ///
     /// ```
     /// assert_eq!(piezoid::Units::factor("mm", "um"), Some(1e3));
+    /// assert_eq!(piezoid::Units::factor("mV", "V"), Some(1e-3));
     /// assert_eq!(piezoid::Units::factor("counts", "um"), None);
     /// ```
     pub fn factor(from: &str, to: &str) -> Option<f64> {
-        // Powers of ten below the metre: the factor is then correctly rounded.
+        // Powers of ten below the metre and the volt: the factor is then correctly rounded.
         let below = |unit: &str| match unit {
-            "m" => Some(0),
-            "mm" => Some(3),
-            "um" => Some(6),
-            "nm" => Some(9),
+            "m" => Some(('m', 0)),
+            "mm" => Some(('m', 3)),
+            "um" => Some(('m', 6)),
+            "nm" => Some(('m', 9)),
+            "kV" => Some(('V', -3)),
+            "V" => Some(('V', 0)),
+            "mV" => Some(('V', 3)),
+            "uV" => Some(('V', 6)),
             _ => None,
         };
         if from == to {
             return Some(1.0);
         }
-        let power: i32 = below(to)? - below(from)?;
-        Some(if power >= 0 { 10f64.powi(power) } else { 1.0 / 10f64.powi(-power) })
+        let ((of, from), (into, to)) = (below(from)?, below(to)?);
+        let power: i32 = to - from;
+        (of == into).then(|| if power >= 0 { 10f64.powi(power) } else { 1.0 / 10f64.powi(-power) })
     }
 }
 

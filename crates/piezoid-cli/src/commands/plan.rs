@@ -5,6 +5,7 @@ use crate::files;
 use crate::flags::{Flags, failed};
 use crate::layout::table;
 use crate::values::Ended::Misused;
+use crate::values::apart;
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::PlanOptions;
@@ -39,6 +40,9 @@ pub(crate) struct Plan {
     /// The folder to write to; created if it does not exist.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
+    /// Write drives, use of the limits, notes and advice as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
 }
 
 impl Plan {
@@ -46,6 +50,8 @@ impl Plan {
         if self.output == Path::new("-") {
             bail!(Misused("-o must be a folder, because several files are written".into()));
         }
+        apart(&[self.json.as_deref()], &self.model.iter().collect::<Vec<_>>())?;
+        files::ready(&[self.json.as_deref()])?;
         let model = self.model.as_deref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
         let plan = self.options.0.run(model.as_ref()).map_err(failed)?;
         host::write_all(&self.output, &plan.files().map_err(failed)?)?;
@@ -69,6 +75,9 @@ impl Plan {
         if let Some(advice) = &plan.advice {
             text += &console.paragraph(advice, "");
         }
-        console.print(&text)
+        if self.json.as_deref() != Some(Path::new("-")) {
+            console.print(&text)?;
+        }
+        files::write_json(self.json.as_deref(), &plan.to_json(), console)
     }
 }

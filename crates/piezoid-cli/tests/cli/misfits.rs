@@ -60,7 +60,9 @@ fn units_are_converted_where_a_factor_is_known_and_refused_where_not() {
     ]);
     bench.write("mv.csv", micrometres.replacen("u_V", "u_mV", 1));
     bench.refused("validate --model model.json --data mv.csv").says(&["mv.csv", "mV", "convert"]);
-    bench.refused("simulate --model model.json --input mv.csv -o y.csv").says(&["mv.csv", "mV", "convert"]);
+    bench.run("simulate --model model.json --input mv.csv -o y.csv").ok();
+    bench.write("raw.csv", micrometres.replacen("u_V", "u_counts", 1));
+    bench.refused("simulate --model model.json --input raw.csv -o y.csv").says(&["raw.csv", "counts", "convert"]);
     bench.refused("identify --small-signal prbs.csv --large-signal mv.csv -o new.json").says(&["mV", "convert"]);
 }
 

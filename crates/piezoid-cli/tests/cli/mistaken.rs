@@ -61,6 +61,29 @@ fn a_rate_stated_as_a_period_is_named() {
 }
 
 #[test]
+fn volts_in_thousandths_are_converted() {
+    let bench = Bench::stocked();
+    let flags = "--ts 1ms --duration 0.5s -o";
+    bench.run(&format!("excite sine --amplitude 500 --frequency 5Hz --unit mV {flags} mv.csv")).ok();
+    bench.run(&format!("excite sine --amplitude 0.5V --frequency 5Hz {flags} v.csv")).ok();
+    for file in ["mv", "v"] {
+        bench.run(&format!("simulate {file}.csv --plant pl140 -o {file}_y.csv")).ok();
+    }
+    let last =
+        |file: &str| bench.text(file).lines().last().unwrap().rsplit(',').next().unwrap().parse::<f64>().unwrap();
+    let [mv, v] = [last("mv_y.csv"), last("v_y.csv")];
+    assert!((mv - v).abs() < 1e-9 && v != 0.0, "{mv} {v}");
+}
+
+#[test]
+fn a_negative_value_may_carry_its_unit() {
+    let bench = Bench::stocked();
+    bench.run("prepare sine20.csv --delay -0.35ms -o late.csv").ok().says(&["shifted later by 0.00035 s"]);
+    bench.run("plan --range -30V 30V --bandwidth 80 --driver pl140 -o drives --json plan.json").ok();
+    assert!(bench.text("plan.json").contains("\"file\": \"rise3_u.csv\""));
+}
+
+#[test]
 fn a_reference_in_another_unit_is_named() {
     let bench = Bench::stocked();
     for (unit, amplitude) in [("mm", "400"), ("um", "400000")] {

@@ -97,8 +97,8 @@ def identify(
     # linear and rich are the former names of small_signal and large_signal.
     given = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], _data(data, y, how)]
     small, large, everything = records = [[_record(source, how) for source in part] for part in given]
-    if everything and (small or large):
-        raise PiezoidError("give either data, or small_signal and large_signal, not both")
+    if everything and large:
+        raise PiezoidError("large_signal is the same as data: give the records in one of them")
     usual = {row["name"]: row["default"] for row in rows}
     changed = {name: value for name, value in options.items() if name == "method" or value != usual[name]}
     changed |= {} if target is None else {"target": target}

@@ -24,6 +24,7 @@ impl FeedForward {
         if !is_inside {
             let why = match times > FAR {
                 true => format!("this is {} times the stroke: check the unit of the reference", short(times)),
+                false if times <= 1.0 => "shift it into this range".into(),
                 false => "reduce its amplitude".into(),
             };
             return Error::Unreachable(format!(

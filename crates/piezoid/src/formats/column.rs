@@ -3,6 +3,7 @@
 use super::roles::Role;
 use super::selection::{ColumnSelection, Scale};
 use super::units::{self, Quantity};
+use super::words::{OUTPUT, TIME};
 use crate::Error;
 use crate::record::plain;
 
@@ -69,8 +70,10 @@ impl Column {
         let first = *self.samples.first()?;
         let unit = |power: i32| (9.4e8..4.1e9).contains(&(first / 10f64.powi(power)));
         let power = [0, 3, 6, 9].into_iter().find(|power| unit(*power))?;
-        let whole = self.samples.len() > 1 && self.samples.windows(2).all(|pair| pair[1] >= pair[0]);
-        whole.then(|| Quantity::Time(10f64.powi(-power)))
+        let rising = self.samples.len() > 1 && self.samples.windows(2).all(|pair| pair[1] >= pair[0]);
+        // Whole numbers near 1e9 are perhaps those of a counter.
+        let counts = power == 0 && !self.has_word(TIME) && self.samples.iter().all(|t| t.fract() == 0.0);
+        (rising && !counts && !self.has_word(OUTPUT)).then(|| Quantity::Time(10f64.powi(-power)))
     }
 
     /// True if it holds the numbers of a converter.
@@ -100,7 +103,10 @@ impl Column {
         let scale = scale.as_ref().map(|text| Scale::read(option, text)).transpose()?;
         let given = unit.as_ref().map(|unit| units::written(unit));
         Ok(match scale {
-            Some(Scale { factor, unit }) => (given.or(unit).unwrap_or_else(|| self.unit(role)), factor),
+            Some(scale) => {
+                let factor = scale.of(option, self.stated())?;
+                (given.or(scale.unit).unwrap_or_else(|| self.unit(role)), factor)
+            }
             None => (given.unwrap_or_else(|| self.unit(role)), 1.0),
         })
     }

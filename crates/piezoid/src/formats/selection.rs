@@ -137,13 +137,15 @@ impl Record {
     /// Returns an error for a text that is no factor other than 0, and for samples that would not be finite.
     pub fn scaled(&self, input: &str, output: &str) -> Result<Self, Error> {
         let scale = |option: &str, text: &str| match text.trim() {
-            "" => Ok(Scale { factor: 1.0, unit: None }),
+            "" => Ok(Scale { factor: 1.0, unit: None, per: None }),
             text => Scale::read(option, text),
         };
         let (u, y) = (scale("input_scale", input)?, scale("output_scale", output)?);
-        let by = |x: &[f64], scale: &Scale| x.iter().map(|x| x * scale.factor).collect();
-        let record = self.with_samples(self.ts(), by(self.u(), &u), by(self.y(), &y))?;
         let units = self.units().clone();
+        let of_u = u.of("input_scale", Some(&units.u))?;
+        let of_y = y.of("output_scale", Some(&units.y))?;
+        let by = |x: &[f64], factor: f64| x.iter().map(|x| x * factor).collect();
+        let record = self.with_samples(self.ts(), by(self.u(), of_u), by(self.y(), of_y))?;
         let record = record.with_units(Units { u: u.unit.unwrap_or(units.u), y: y.unit.unwrap_or(units.y) });
         let steps = [("input", input), ("output", output)].into_iter().filter(|(_, text)| !text.trim().is_empty());
         Ok(steps.fold(record, |record, (what, text)| record.with_step(format!("{what} scaled by {}", text.trim()))))
@@ -155,6 +157,8 @@ impl Record {
 pub(super) struct Scale {
     pub(super) factor: f64,
     pub(super) unit: Option<String>,
+    /// The unit that it applies to: V of `5um/V`.
+    pub(super) per: Option<String>,
 }
 
 impl Scale {
@@ -168,11 +172,27 @@ impl Scale {
         let end = ends.rev().find(|end| text[..*end].parse::<f64>().is_ok()).ok_or_else(refused)?;
         let factor = text[..end].parse::<f64>().ok().filter(|factor| factor.is_finite() && *factor != 0.0);
         let unit = text[end..].trim().trim_start_matches('*').trim();
-        let unit = unit.split_once('/').map_or(unit, |(unit, _)| unit);
-        Ok(Scale {
-            factor: factor.ok_or_else(refused)?,
-            unit: Some(units::written(unit)).filter(|unit| !unit.is_empty()),
-        })
+        let (unit, per) = unit.split_once('/').unwrap_or((unit, ""));
+        let written = |unit: &str| Some(units::written(unit)).filter(|unit| !unit.is_empty());
+        Ok(Scale { factor: factor.ok_or_else(refused)?, unit: written(unit), per: written(per) })
+    }
+
+    /// The factor for a column in a unit.
+    pub(super) fn of(&self, option: &str, unit: Option<&str>) -> Result<f64, Error> {
+        let (Some(per), Some(unit)) = (&self.per, unit.map(units::written)) else { return Ok(self.factor) };
+        let known = units::known(per).is_some() && units::known(&unit).is_some();
+        match Units::factor(&unit, per) {
+            Some(factor) => Ok(self.factor * factor),
+            None if !known => Ok(self.factor),
+            None => {
+                let rule = format!("is a factor for {per}, but the column is in {unit}: correct one of them");
+                Err(Error::parameter(
+                    option,
+                    format!("{}{}/{per}", self.factor, self.unit.clone().unwrap_or_default()),
+                    rule,
+                ))
+            }
+        }
     }
 }
 
@@ -183,18 +203,26 @@ mod tests {
     #[test]
     fn a_scale_is_a_factor_with_or_without_a_unit() {
         let read = |text| Scale::read("output_scale", text);
-        let scale = |factor, unit: Option<&str>| Scale { factor, unit: unit.map(String::from) };
+        let scale = |factor, unit: Option<&str>, per: Option<&str>| {
+            let [unit, per] = [unit, per].map(|unit| unit.map(String::from));
+            Scale { factor, unit, per }
+        };
         for (text, wanted) in [
-            ("20", scale(20.0, None)),
-            ("-5um/V", scale(-5.0, Some("um"))),
-            ("5e-3 \u{b5}m/V", scale(5e-3, Some("um"))),
-            ("0.1 mm/V", scale(0.1, Some("mm"))),
-            ("2 nm", scale(2.0, Some("nm"))),
+            ("20", scale(20.0, None, None)),
+            ("-5um/V", scale(-5.0, Some("um"), Some("V"))),
+            ("5e-3 \u{b5}m/V", scale(5e-3, Some("um"), Some("V"))),
+            ("0.1 mm/V", scale(0.1, Some("mm"), Some("V"))),
+            ("2 nm", scale(2.0, Some("nm"), None)),
         ] {
             assert_eq!(read(text).unwrap(), wanted, "{text}");
         }
         for text in ["", "um/V", "0", "inf", "nan", "0um/V"] {
             assert!(read(text).unwrap_err().to_string().contains("must be a factor"), "{text}");
         }
+        let of = |text, unit| read(text).unwrap().of("output_scale", unit);
+        assert_eq!((of("5um/V", Some("V")), of("5um/mV", Some("V"))), (Ok(5.0), Ok(5000.0)));
+        assert_eq!((of("5um/V", Some("mV")), of("5um/V", None), of("2", Some("mV"))), (Ok(0.005), Ok(5.0), Ok(2.0)));
+        let refused = of("5V/um", Some("V")).unwrap_err().to_string();
+        assert!(refused.contains("is a factor for um, but the column is in V"), "{refused}");
     }
 }

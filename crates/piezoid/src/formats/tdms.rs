@@ -14,6 +14,7 @@ use super::bytes::{NumberFormat, NumberKind, Unpacking, damaged, length, part, w
 use super::tree::{self, Node};
 use super::{Channel, Format, Table};
 use crate::Error;
+use std::collections::HashMap;
 
 /// The row of TDMS.
 pub(super) const ROW: Format = Format {
@@ -49,7 +50,13 @@ fn read(bytes: &[u8]) -> Result<Table, Error> {
     if bytes.starts_with(INDEX) {
         return Err(Error::Content("this is the index of a TDMS file: give the .tdms file beside it".into()));
     }
-    let mut reading = Reading { bytes, unpacking: Unpacking::of(bytes), objects: Vec::new(), list: Vec::new() };
+    let mut reading = Reading {
+        bytes,
+        unpacking: Unpacking::of(bytes),
+        objects: Vec::new(),
+        paths: HashMap::new(),
+        list: Vec::new(),
+    };
     let mut at = 0;
     while at < bytes.len() {
         at = reading.segment(at)?;
@@ -78,6 +85,8 @@ struct Object {
     /// The stored numbers, or a description if they are none.
     stored: Result<Vec<f64>, String>,
     place: Option<Place>,
+    /// True if it is in the list of the segment.
+    is_listed: bool,
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -99,6 +108,8 @@ struct Reading<'a> {
     bytes: &'a [u8],
     unpacking: Unpacking,
     objects: Vec<Object>,
+    /// Their places by their paths.
+    paths: HashMap<Vec<String>, usize>,
     /// The channels with raw data in a segment, in the order of their data.
     list: Vec<usize>,
 }
@@ -124,7 +135,7 @@ impl Reading<'_> {
         let raw = at + HEAD + length(bytes, at + 20, 8, big)?;
         if flags & METADATA > 0 {
             if flags & NEW_LIST > 0 {
-                self.list.clear();
+                self.list.drain(..).for_each(|index| self.objects[index].is_listed = false);
             }
             let mut cursor = Cursor { bytes, at: at + HEAD, big };
             for _ in 0..cursor.count()? {
@@ -139,16 +150,25 @@ impl Reading<'_> {
     /// Reads the metadata of one object.
     fn object(&mut self, cursor: &mut Cursor<'_>) -> Result<(), Error> {
         let path = names(&cursor.text()?);
-        let known = self.objects.iter().position(|channel| channel.path == path);
-        let index = known.unwrap_or_else(|| {
-            self.objects.push(Object { path, properties: Vec::new(), stored: Ok(Vec::new()), place: None });
-            self.objects.len() - 1
-        });
+        let index = *self.paths.entry(path.clone()).or_insert(self.objects.len());
+        if index == self.objects.len() {
+            self.objects.push(Object {
+                path,
+                properties: Vec::new(),
+                stored: Ok(Vec::new()),
+                place: None,
+                is_listed: false,
+            });
+        }
         let channel = &mut self.objects[index];
         match cursor.number(4)? {
-            NO_DATA => self.list.retain(|listed| *listed != index),
+            NO_DATA if channel.is_listed => {
+                channel.is_listed = false;
+                self.list.retain(|listed| *listed != index);
+            }
+            NO_DATA => {}
             AS_BEFORE => {
-                if !self.list.contains(&index) {
+                if !std::mem::replace(&mut channel.is_listed, true) {
                     self.list.push(index);
                 }
             }
@@ -157,7 +177,7 @@ impl Reading<'_> {
                 let many = |_| damaged("a chunk of too many values");
                 let text = if kind == TEXT { usize::try_from(cursor.number(8)?).map_err(many)? } else { 0 };
                 channel.place = Some(Place { kind, count: usize::try_from(count).map_err(many)?, text });
-                if !self.list.contains(&index) {
+                if !std::mem::replace(&mut channel.is_listed, true) {
                     self.list.push(index);
                 }
             }
@@ -198,6 +218,8 @@ impl Reading<'_> {
         if chunk == 0 {
             return Ok(());
         }
+        // Channels without values in a chunk would cost a pass each.
+        places.retain(|(_, _, _, bytes)| interleaved || *bytes > 0);
         let row: usize = places.iter().map(|(_, _, size, _)| size).sum();
         for chunk in data.chunks(chunk) {
             let mut at = 0;

@@ -13,6 +13,8 @@ use serde_json::Value;
 
 /// Allowed deviation from the median step, relative to it.
 const UNEVEN: f64 = 0.01;
+/// Relative difference of sampling periods that is rounding, as of a period beside its rate.
+const AGREED: f64 = 1e-3;
 
 /// The sampling period of the stamps `t`, in their unit; `line` is the line of a row.
 pub(super) fn period(t: &[f64], name: &str, line: &dyn Fn(usize) -> u64) -> Result<f64, Error> {
@@ -36,6 +38,13 @@ pub(super) fn period(t: &[f64], name: &str, line: &dyn Fn(usize) -> u64) -> Resu
         None => Ok(meant(t, mean)),
         Some(k) => refused(k + 1, uneven(&steps, k, median, mean)),
     }
+}
+
+/// The first of these periods, unless another differs by more than rounding.
+pub(super) fn agreed(periods: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut periods = periods.into_iter();
+    let first = periods.next()?;
+    periods.all(|ts| (ts / first - 1.0).abs() < AGREED).then_some(first)
 }
 
 /// The mean step.

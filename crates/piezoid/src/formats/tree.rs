@@ -8,11 +8,10 @@
 //! A channel has the name of its array; if there are several of one name, also those of the groups around it.
 
 use super::csv::stated_period;
+use super::time::agreed;
 use super::{Channel, Table, history};
 use std::collections::HashMap;
 
-/// Relative difference of sampling periods that is rounding, as of a period beside its rate.
-const ROUNDED: f64 = 1e-6;
 /// Fields that hold the samples of a structure that is one channel.
 const SAMPLES: [&str; 4] = ["values", "value", "data", "samples"];
 /// Fields that hold its name.
@@ -81,13 +80,6 @@ pub(super) fn table(content: Vec<(String, Node)>) -> Table {
         Channel { name, ts, ..channel }
     };
     Table { ts: only, steps, ..Table::of(channels.into_iter().map(named)) }
-}
-
-/// The first of these periods, unless another differs by more than rounding.
-fn agreed(periods: impl IntoIterator<Item = f64>) -> Option<f64> {
-    let mut periods = periods.into_iter();
-    let first = periods.next()?;
-    periods.all(|ts| (ts / first - 1.0).abs() < ROUNDED).then_some(first)
 }
 
 #[derive(Default)]

@@ -184,7 +184,7 @@ const AUTO: &str = "auto";
 
 /// True if a list of operators leaves the choice to the records.
 pub(crate) fn is_auto(names: &str) -> bool {
-    names.split(',').any(|name| name.trim() == AUTO)
+    names.split(',').any(|name| name.trim().eq_ignore_ascii_case(AUTO))
 }
 
 /// Writes an operator as `{"operator": name, ...params}`.

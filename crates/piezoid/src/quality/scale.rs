@@ -20,7 +20,7 @@ pub(crate) fn likely_cause(factor: f64, unit: &str) -> String {
     let steps = -(factor.abs().log10() / 3.0).round();
     let meant = LADDERS.iter().find_map(|ladder| {
         let own = ladder.iter().position(|name| *name == unit)?;
-        ladder.get(usize::try_from(own as i64 + steps as i64).ok()?)
+        ladder.get(usize::try_from((own as i64).saturating_add(steps as i64)).ok()?)
     });
     match meant {
         Some(meant) if steps != 0.0 && (factor.abs().log10() + 3.0 * steps).abs() < NEAR.log10() => {

@@ -90,11 +90,16 @@ impl Compensation {
     }
 
     /// The rms error to expect of the actuator [output unit]: that of the model on held-out records, over the same
-    /// peak-to-peak, and that which the inverse leaves. `None` if the file of the model does not say how good it is.
+    /// peak-to-peak, and that which the inverse leaves. The error of the model is not below its noise, nor below that
+    /// over a tenth of the stroke: smaller loops have not been measured. `None` if the file of the model does not say
+    /// how good it is.
     pub fn expected_rms(&self) -> Option<f64> {
+        const LEAST: f64 = 0.1;
         let (metrics, _) = self.metrics();
-        let of_model = 0.01 * self.verdict.as_ref()?.error_percent * metrics.peak_to_peak;
-        Some(of_model.hypot(metrics.rmse))
+        let (verdict, stroke) = (self.verdict.as_ref()?, self.reach.1 - self.reach.0);
+        let of_model = 0.01 * verdict.error_percent * metrics.peak_to_peak.max(LEAST * stroke);
+        let noise = 0.01 * verdict.noise_percent.unwrap_or(0.0) * stroke;
+        Some(of_model.max(noise).hypot(metrics.rmse))
     }
 
     /// The figures as a document. `rmse`, `max_abs` and `rms_pp_percent` are errors of the inverse alone, on the model.

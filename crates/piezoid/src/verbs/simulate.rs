@@ -51,7 +51,7 @@ impl SimulateOptions {
     /// # Errors
     /// Returns an error for a file without an input. The errors of [`Plant::new`].
     pub fn plant(&self, plant: &Spec, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
-        let Signal { ts, samples: u, .. } = input.input(columns)?;
+        let (ts, u) = input_in("V", input, columns)?;
         let plant = Plant::new(plant, ts)?.with_seed(self.seed);
         let mut x = self.before(&plant, &u);
         let y = plant.resume(&mut x, &u).iter().map(|y| y * 1e6).collect();
@@ -86,18 +86,24 @@ impl SimulateOptions {
     /// # Errors
     /// Returns an error for files without an input or a model, and for an input with another unit or sampling period.
     pub fn model(&self, model: &File, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
-        let Signal { ts, samples: u, unit } = input.input(columns)?;
         let model = model.model()?;
         let units = model.units().clone();
-        if unit != units.u {
-            let (what, wanted) = ("the input".into(), units.u);
-            return Err(Error::Units { what, found: unit, wanted }.of(&input.name));
-        }
+        let (ts, u) = input_in(&units.u, input, columns)?;
         Record::same_sampling("the model", model.ts(), "the input", ts).map_err(|e| e.of(&input.name))?;
         let mut x = model.before(&u, self.begin);
         let y = model.resume(&mut x, &u);
         Simulated { ts, u, y, units, reached: String::new() }.bounded()
     }
+}
+
+/// The sampling period and the input in a file, in a unit.
+fn input_in(wanted: &str, input: &File, columns: &ColumnSelection) -> Result<(f64, Vec<f64>), Error> {
+    let Signal { ts, samples, unit } = input.input(columns)?;
+    let Some(factor) = Units::factor(&unit, wanted) else {
+        let (what, wanted) = ("the input".into(), wanted.into());
+        return Err(Error::Units { what, found: unit, wanted }.of(&input.name));
+    };
+    Ok((ts, samples.iter().map(|u| u * factor).collect()))
 }
 
 impl Simulated {

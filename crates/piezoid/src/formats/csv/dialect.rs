@@ -22,6 +22,8 @@ pub(super) struct Dialect {
     pub(super) numeric: Vec<bool>,
     /// For every cell, true if most rows hold nothing there.
     empty: Vec<bool>,
+    /// True if numbers have decimal commas.
+    pub(super) commas: bool,
 }
 
 impl Dialect {
@@ -58,7 +60,14 @@ impl Dialect {
                 let empty = |k: usize| 2 * rows.iter().filter(|row| row[k] == Cell::Empty).count() > rows.len();
                 let [numeric, empty] =
                     [&numeric as &dyn Fn(usize) -> bool, &empty].map(|of| (0..width).map(of).collect());
-                best = (score, Some(Dialect { separator, numeric, empty }));
+                let comma = |line: &str| {
+                    cells(line, separator).flatten().any(|cell| matches!(number::read(cell), Some((_, Some(',')))))
+                };
+                let commas = samples.iter().flat_map(|sample| lines(sample)).any(|(_, line)| {
+                    row(line, separator).is_some_and(|row| row.len() == width && row.contains(&Cell::Number))
+                        && comma(line)
+                });
+                best = (score, Some(Dialect { separator, numeric, empty, commas }));
             }
         }
         best.1

@@ -12,6 +12,7 @@
 use super::cells::{SPACES, cells};
 use super::dialect::Dialect;
 use super::{REMARKS, number};
+use crate::formats::time::agreed;
 use crate::formats::units;
 
 /// Lines that set off a head from its rows and hold nothing: `data:`, `***End_of_Header***`.
@@ -98,7 +99,7 @@ impl Head {
             }
         }
         let texts: Vec<&str> = lines.iter().map(|(_, line)| uncommented(line)).collect();
-        head.ts = period(&texts, dialect.separator).or_else(|| head.increment());
+        head.ts = period(&texts, dialect).or_else(|| head.increment());
         // Above the numbers of rows nothing stands, not even a separator.
         if head.names.len() + 1 == width {
             head.names.insert(0, String::new());
@@ -222,10 +223,11 @@ fn is_one_of(words: &str, text: &str) -> bool {
     words.split_whitespace().any(|word| word == letters)
 }
 
-/// The sampling period [s] that a line states.
-fn period(lines: &[&str], separator: char) -> Option<f64> {
+/// The sampling period [s] that the lines state; `None` if they contradict each other.
+fn period(lines: &[&str], dialect: &Dialect) -> Option<f64> {
     // Between spaces, a line such as `rate: 2 kHz` is one cell.
-    let separator = if separator == SPACES { '\t' } else { separator };
+    let separator = if dialect.separator == SPACES { '\t' } else { dialect.separator };
+    let mut found = Vec::new();
     for (k, line) in lines.iter().enumerate() {
         let cells: Vec<&str> = cells(line, separator).map(Result::unwrap_or_default).collect();
         for (at, cell) in cells.iter().enumerate() {
@@ -236,13 +238,19 @@ fn period(lines: &[&str], separator: char) -> Option<f64> {
             let below = || lines.get(k + 1).and_then(|line| self::cells(line, separator).next()?.ok());
             let value = Some(value.trim()).filter(|value| !value.is_empty()).unwrap_or_else(|| next(at + 1));
             let value = if value.is_empty() { below().unwrap_or_default() } else { value };
-            let period = quantity(value, unit.unwrap_or_else(|| next(at + 2)), rate);
-            if period.is_some() {
-                return period;
+            // 2.000 is 2 or 2000 among decimal commas.
+            if dialect.commas && value.split_once('.').is_some_and(|(_, rest)| in_three(rest) && !value.contains(',')) {
+                continue;
             }
+            found.extend(quantity(value, unit.unwrap_or_else(|| next(at + 2)), rate));
         }
     }
-    None
+    agreed(found)
+}
+
+/// True if a text begins with three digits and not four.
+fn in_three(text: &str) -> bool {
+    text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len()) == 3
 }
 
 /// The factor of a unit of a rate or a period; `None` if it is none.
@@ -264,6 +272,10 @@ fn factor(unit: &str, rate: bool) -> Option<f64> {
 
 /// The period [s] in a text such as `2 kHz`, `0.5 ms` or `Analog:5e-4`; the unit may stand in the next cell.
 fn quantity(text: &str, next: &str, rate: bool) -> Option<f64> {
+    // A time of day is no period.
+    if text.matches(':').count() > 1 {
+        return None;
+    }
     let text = text.rsplit_once(':').map_or(text, |(_, value)| value).trim();
     let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.,eE".contains(c))).unwrap_or(text.len());
     let digits = text[..end].trim_end_matches([',', 'e', 'E']);
@@ -274,7 +286,8 @@ fn quantity(text: &str, next: &str, rate: bool) -> Option<f64> {
     let (value, _) = number::read(digits)?;
     let own = text[end..].trim().split([' ', ',']).next().unwrap_or_default();
     // The next cell may hold the unit, or something else.
-    let next = if own.is_empty() { factor(next, rate).or(Some(1.0)) } else { None };
+    let prefix = next.len() == 1 && next.chars().all(char::is_alphabetic);
+    let next = if own.is_empty() { factor(next, rate).or((!prefix).then_some(1.0)) } else { None };
     let factor = next.or_else(|| factor(own, rate))?;
     let period = if rate { 1.0 / (value * factor) } else { value * factor };
     Some(period).filter(|period| period.is_finite() && *period > 0.0)
@@ -359,6 +372,11 @@ mod tests {
             let ts = head(&format!("{above}{ROWS}")).ts;
             assert_eq!(ts, Some(wanted), "{above}");
         }
+        for unclear in ["Scan rate: 1 Hz\nSample rate: 2000 Hz\n", "# ts: 2024-03-05 14:07:09\n", "Sample rate,2,M\n"] {
+            assert_eq!(head(&format!("{unclear}t,u,y\n{ROWS}")).ts, None, "{unclear}");
+        }
+        let commas = |rate: &str| head(&format!("{rate}\nt;u;y\n0;1,5;2\n1;2,5;3\n2;2,7;3\n")).ts;
+        assert_eq!((commas("Rate: 2.000 Hz"), commas("Rate: 2.500,0 Hz")), (None, Some(4e-4)), "2 or 2000");
         assert_eq!(quantity("0,005 s", "", false), Some(5e-3));
         assert_eq!(quantity("2,000 Hz", "", true), None, "2 or 2000");
         assert_eq!(head(&format!("# sample rate: high\nt,u,y\n{ROWS}")).ts, None);

@@ -3,6 +3,7 @@
 use super::super::ColumnSelection;
 use super::super::column::Column;
 use super::super::roles::Role;
+use super::super::time;
 use super::Table;
 use crate::record::Record;
 use serde_json::{Value, json};
@@ -70,6 +71,7 @@ impl Table {
                 steps.push(format!("the unit of the {} is not stated: {assumed} is assumed", role.what()));
             }
         }
+        steps.extend(self.timing(selection));
         steps.extend(self.doubt(selection));
         if !guessed.is_empty() {
             steps.insert(0, format!("{}, by names and units", guessed.join(", ")));
@@ -83,12 +85,35 @@ impl Table {
         steps
     }
 
+    /// Where the sampling period comes from, if that is not a time in a stated unit.
+    fn timing(&self, selection: &ColumnSelection) -> Option<String> {
+        if selection.period() != Ok(None) {
+            return None;
+        }
+        match (Role::Time.find(self, selection), self.ts) {
+            (Ok(time), None) if time.quantity().is_none() && selection.time_unit.is_none() && time.name != "t_s" => {
+                Some("the unit of the time is not stated: s is assumed".into())
+            }
+            (Err(_), Some(ts)) if self.first > 0 => {
+                Some(format!("sampling period {ts} s, as the head of the file states"))
+            }
+            _ => None,
+        }
+    }
+
     /// A doubt about the sampling period that the user or the file states.
     fn doubt(&self, selection: &ColumnSelection) -> Option<String> {
-        let stamps = Role::Time.find(self, selection).ok().and_then(|time| self.period(time, selection, None).ok());
+        let time = Role::Time.find(self, selection).ok();
+        let stamps = time.and_then(|time| self.period(time, selection, None).ok());
         let differs = |a: f64, b: f64| (a / b - 1.0).abs() > DIFFERENT;
         let Some(stated) = selection.period().ok()? else {
-            let (stamps, own) = (stamps?, self.ts?);
+            let own = self.ts?;
+            if time.is_some_and(|time| time::period(&time.samples, "", &|_| 0).is_err()) {
+                return Some(format!(
+                    "the times are uneven or rounded: the sampling period of {own} s that the file states is used"
+                ));
+            }
+            let stamps = stamps?;
             let steps = "the time column is used, which has steps of";
             return differs(stamps, own)
                 .then(|| format!("the file states a sampling period of {own} s: {steps} {stamps} s"));

@@ -47,6 +47,9 @@ enum What {
     Damping(Pole),
 }
 
+/// Pivot of a scaled information matrix below which a parameter cannot be told from the others.
+const SINGULAR: f64 = 1e-9;
+
 /// The sentence on the largest uncertainty and the drive that lowers it.
 pub(super) fn advise(model: &Model, plan: &Plan) -> Result<String, Error> {
     let none = |because: &str| Error::Unsuited { what: "advice".into(), because: because.into() };
@@ -74,7 +77,9 @@ pub(super) fn advise(model: &Model, plan: &Plan) -> Result<String, Error> {
     let stated = if error.is_finite() { told(*error) } else { "unknown".into() };
     let begin =
         format!("The largest uncertainty is the {} ({}, standard error {stated})", known[worst].shown, told(*value));
-    let after = |n: u32| Some((n, expected(&known, worst, &gained, n))).filter(|(_, after)| *after <= 0.5 * error);
+    let after = |n: u32| {
+        Some((n, expected(&known, worst, &gained, n))).filter(|(_, after)| after.is_finite() && *after <= 0.5 * error)
+    };
     Ok(match (1..=REPEATED).find_map(after) {
         Some((1, after)) => {
             format!("{begin}: record {name}_u.csv, which is expected to lower it to {}.", told(after))
@@ -93,8 +98,14 @@ pub(super) fn expected(known: &[Uncertain], k: usize, information: &DMatrix<f64>
     for (k, p) in known.iter().enumerate() {
         all[(k, k)] += (p.value / p.error).powi(2);
     }
-    let inverse = all.cholesky().map(|all| all.inverse());
-    inverse.map_or(f64::INFINITY, |inverse| inverse[(k, k)].sqrt() * known[k].value.abs())
+    // Of a unit diagonal, the pivots tell how much of a parameter the others cannot imitate.
+    let scale: Vec<f64> = all.diagonal().iter().map(|d| d.sqrt().recip()).collect();
+    let unit = DMatrix::from_fn(all.nrows(), all.ncols(), |i, j| all[(i, j)] * scale[i] * scale[j]);
+    let Some(factor) = unit.cholesky().filter(|factor| factor.l_dirty().diagonal().iter().all(|l| l * l > SINGULAR))
+    else {
+        return f64::INFINITY;
+    };
+    factor.inverse()[(k, k)].sqrt() * scale[k] * known[k].value.abs()
 }
 
 /// The creep gains and modes of the model whose standard errors its file states.

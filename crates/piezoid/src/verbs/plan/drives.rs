@@ -21,8 +21,15 @@ const PATH: f64 = 0.9;
 /// Smallest amplitude that is still useful, as a share of the wanted one.
 const LEAST: f64 = 0.05;
 
-/// Longest creep record [s].
+/// Longest creep record [s], and its fewest samples.
 const CREEP: f64 = 60.0;
+const POINTS: usize = 240;
+
+/// Longest time of the moves of the creep record that dynamics need, as a share of it.
+const MOVES: f64 = 1.0 / 24.0;
+
+/// Time over which a driver warms up [s]: its continuous current is a mean over it.
+const WARM: f64 = 1.0;
 
 /// Periods in which the rising sines grow, from the slowest to the fastest. Fast ones are short, so they may have more.
 const PERIODS: [usize; 3] = [12, 20, 40];
@@ -105,23 +112,24 @@ fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<Planned
     rig.drive(name, purpose, &shape, RISE * rig.half(), &what, notes)
 }
 
-/// A step up and a step down, each held. Nothing rings: the moves take two periods of the bandwidth or more.
+/// A step up and a step down, each held. Nothing rings: the moves take two periods of the bandwidth, or
+/// seconds.
 fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     const STEEPEST: f64 = 1.875; // slope of `moved`
     let (ts, a) = (rig.ts, STEP * rig.half());
-    let n = ((CREEP / ts) as usize).min(MOST);
+    let n = ((CREEP / ts) as usize).clamp(POINTS, MOST);
+    let unhurried = (2.0 / rig.bandwidth).min(MOVES * n as f64 * ts);
     let fastest = PART * rig.limits.fastest();
-    let move_of = |volts: f64| ((STEEPEST * volts / fastest).max(2.0 / rig.bandwidth) / ts).ceil() as usize + 1;
+    let move_of = |volts: f64| ((STEEPEST * volts / fastest).max(unhurried) / ts).ceil() as usize + 1;
     let (single, double) = (move_of(a), move_of(2.0 * a));
     let moves = 2 * single + double;
     if 4 * moves > n {
-        let seconds = [moves, n].map(|n| round(n as f64 * ts));
+        let [took, most] = [moves as f64, n as f64 / 4.0].map(|n| round(n * ts));
         let rule = format!(
-            "the moves of the creep record take {} s of at most {} s: raise the bandwidth, sample slower or take a \
-             driver with more current",
-            seconds[0], seconds[1]
+            "is too large for the creep record: its moves take {took} s, but must take less than {most} s; take a \
+             smaller range or a driver with more current"
         );
-        return Err(Error::parameter("bandwidth", format!("{} Hz", rig.bandwidth), rule));
+        return Err(Error::parameter("range", format!("{} {}", round(rig.low), round(rig.high)), rule));
     }
     let hold = (n - moves) / 2;
     let mut shape = Vec::with_capacity(n);
@@ -164,14 +172,19 @@ impl Rig {
     ) -> Result<PlannedDrive, Error> {
         let peak = shape.iter().fold(0.0, |peak: f64, s| peak.max(s.abs()));
         let step = shape.windows(2).fold(0.0, |most: f64, w| most.max((w[1] - w[0]).abs()));
-        let fastest = self.limits.fastest();
-        let allowed = PART * fastest * self.ts * peak / step;
+        // Of peak and rms, that which leaves less.
+        let peaks = (self.limits.fastest(), step);
+        let lasting = (self.continuous, busiest(shape, (WARM / self.ts) as usize));
+        let left = |(limit, step): (f64, f64)| PART * limit * self.ts * peak / step;
+        let ((fastest, step), kind) =
+            if left(lasting) < left(peaks) { (lasting, " continuously") } else { (peaks, "") };
+        let allowed = left((fastest, step));
         let amplitude = wanted.min(allowed);
         let [wants, allows] = [wanted, allowed].map(|volts| quantity((1e3 * volts).round() / 1e3, "V"));
         if amplitude < LEAST * wanted {
             let (slew, limit) = (quantity(step / peak * wanted / self.ts, "V/s"), quantity(fastest, "V/s"));
             let rule = format!(
-                "{what} of {wants} slews {slew}, but driver and load allow {limit} ({allows}): lower the bandwidth or \
+                "{what} of {wants} slews {slew}{kind}, but driver and load allow {limit} ({allows}): lower the bandwidth or \
                  the range, or take a driver with more current"
             );
             return Err(Error::parameter("bandwidth", format!("{} Hz", self.bandwidth), rule));
@@ -180,7 +193,7 @@ impl Rig {
             let percent = round((1e2 * amplitude / wanted).round());
             notes.push(format!(
                 "{name}_u.csv: amplitude reduced from {wants} to {allows} ({percent} %), which uses {} % of the slew or \
-                 current limit",
+                 current{kind}",
                 100.0 * PART
             ));
         }
@@ -189,6 +202,19 @@ impl Rig {
         let usage = self.limits.refuse(&u, self.ts)?;
         Ok(PlannedDrive { name, purpose, u, usage })
     }
+}
+
+/// The largest rms step of a shape over so many samples.
+fn busiest(shape: &[f64], samples: usize) -> f64 {
+    let squares: Vec<f64> = shape.windows(2).map(|w| (w[1] - w[0]).powi(2)).collect();
+    let window = samples.clamp(1, squares.len().max(1));
+    let mut sum: f64 = squares.iter().take(window).sum();
+    let mut most = sum;
+    for (new, old) in squares.iter().skip(window).zip(&squares) {
+        sum += new - old;
+        most = most.max(sum);
+    }
+    (most / window as f64).sqrt()
 }
 
 /// From 0 to 1 without a corner.

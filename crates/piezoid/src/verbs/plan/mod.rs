@@ -11,13 +11,14 @@ mod tests;
 
 use super::File;
 use crate::error::Error;
-use crate::excitation::{Actuator, LimitOptions, Limits, Usage};
+use crate::excitation::{Actuator, Amplifier, LimitOptions, Limits, Usage};
 use crate::formats::Table;
 use crate::hammerstein::Model;
 use crate::number::{quantity, round};
 use crate::options::{OptionKind, OptionRow, options};
 use crate::record::Record;
 use crate::system::System;
+use serde_json::{Value, json};
 
 /// Maximum number of samples of a drive: identification takes minutes beyond it.
 const MOST: usize = 200_000;
@@ -105,6 +106,8 @@ struct Rig {
     bandwidth: f64,
     resonance: Option<f64>,
     limits: Limits,
+    /// The slew, rms, that the driver gives continuously [V/s]; infinite if that is unknown.
+    continuous: f64,
     driver: Option<String>,
     actuator: Option<&'static Actuator>,
 }
@@ -160,6 +163,19 @@ impl PlanOptions {
         }
         let mut limits = limits.unwrap_or_default();
         let driver = given.driver.as_ref().map_or("the driver".into(), |name| format!("driver `{name}`"));
+        if let (Some(Actuator { kind: "bender", name, .. }), Some((least, most))) =
+            (actuator, limits.low.zip(limits.high))
+            && least != -most
+        {
+            let range = format!("{} {}", round(low), round(high));
+            let rule = format!(
+                "is about the middle of the supply of the bender `{name}`, but {driver} gives {} to {} V: name a driver \
+                 with limits about that middle, such as pl140, or give its limits in place of its name",
+                round(least),
+                round(most)
+            );
+            return Err(Error::parameter("range", range, rule));
+        }
         let allowed = actuator.map(|a| (format!("actuator `{}` allows", a.name), Some(a.low), Some(a.high)));
         for (who, least, most) in [(format!("{driver} gives"), limits.low, limits.high)].into_iter().chain(allowed) {
             if least.is_some_and(|least| low < least) || most.is_some_and(|most| high > most) {
@@ -187,7 +203,10 @@ impl PlanOptions {
             return Err(Error::parameter("bandwidth", format!("{} Hz", self.bandwidth), rule));
         }
         let (bandwidth, driver) = (self.bandwidth, given.driver);
-        Ok(Rig { ts, low, high, bandwidth, resonance, limits, driver, actuator })
+        let amplifier = driver.as_deref().map(Amplifier::find).transpose()?;
+        let current = amplifier.and_then(|amplifier| amplifier.continuous);
+        let continuous = current.zip(limits.capacitance).map_or(f64::INFINITY, |(current, farad)| current / farad);
+        Ok(Rig { ts, low, high, bandwidth, resonance, limits, continuous, driver, actuator })
     }
 
     /// The sampling period: 1, 2 or 5 times a power of ten.
@@ -229,6 +248,18 @@ impl Plan {
         };
         let page = || Ok(File::new("plan.md", self.page()));
         self.drives.iter().map(drive).chain(std::iter::once_with(page)).collect()
+    }
+
+    /// The plan as a document, without the voltages.
+    pub fn to_json(&self) -> Value {
+        let one = |drive: &PlannedDrive| {
+            json!({
+                "name": drive.name, "file": drive.file(), "purpose": drive.purpose, "duration": self.duration(drive),
+                "percent": drive.percent(), "usage": drive.usage,
+            })
+        };
+        let drives: Vec<_> = self.drives.iter().map(one).collect();
+        json!({"ts": self.ts, "drives": drives, "notes": self.notes, "advice": self.advice})
     }
 
     /// Length of a drive [s].

@@ -191,3 +191,37 @@ fn the_expected_standard_error_is_that_of_theory() {
         assert_close(&[expected(&known, 0, &found, records)], &[theory], 0.05, 0.0);
     }
 }
+
+#[test]
+fn a_bender_is_not_planned_for_a_driver_whose_limits_are_not_about_its_middle() {
+    let told = refusal(json!({"bandwidth": 20, "driver": "e-610", "actuator": "pl140"}));
+    assert!(told.contains("is about the middle of the supply of the bender `pl140`"), "{told}");
+    assert!(planned(json!({"bandwidth": 20, "driver": "pl140", "actuator": "pl140"})).is_ok());
+}
+
+#[test]
+fn the_current_of_every_second_is_one_that_the_driver_gives_continuously() {
+    let plan = planned(json!({"range": [-50, 50], "bandwidth": 50, "driver": "bd150", "capacitance": 5e-6})).unwrap();
+    let limit = crate::excitation::Amplifier::find("bd150").unwrap().continuous.unwrap();
+    for PlannedDrive { name, u, .. } in &plan.drives {
+        let squares: Vec<f64> = u.windows(2).map(|w| (5e-6 * (w[1] - w[0]) / plan.ts).powi(2)).collect();
+        let second = ((1.0 / plan.ts) as usize).min(squares.len());
+        let rms = squares.windows(second).map(|w| w.iter().sum::<f64>() / second as f64).fold(0.0, f64::max).sqrt();
+        assert!(rms <= 0.9 * limit * (1.0 + 1e-6), "{name}: {rms} A of {limit} A");
+    }
+    assert!(plan.notes.join("; ").contains("of the slew or current continuously"), "{:?}", plan.notes);
+}
+
+#[test]
+fn a_low_bandwidth_shortens_the_moves_of_the_creep_record() {
+    let slow = planned(json!({"range": [0, 1], "bandwidth": 0.3})).unwrap();
+    assert!(slow.drives[4].u.len() as f64 * slow.ts < 60.01);
+    assert!(planned(json!({"range": [0, 1], "bandwidth": 0.001, "ts": 90})).is_ok());
+}
+
+#[test]
+fn a_parameter_that_others_imitate_gets_no_smaller_by_more_records() {
+    let known = [uncertain(&model(f64::INFINITY, 1.0)), uncertain(&model(f64::INFINITY, 1.0))].concat();
+    let same = nalgebra::DMatrix::from_element(known.len(), known.len(), 1.0);
+    assert_eq!(expected(&known, 0, &same, 1), f64::INFINITY);
+}
