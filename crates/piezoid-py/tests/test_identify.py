@@ -82,9 +82,10 @@ def test_the_former_names_of_records_still_work(small: pz.Record, rich: pz.Recor
     assert pz.identify(linear=small, rich=rich, operator="prandtl-ishlinskii") == model
 
 
-def test_records_for_everything_go_alone(small: pz.Record, rich: pz.Record) -> None:
-    with pytest.raises(pz.PiezoidError, match="either data, or small_signal and large_signal"):
-        pz.identify(data=rich, small_signal=small)
+def test_data_beside_small_signals_are_large_signals(small: pz.Record, rich: pz.Record, model: pz.Model) -> None:
+    assert pz.identify([rich], small_signal=[small], operator="prandtl-ishlinskii") == model
+    with pytest.raises(pz.PiezoidError, match="large_signal is the same as data"):
+        pz.identify(data=rich, large_signal=rich)
     with pytest.raises(pz.PiezoidError, match="0 samples"):
         pz.identify()
 
