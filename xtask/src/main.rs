@@ -96,7 +96,8 @@ fn test() -> Result<(), String> {
     Ok(())
 }
 
-/// Checks that the core compiles without its feature, and with the verbs for web browsers; in CI a missing target is an error.
+/// Checks that the core compiles without its feature, and with the verbs for web browsers; in CI a missing target is
+/// an error.
 fn core_alone(skipped: &mut Skipped) -> Result<(), String> {
     let bare = ["check", "--package", "piezoid", "--no-default-features"];
     step(&mut cargo(&bare))?;

@@ -1,4 +1,4 @@
-//! What is told of how a table is read: its columns with their roles, a profile, what was guessed, and what is doubtful.
+//! What is told of how a table is read: columns with their roles, a profile, what was guessed, what is doubtful.
 
 use super::super::ColumnSelection;
 use super::super::column::Column;
