@@ -26,7 +26,7 @@ pub use table::{Cell, PageTable};
 pub use text::Text;
 pub(crate) use text::sentence;
 
-use crate::plot::{Figure, escape};
+use crate::plot::{Figure, shown};
 use section::Numbering;
 use std::fmt::Write;
 
@@ -60,7 +60,7 @@ impl Page {
 
     /// The document.
     pub fn html(&self) -> String {
-        let (title, subtitle) = (escape(&self.title), escape(&self.subtitle));
+        let (title, subtitle) = (shown(&self.title), shown(&self.subtitle));
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
@@ -81,7 +81,7 @@ impl Page {
                 continue;
             }
             n += 1;
-            let title = escape(section.title());
+            let title = shown(section.title());
             let _ = writeln!(out, "<section id=\"section-{n}\" class=\"section\">");
             let _ = writeln!(out, "<h2><span class=\"no\">{n}</span> {title}</h2>");
             section.write(&mut out, &mut numbers);
@@ -96,9 +96,7 @@ impl Page {
         let titles = self.sections.iter().map(Section::title).filter(|t| !t.is_empty());
         let items: Vec<String> = (1..)
             .zip(titles)
-            .map(|(n, t)| {
-                format!("<li><a href=\"#section-{n}\"><span class=\"no\">{n}</span> {}</a></li>\n", escape(t))
-            })
+            .map(|(n, t)| format!("<li><a href=\"#section-{n}\"><span class=\"no\">{n}</span> {}</a></li>\n", shown(t)))
             .collect();
         if items.len() > 1 {
             let _ = writeln!(out, "<nav aria-label=\"Contents\">\n<ol>\n{}</ol>\n</nav>", items.concat());

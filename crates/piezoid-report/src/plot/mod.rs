@@ -42,7 +42,7 @@ pub use axes::Axes;
 pub use axis::Axis;
 pub use palette::Role;
 pub use series::Series;
-pub(crate) use text::escape;
+pub(crate) use text::{escape, shown};
 
 use panel::{Panel, RIGHT};
 use path::Point;
@@ -88,6 +88,11 @@ impl Figure {
         Figure { panel: [280.0, 270.0], ..self }
     }
 
+    /// Panels of 440 by 330 units, for two in a row.
+    pub fn medium(self) -> Self {
+        Figure { panel: [440.0, 330.0], ..self }
+    }
+
     /// Panels side by side in rows of `columns`, each with its own axes.
     pub fn columns(self, columns: usize) -> Self {
         Figure { columns: columns.max(1), ..self }
@@ -96,6 +101,18 @@ impl Figure {
     /// Panels one below the other with a common x axis, labelled at the lowest.
     pub fn stacked(self) -> Self {
         Figure { stacked: true, columns: 1, ..self }
+    }
+
+    /// One legend for several figures, as a list for a page with [`Figure::style`]; empty without names.
+    pub(crate) fn legend(figures: &[Figure]) -> String {
+        legend::shared(figures.iter().flat_map(|f| &f.panels).flat_map(|axes| &axes.series))
+    }
+
+    /// The same figure without a legend of its own.
+    pub(crate) fn without_legend(mut self) -> Self {
+        let series = self.panels.iter_mut().flat_map(|axes| &mut axes.series);
+        series.for_each(|s| s.name.clear());
+        self
     }
 
     /// Its title.
@@ -129,7 +146,7 @@ impl Figure {
     /// The opening tag, with title and description for screen readers.
     fn head(&self, window: &str, attributes: &str) -> String {
         let wide = if self.grows() { " pz-wide" } else { "" };
-        let (title, caption) = (escape(&self.title), escape(&self.caption));
+        let (title, caption) = (shown(&self.title), shown(&self.caption));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"pz-fig{wide}\" viewBox=\"{window}\"{attributes} \
              role=\"img\" font-family=\"sans-serif\" font-size=\"15\">\n\
