@@ -1,6 +1,7 @@
 //! The reports: on a model and its validation, block by block, and on control schemes.
 
 mod creep;
+mod cycles;
 mod errors;
 mod hysteresis;
 mod linear;
