@@ -149,6 +149,17 @@ mod tests {
     }
 
     #[test]
+    fn figures_side_by_side_share_one_legend() {
+        let figure = |k: u8| {
+            let series = |name| Series::line(&[0.0, 1.0], &[0.0, f64::from(k)]).named(name);
+            Figure::new("", "").panel(Axes::new("u [V]", "y [um]").with(series("measured")).with(series("model")))
+        };
+        let html = Page::new("").section(Section::new("").figures(2, "Loops", "", (0..8).map(figure))).html();
+        assert_eq!((html.matches(">model<").count(), html.matches("</svg>model</li>").count()), (1, 1), "{html}");
+        assert_eq!((html.matches("y [µm]").count(), html.matches("um]").count()), (8, 0), "units as people read them");
+    }
+
+    #[test]
     fn a_page_needs_nothing_from_outside_and_is_reproducible() {
         let html = page().html();
         for outside in [" src=", "@import", "url(", "<link"] {

@@ -109,10 +109,8 @@ impl Figure {
     }
 
     /// The same figure without a legend of its own.
-    pub(crate) fn without_legend(mut self) -> Self {
-        let series = self.panels.iter_mut().flat_map(|axes| &mut axes.series);
-        series.for_each(|s| s.name.clear());
-        self
+    pub(crate) fn without_legend(self) -> Self {
+        Figure { panels: self.panels.into_iter().map(Axes::unnamed).collect(), ..self }
     }
 
     /// Its title.
@@ -270,6 +268,23 @@ mod tests {
             let bytes = Figure::new("huge", "").panel(Axes::new("x", "y").with(series)).svg().len();
             assert!(bytes < 60_000, "series {i}: {bytes} bytes");
         }
+    }
+
+    #[test]
+    fn a_measurement_is_drawn_wide_below_a_model_that_was_added_before_it() {
+        let (model, measured) = (Series::line(&ramp(3), &ramp(3)), Series::wide(&ramp(3), &ramp(3)));
+        let text = Figure::new("", "").panel(Axes::new("t", "y").with(model).with(measured)).inline();
+        let at = |class: &str| text.find(class).unwrap_or_else(|| panic!("{class}: {text}"));
+        assert!(at("class=\"pz-under\"") < at("class=\"pz-line\""), "{text}");
+    }
+
+    #[test]
+    fn lines_that_coincide_differ_in_their_dashes() {
+        let line = |k| Series::line(&ramp(3), &ramp(3)).dashes(k);
+        let drawn = |k| Figure::new("", "").panel(Axes::new("t", "y").with(line(k))).inline();
+        let all: std::collections::BTreeSet<String> = (0..5).map(drawn).collect();
+        assert_eq!(all.len(), 5);
+        assert!(!drawn(0).contains("stroke-dasharray:") && drawn(1).contains("stroke-dasharray:9 6"));
     }
 
     #[test]

@@ -5,11 +5,12 @@
 
 use piezoid::Record;
 use piezoid::number::short;
+use piezoid::series::ends;
 use piezoid::waveform::{Cycle, cycles};
 use std::ops::Range;
 
-/// Largest number of samples drawn of an input without cycles.
-const SHOWN: usize = 4000;
+/// Number of samples drawn of an input without cycles: more of them are a filled area.
+const SHOWN: usize = 400;
 
 /// Amplitudes of the loops drawn, relative to the largest.
 const AMPLITUDES: [f64; 3] = [1.0, 0.55, 0.2];
@@ -20,20 +21,26 @@ const DIFFERENT: f64 = 1.15;
 /// Number of periods that a plot over time shows.
 const PERIODS: usize = 8;
 
-/// Samples to draw, and the words for the caption.
+/// Samples of the loops to draw, and the words for the caption.
 #[derive(Debug, PartialEq)]
 pub(super) struct Drawn {
     pub(super) parts: Vec<Range<usize>>,
     pub(super) words: String,
 }
 
-/// The loops to draw of a record from sample `start` on: one for each of a few amplitudes, or else frequencies.
-pub(super) fn loops(record: &Record, start: usize) -> Drawn {
+/// The loops to draw of a record from sample `start` on: one for each of a few amplitudes, or else frequencies. Without
+/// cycles, a part around sample `about`; `None` for an input of two values, which has no loops.
+pub(super) fn loops(record: &Record, start: usize, about: usize) -> Option<Drawn> {
     let found = cycles(&record.u()[start..], record.ts());
     let (amplitude, hz): (Value, Value) = (|c| c.amplitude, |c| c.hz);
     let unit = &record.units().u;
+    if found.is_empty() {
+        let (low, high) = ends(record.u()[start..].iter().copied());
+        let binary = record.u()[start..].iter().all(|u| *u == low || *u == high);
+        let (part, words) = part(record, start, about);
+        return (!binary).then(|| Drawn { parts: vec![part], words: format!("They are drawn{words}.") });
+    }
     let (mut chosen, what) = match spread(&found, amplitude) {
-        _ if found.is_empty() => return first_part(record, start),
         many if many > DIFFERENT => (AMPLITUDES.map(|share| near(&found, amplitude, share * many)).to_vec(), true),
         _ => match spread(&found, hz) {
             many if many > DIFFERENT => ([many, many.sqrt(), 1.0].map(|x| near(&found, hz, x)).to_vec(), false),
@@ -54,22 +61,24 @@ pub(super) fn loops(record: &Record, start: usize) -> Drawn {
         ([], _) => String::new(),
     };
     let part = |k: usize| start + found[k].samples.start..start + found[k].samples.end;
-    Drawn { parts: chosen.into_iter().map(part).collect(), words }
+    Some(Drawn { parts: chosen.into_iter().map(part).collect(), words })
 }
 
-/// The samples of a plot over time: a few periods about sample `about`, or all if they are few.
-pub(super) fn periods(record: &Record, start: usize, about: usize) -> Drawn {
+/// The samples of a plot over time, and the words for its caption: a few periods around sample `about`, or all if they
+/// are few.
+pub(super) fn periods(record: &Record, start: usize, about: usize) -> (Range<usize>, String) {
     let found = cycles(&record.u()[start..], record.ts());
+    if found.is_empty() {
+        return part(record, start, about);
+    }
     if found.len() <= 2 * PERIODS {
-        let first = first_part(record, start);
-        let words = if first.parts[0].end < record.len() { " over the first part of the record" } else { "" };
-        return Drawn { words: words.into(), ..first };
+        return (start..record.len(), String::new());
     }
     let at = found.iter().position(|c| c.samples.end > about - start.min(about)).unwrap_or(found.len() - 1);
     let first = at.saturating_sub(PERIODS / 2).min(found.len() - PERIODS);
     let part = start + found[first].samples.start..start + found[first + PERIODS - 1].samples.end;
     let n = found.len();
-    Drawn { parts: vec![part], words: format!(" over {PERIODS} of {n} periods, at the largest residual") }
+    (part, format!(" over {PERIODS} of {n} periods, at the largest residual"))
 }
 
 type Value = fn(&Cycle) -> f64;
@@ -87,20 +96,22 @@ fn near(found: &[Cycle], of: Value, times: f64) -> usize {
     (0..found.len()).rev().min_by(|i, j| off(i).total_cmp(&off(j))).unwrap_or(0)
 }
 
-fn first_part(record: &Record, start: usize) -> Drawn {
-    let end = record.len().min(start + SHOWN);
-    let words =
-        if end < record.len() { "Drawn is the first part of the record." } else { "Drawn is the whole record." };
-    Drawn { parts: vec![start..end], words: words.into() }
+/// A part of the record around sample `about`.
+fn part(record: &Record, start: usize, about: usize) -> (Range<usize>, String) {
+    let first = about.saturating_sub(SHOWN / 2).min(record.len().saturating_sub(SHOWN)).max(start);
+    let part = first..record.len().min(first + SHOWN);
+    let all = part == (start..record.len());
+    let words = if all { String::new() } else { format!(" over {} samples, at the largest residual", part.len()) };
+    (part, words)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use piezoid::excitation::{Chirp, Prbs, RisingSine, Sine};
+    use piezoid::excitation::{Chirp, Multisine, Prbs, RisingSine, Sine};
 
     fn drawn(u: Vec<f64>) -> Drawn {
-        loops(&Record::new(5e-4, u.clone(), u).unwrap(), 0)
+        loops(&Record::new(5e-4, u.clone(), u).unwrap(), 0, 0).unwrap()
     }
 
     #[test]
@@ -118,14 +129,21 @@ mod tests {
         let words = drawn(sweep.samples(5e-4, 8000).unwrap()).words;
         assert!(words.contains("of frequency "), "{words}");
         let sine = Sine { amplitude: 3.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 2000).unwrap();
-        let one =
-            Drawn { parts: vec![1500..1901], words: "Drawn is the last of 4 cycles, of amplitude 3.000 V.".into() };
-        assert_eq!(drawn(sine), one);
+        let Drawn { parts, words } = drawn(sine);
+        assert_eq!((parts[0].clone(), parts.len()), (1500..1901, 1));
+        assert_eq!(words, "Drawn is the last of 4 cycles, of amplitude 3.000 V.");
     }
 
     #[test]
-    fn an_input_without_cycles_is_drawn_from_its_start() {
-        let Drawn { parts, words } = drawn(Prbs::default().samples(5e-4, 5000).unwrap());
-        assert_eq!((&parts[..], words.contains("first part")), (&[0..4000][..], true));
+    fn an_input_without_cycles_is_drawn_in_part_and_a_binary_one_has_no_loops() {
+        let of = |u: Vec<f64>| Record::new(5e-4, u.clone(), u).unwrap();
+        let binary = of(Prbs::default().samples(5e-4, 5000).unwrap());
+        assert_eq!(loops(&binary, 0, 4990), None);
+        assert_eq!(periods(&binary, 0, 4990).0, 4600..5000);
+        let wide = Multisine { frequency_high: 300.0, seed: 3, ..Multisine::default() };
+        let Drawn { parts, words } = loops(&of(wide.samples(5e-4, 4000).unwrap()), 100, 150).unwrap();
+        assert_eq!((parts[0].clone(), words.contains("400 samples")), (100..500, true), "{words}");
+        let all = periods(&of(vec![0.0, 1.0, 1.0, 0.0]), 0, 2);
+        assert_eq!(all, (0..4, String::new()));
     }
 }

@@ -18,10 +18,13 @@ pub(super) fn by_all(section: Section, records: &[Compared]) -> Section {
 
 /// The series of errors by frequency. Bands of a spectrum are joined, but not cycles: they are of different amplitudes.
 fn by_source(bins: &[Bin]) -> Vec<Series> {
-    let of = |source| bins.iter().filter(|b| b.source == source).map(|b| (b.at, b.nrmse_percent)).unzip();
-    let (cycles, spectrum): ((Vec<f64>, Vec<f64>), (Vec<f64>, Vec<f64>)) = (of(Source::Cycles), of(Source::Spectrum));
-    let cycles = Series::points(&cycles.0, &cycles.1).role(Role::Accent1).named("cycles");
-    let spectrum = Series::marked(&spectrum.0, &spectrum.1).role(Role::Accent2).named("spectrum");
+    let of = |source, series: fn(&[f64], &[f64]) -> Series| {
+        let bins = bins.iter().filter(|b| b.source == source);
+        let (at, error): (Vec<f64>, Vec<f64>) = bins.map(|b| (b.at, b.nrmse_percent)).unzip();
+        series(&at, &error)
+    };
+    let cycles = of(Source::Cycles, Series::points).role(Role::Accent1).named("cycles");
+    let spectrum = of(Source::Spectrum, Series::marked).role(Role::Accent2).named("spectrum");
     [cycles, spectrum].into_iter().filter(|series| !series.is_empty()).collect()
 }
 

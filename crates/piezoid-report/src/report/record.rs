@@ -42,10 +42,8 @@ fn time_series(trial: &Compared) -> Figure {
     let time = |range: Range<usize>| range.map(|k| k as f64 * record.ts()).collect::<Vec<f64>>();
     let (y, simulated) = (record.y(), &validation.simulated);
     let error: Vec<f64> = y[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s).collect();
-    let larger = |worst: (usize, f64), (k, e): (usize, &f64)| if e.abs() > worst.1 { (k, e.abs()) } else { worst };
-    let worst = start + error.iter().enumerate().fold((0, 0.0), larger).0;
-    let Drawn { parts, words } = cycles::periods(record, start, worst);
-    let shown = parts.into_iter().next().unwrap_or(start..record.len());
+    let worst = worst(trial);
+    let (shown, words) = cycles::periods(record, start, worst);
     let caption = format!(
         "Above: measurement and free run{words}. Below: the residual over the whole record, {} % of peak-to-peak (rms). \
         It is largest at {} s.",
@@ -62,11 +60,18 @@ fn time_series(trial: &Compared) -> Figure {
     Figure::new("Time series", caption).panel(top).panel(low)
 }
 
-/// Adds the loops of output over input, and beside them what a straight line leaves of them.
+/// The sample of the largest residual.
+fn worst(trial: &Compared) -> usize {
+    let Compared { record, validation, .. } = trial;
+    let error = |k: usize| (record.y()[k] - validation.simulated[k]).abs();
+    (validation.start..record.len()).max_by(|&i, &j| error(i).total_cmp(&error(j)).then(j.cmp(&i))).unwrap_or_default()
+}
+
+/// Adds the loops of output over input if there are any, and beside them what a straight line leaves of them.
 fn loops(section: Section, trial: &Compared) -> Section {
     let Compared { record, validation, .. } = trial;
     let (units, u) = (record.units(), record.u());
-    let Drawn { parts, words } = cycles::loops(record, validation.start);
+    let Some(Drawn { parts, words }) = cycles::loops(record, validation.start, worst(trial)) else { return section };
     let caption = format!(
         "Output against input, measured and in free run; beside it the same less the least-squares straight line of \
         each measured loop, so that the width of the loops is seen. {words} Over the whole record measurement and free \

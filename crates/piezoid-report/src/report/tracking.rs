@@ -130,8 +130,8 @@ fn loops(compared: &Comparison) -> Option<Section> {
         table.row([d.name()].into_iter().chain(figures).chain([stable.to_string()]).collect::<Vec<_>>())
     });
     let axes = Axes::new(Axis::log("f [Hz]").tight(), Axis::log("|S|"));
-    let axes = closed.iter().fold(axes, |axes, (d, _)| match d.drive.sensitivity(&hz) {
-        Some(s) => axes.with(curve(compared, d, &hz, &s).named(d.name())),
+    let axes = closed.iter().enumerate().fold(axes, |axes, (k, (d, _))| match d.drive.sensitivity(&hz) {
+        Some(s) => axes.with(curve(compared, d, &hz, &s).dashes(k).named(d.name())),
         None => axes,
     });
     let caption = "Sensitivity to disturbances: attenuated below 1, amplified above 1.";

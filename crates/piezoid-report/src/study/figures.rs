@@ -132,7 +132,7 @@ fn branch(branches: &Branches, read: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>
 pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
     let [whole, rest] = loop_panels(f);
     let figure = Figure::new(format!("Loop at {} Hz", f.hz), loop_caption(f)).medium().panel(whole);
-    figure.panel(rest).columns(2)
+    figure.panel(rest.unnamed()).columns(2)
 }
 
 /// The same as two figures a frequency.
@@ -155,6 +155,9 @@ fn loop_caption(f: &Frequency) -> String {
     )
 }
 
+/// What is drawn of z over u.
+type Drawn = fn(&StraightLine, &[f64], &[f64]) -> Vec<f64>;
+
 /// z over u, and z less a straight line over u.
 fn loop_panels(f: &Frequency) -> [Axes; 2] {
     let found = &f.own.found;
@@ -167,7 +170,7 @@ fn loop_panels(f: &Frequency) -> [Axes; 2] {
     let (joint_u, joint_z) = (&f.joint.u[last..], &f.joint.z[last..]);
     let line = StraightLine::through(&f.own.u, &f.own.z);
     let joint_line = StraightLine::through(joint_u, joint_z);
-    let panel = |title: String, label: &str, of: &dyn Fn(&StraightLine, &[f64], &[f64]) -> Vec<f64>| {
+    let panel = |title: String, label: &str, of: Drawn| {
         let joint = Series::line(joint_u, &of(&joint_line, joint_u, joint_z)).role(Role::Accent5);
         Axes::new("u [V]", label)
             .titled(title)
@@ -178,9 +181,8 @@ fn loop_panels(f: &Frequency) -> [Axes; 2] {
             .with(Series::dashed(&[u0, u1], &of(&line, &[u0, u1], &[z0, z1])).named("separating line"))
     };
     let width = format!("{} Hz: {:.1} % wide", f.hz, 100.0 * found.branches.width());
-    let whole = panel(width, "z [V]", &|_, _, z| z.to_vec());
-    let rest =
-        panel(format!("{} Hz, without the straight line", f.hz), "z − line [V]", &|line, u, z| line.taken_from(u, z));
+    let whole = panel(width, "z [V]", |_, _, z| z.to_vec());
+    let rest = panel(format!("{} Hz, without the straight line", f.hz), "z − line [V]", StraightLine::taken_from);
     [whole, rest]
 }
 
@@ -189,8 +191,8 @@ pub(super) fn test(f: &Frequency) -> Figure {
     let y = f.test.y();
     let from = y.len() - ((PERIODS / (f.hz * TS)).round() as usize).clamp(1, y.len());
     let t: Vec<f64> = (0..y.len() - from).map(|k| 1e3 * k as f64 * TS).collect();
-    let mut answer = Axes::new("t [ms]", "y [mm]").height(0.6).titled(format!("{} Hz", f.hz));
-    let mut errors = Axes::new("t [ms]", "error [mm]").height(0.4);
+    let mut answer = Axes::new(Axis::new("t [ms]").tight(), "y [mm]").height(0.8).titled(format!("{} Hz", f.hz));
+    let mut errors = Axes::new(Axis::new("t [ms]").tight(), "error [mm]").height(0.5);
     let shown = [
         ("printed-rule", "rule as printed", Role::Descending),
         ("held-direction", "direction held", Role::Model),
@@ -207,7 +209,7 @@ pub(super) fn test(f: &Frequency) -> Figure {
         words.push(format!("error with the {name}: {:.2} % of peak-to-peak", row.metrics.rms_pp_percent));
     }
     let answer = answer.with(Series::wide(&t, &y[from..]).named("twin"));
-    Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).panel(answer).panel(errors).stacked()
+    Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).medium().panel(answer).panel(errors).stacked()
 }
 
 /// Width of the loops with the estimated block and with that of Table 2.
@@ -297,13 +299,18 @@ fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl 
 /// Table 1 over the form and the number of steps of the test signal.
 pub(super) fn test_signal(study: &Study) -> Figure {
     let title = "Error against the steps of the test signal, and the paper's Table 1";
-    over_steps(study).into_iter().fold(Figure::new(title, words::over_test_signals(study)), Figure::panel).columns(2)
+    over_steps(study)
+        .into_iter()
+        .fold(Figure::new(title, words::over_test_signals(study)).medium(), Figure::panel)
+        .columns(2)
 }
 
 /// The same with one figure per frequency.
 pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
     over_steps(study).into_iter().zip(Study::PRINTED_MSE).map(|(axes, (hz, printed))| {
-        Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm².")).panel(axes)
+        Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm²."))
+            .medium()
+            .panel(axes)
     })
 }
 
