@@ -21,7 +21,7 @@ const DIFFERENT: f64 = 1.15;
 /// Number of periods that a plot over time shows.
 const PERIODS: usize = 8;
 
-/// Samples of the loops to draw, and the words for the caption.
+/// Samples of the loops to draw, and a sentence for the caption after a space.
 #[derive(Debug, PartialEq)]
 pub(super) struct Drawn {
     pub(super) parts: Vec<Range<usize>>,
@@ -38,7 +38,8 @@ pub(super) fn loops(record: &Record, start: usize, about: usize) -> Option<Drawn
         let (low, high) = ends(record.u()[start..].iter().copied());
         let binary = record.u()[start..].iter().all(|u| *u == low || *u == high);
         let (part, words) = part(record, start, about);
-        return (!binary).then(|| Drawn { parts: vec![part], words: format!("They are drawn{words}.") });
+        let words = if words.is_empty() { words } else { format!(" They are drawn{words}.") };
+        return (!binary).then(|| Drawn { parts: vec![part], words });
     }
     let (mut chosen, what) = match spread(&found, amplitude) {
         many if many > DIFFERENT => (AMPLITUDES.map(|share| near(&found, amplitude, share * many)).to_vec(), true),
@@ -52,11 +53,11 @@ pub(super) fn loops(record: &Record, start: usize, about: usize) -> Option<Drawn
     let values: Vec<String> = chosen.iter().map(value).collect();
     let (of, unit) = if what { ("amplitude", unit.as_str()) } else { ("frequency", "Hz") };
     let words = match (&values[..], found.len()) {
-        ([_], 1) => "The only cycle of the input is drawn.".to_string(),
-        ([one], n) => format!("Drawn is the last of {n} cycles, of {of} {one} {unit}."),
+        ([_], 1) => " The only cycle of the input is drawn.".to_string(),
+        ([one], n) => format!(" Drawn is the last of {n} cycles, of {of} {one} {unit}."),
         ([less @ .., last], n) => {
             let (count, less) = (values.len(), less.join(", "));
-            format!("Drawn are {count} of {n} cycles, of {of} {less} and {last} {unit}.")
+            format!(" Drawn are {count} of {n} cycles, of {of} {less} and {last} {unit}.")
         }
         ([], _) => String::new(),
     };
@@ -78,7 +79,7 @@ pub(super) fn periods(record: &Record, start: usize, about: usize) -> (Range<usi
     let first = at.saturating_sub(PERIODS / 2).min(found.len() - PERIODS);
     let part = start + found[first].samples.start..start + found[first + PERIODS - 1].samples.end;
     let n = found.len();
-    (part, format!(" over {PERIODS} of {n} periods, at the largest residual"))
+    (part, format!(" over {PERIODS} of {n} periods, near the largest residual"))
 }
 
 type Value = fn(&Cycle) -> f64;
@@ -101,7 +102,7 @@ fn part(record: &Record, start: usize, about: usize) -> (Range<usize>, String) {
     let first = about.saturating_sub(SHOWN / 2).min(record.len().saturating_sub(SHOWN)).max(start);
     let part = first..record.len().min(first + SHOWN);
     let all = part == (start..record.len());
-    let words = if all { String::new() } else { format!(" over {} samples, at the largest residual", part.len()) };
+    let words = if all { String::new() } else { format!(" over {} samples, near the largest residual", part.len()) };
     (part, words)
 }
 
@@ -120,7 +121,7 @@ mod tests {
         let Drawn { parts, words } = drawn(rising.samples(5e-4, 4000).unwrap());
         assert_eq!(parts.len(), 3);
         assert!(parts.iter().all(|p| (95..=105).contains(&p.len())), "{parts:?}");
-        assert!(words.starts_with("Drawn are 3 of 38 cycles, of amplitude 28.00, 15.44 and "), "{words}");
+        assert!(words.starts_with(" Drawn are 3 of 38 cycles, of amplitude 28.00, 15.44 and "), "{words}");
     }
 
     #[test]
@@ -131,7 +132,7 @@ mod tests {
         let sine = Sine { amplitude: 3.0, frequency: 5.0, ..Sine::default() }.samples(5e-4, 2000).unwrap();
         let Drawn { parts, words } = drawn(sine);
         assert_eq!((parts[0].clone(), parts.len()), (1500..1901, 1));
-        assert_eq!(words, "Drawn is the last of 4 cycles, of amplitude 3.000 V.");
+        assert_eq!(words, " Drawn is the last of 4 cycles, of amplitude 3.000 V.");
     }
 
     #[test]

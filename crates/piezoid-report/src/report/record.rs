@@ -74,7 +74,7 @@ fn loops(section: Section, trial: &Compared) -> Section {
     let Some(Drawn { parts, words }) = cycles::loops(record, validation.start, worst(trial)) else { return section };
     let caption = format!(
         "Output against input, measured and in free run; beside it the same less the least-squares straight line of \
-        each measured loop, so that the width of the loops is seen. {words} Over the whole record measurement and free \
+        each measured loop, so that the width of the loops is seen.{words} Over the whole record measurement and free \
         run differ by {} % of the peak-to-peak output (rms).",
         short(validation.metrics.rms_pp_percent)
     );
