@@ -345,10 +345,10 @@ fn figure(twins: &[Vec<Outcome>]) -> Figure {
                    given. Each method has one model for all frequencies.";
     let panel = |outcomes: &Vec<Outcome>| {
         let axes = Axes::new(Axis::log("f [Hz]").ticks(&VALIDATION), Axis::log("rms error [% of peak-to-peak]"));
-        outcomes.iter().fold(axes.titled(outcomes[0].twin), |axes, o| {
+        outcomes.iter().enumerate().fold(axes.titled(outcomes[0].twin), |axes, (way, o)| {
             let largest = |k: usize| o.errors.iter().map(|of_kind| of_kind[k]).fold(0.0, f64::max);
             let errors: Vec<f64> = (0..VALIDATION.len()).map(largest).collect();
-            axes.with(Series::marked(&VALIDATION, &errors).role(o.way.role).named(o.way.name))
+            axes.with(Series::marked(&VALIDATION, &errors).role(o.way.role).dashes(way).named(o.way.name))
         })
     };
     twins.iter().map(panel).fold(Figure::new("Accuracy on validation data", caption), Figure::panel)

@@ -135,9 +135,10 @@ fn spreads(drawn: &Comparison) -> String {
 
 /// Errors along triangles of the first twin by frequency, and over tolerances.
 fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
-    let role = |name: &str| match SCHEMES.iter().position(|s| *s == name) {
-        Some(0) | None => Role::Muted,
-        Some(k) => Role::accent(k - 1),
+    // A pattern of dashes a scheme, so that lines that coincide are all seen.
+    let drawn_as = |series: Series, name: &str| match SCHEMES.iter().position(|s| *s == name) {
+        Some(0) | None => series.role(Role::Muted),
+        Some(k) => series.role(Role::accent(k - 1)).dashes(k - 1),
     };
     let (at, hz): (Vec<usize>, Vec<f64>) =
         PATHS.iter().enumerate().filter(|(_, p)| p.0 == "triangle").map(|(k, p)| (k, p.1)).unzip();
@@ -145,7 +146,7 @@ fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
     let by_frequency = tracked.driven.iter().fold(axes, |axes, d| {
         let all = errors(d);
         let of: Vec<f64> = at.iter().map(|k| all[*k]).collect();
-        axes.with(Series::marked(&hz, &of).role(role(&d.name())).named(d.name()))
+        axes.with(drawn_as(Series::marked(&hz, &of), &d.name()).named(d.name()))
     });
     let title = format!("{} {} Hz, tolerance of 20 %", TRIED.0, TRIED.1);
     let axes = Axes::new(Axis::log("rms error [% of the height]"), "share of 200 draws [%]").titled(title);
@@ -153,7 +154,7 @@ fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
     let shown = drawn.driven.iter().filter(|d| SCHEMES.contains(&&*d.name()));
     let by_share = shown.filter_map(|d| Some((d, d.spread.as_ref()?))).fold(axes, |axes, (d, spread)| {
         let percent: Vec<f64> = shares.iter().map(|share| spread.percent_of_stroke(share / 100.0)).collect();
-        axes.with(Series::line(&percent, &shares).role(role(&d.name())))
+        axes.with(drawn_as(Series::line(&percent, &shares), &d.name()))
     });
     let caption = "Tracking error of the twin pl140 with a model identified from its records: by frequency of a triangle \
                    of 80 % of the stroke, and over 200 plants whose parameters lie within 20 %.";

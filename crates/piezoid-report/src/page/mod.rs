@@ -26,7 +26,7 @@ pub use table::{Cell, PageTable};
 pub use text::Text;
 pub(crate) use text::sentence;
 
-use crate::plot::{Figure, escape};
+use crate::plot::{Figure, shown};
 use section::Numbering;
 use std::fmt::Write;
 
@@ -60,7 +60,7 @@ impl Page {
 
     /// The document.
     pub fn html(&self) -> String {
-        let (title, subtitle) = (escape(&self.title), escape(&self.subtitle));
+        let (title, subtitle) = (shown(&self.title), shown(&self.subtitle));
         let mut out = format!(
             "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n<title>{title}</title>\n\
@@ -81,7 +81,7 @@ impl Page {
                 continue;
             }
             n += 1;
-            let title = escape(section.title());
+            let title = shown(section.title());
             let _ = writeln!(out, "<section id=\"section-{n}\" class=\"section\">");
             let _ = writeln!(out, "<h2><span class=\"no\">{n}</span> {title}</h2>");
             section.write(&mut out, &mut numbers);
@@ -96,9 +96,7 @@ impl Page {
         let titles = self.sections.iter().map(Section::title).filter(|t| !t.is_empty());
         let items: Vec<String> = (1..)
             .zip(titles)
-            .map(|(n, t)| {
-                format!("<li><a href=\"#section-{n}\"><span class=\"no\">{n}</span> {}</a></li>\n", escape(t))
-            })
+            .map(|(n, t)| format!("<li><a href=\"#section-{n}\"><span class=\"no\">{n}</span> {}</a></li>\n", shown(t)))
             .collect();
         if items.len() > 1 {
             let _ = writeln!(out, "<nav aria-label=\"Contents\">\n<ol>\n{}</ol>\n</nav>", items.concat());
@@ -148,6 +146,17 @@ mod tests {
         for id in ["figure-1", "figure-2", "table-1", "table-2", "section-1", "section-2"] {
             assert_eq!(html.matches(&format!("id=\"{id}\"")).count(), 1, "{id}");
         }
+    }
+
+    #[test]
+    fn figures_side_by_side_share_one_legend() {
+        let figure = |k: u8| {
+            let series = |name| Series::line(&[0.0, 1.0], &[0.0, f64::from(k)]).named(name);
+            Figure::new("", "").panel(Axes::new("u [V]", "y [um]").with(series("measured")).with(series("model")))
+        };
+        let html = Page::new("").section(Section::new("").figures(2, "Loops", "", (0..8).map(figure))).html();
+        assert_eq!((html.matches(">model<").count(), html.matches("</svg>model</li>").count()), (1, 1), "{html}");
+        assert_eq!((html.matches("y [µm]").count(), html.matches("um]").count()), (8, 0), "units as people read them");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::table::PageTable;
 use super::text::Text;
-use crate::plot::{Figure, escape};
+use crate::plot::{Figure, escape, shown};
 use std::fmt::Write;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -101,7 +101,7 @@ impl Section {
         self.with(Element::Figure(figure))
     }
 
-    /// Small figures side by side with one title and caption: 2 to 4 columns on a desktop, one on a phone.
+    /// Figures side by side with one title, caption and legend: 2 to 4 columns on a desktop, one on a phone.
     pub fn figures(
         self,
         columns: usize,
@@ -153,14 +153,16 @@ impl Element {
             Element::Figure(figure) => {
                 numbers.figures += 1;
                 let (number, figure_svg) = (numbers.figures, figure.inline());
-                let caption = caption(number, &escape(figure.title()), &escape(figure.caption()));
+                let caption = caption(number, &shown(figure.title()), &shown(figure.caption()));
                 writeln!(out, "<figure class=\"plate\" id=\"figure-{number}\">\n{figure_svg}{caption}</figure>")
             }
             Element::Figures { columns, title, caption: text, figures } => {
                 numbers.figures += 1;
                 let caption = caption(numbers.figures, title.html(), text.html());
-                let figures: String = figures.iter().map(|f| format!("<div>\n{}</div>\n", f.inline())).collect();
-                let grid = format!("<div class=\"grid\">\n{figures}</div>\n");
+                let legend = Figure::legend(figures);
+                let one = |f: &Figure| format!("<div>\n{}</div>\n", f.clone().without_legend().inline());
+                let figures: String = figures.iter().map(one).collect();
+                let grid = format!("{legend}<div class=\"grid\">\n{figures}</div>\n");
                 let number = numbers.figures;
                 writeln!(out, "<figure class=\"plates of-{columns}\" id=\"figure-{number}\">\n{grid}{caption}</figure>")
             }
@@ -175,7 +177,7 @@ impl Element {
 
 impl Fact {
     fn html(&self) -> String {
-        let [value, unit, what] = [&self.value, &self.unit, &self.what].map(|t| escape(t));
+        let [value, unit, what] = [&self.value, &self.unit, &self.what].map(|t| shown(t));
         format!("<div><dt>{what}</dt><dd>{value}<span class=\"unit\"> {unit}</span></dd></div>\n")
     }
 }

@@ -1,6 +1,6 @@
 //! Running text: plain, emphasised and other pieces, all escaped.
 
-use crate::plot::escape;
+use crate::plot::{escape, shown};
 
 /// A line or paragraph of text. No piece can become markup.
 ///
@@ -21,22 +21,22 @@ impl Text {
 
     /// Plain text.
     pub fn plain(self, text: impl AsRef<str>) -> Self {
-        self.wrapped("", text.as_ref(), "")
+        self.wrapped("", &shown(text.as_ref()), "")
     }
 
     /// Emphasised.
     pub fn em(self, text: impl AsRef<str>) -> Self {
-        self.wrapped("<em>", text.as_ref(), "</em>")
+        self.wrapped("<em>", &shown(text.as_ref()), "</em>")
     }
 
     /// Important.
     pub fn strong(self, text: impl AsRef<str>) -> Self {
-        self.wrapped("<strong>", text.as_ref(), "</strong>")
+        self.wrapped("<strong>", &shown(text.as_ref()), "</strong>")
     }
 
-    /// Code, file names, options.
+    /// Code, file names, options: exactly as they are written, with `um` for µm.
     pub fn code(self, text: impl AsRef<str>) -> Self {
-        self.wrapped("<code>", text.as_ref(), "</code>")
+        self.wrapped("<code>", &escape(text.as_ref()), "</code>")
     }
 
     /// A link to the web, to a place on the page (`#…`) or to a file beside it; any other target gives plain text.
@@ -45,12 +45,12 @@ impl Text {
         if scheme && !target.starts_with("https://") && !target.starts_with("http://") {
             return self.plain(text);
         }
-        self.wrapped(&format!("<a href=\"{}\">", escape(target)), text.as_ref(), "</a>")
+        self.wrapped(&format!("<a href=\"{}\">", escape(target)), &shown(text.as_ref()), "</a>")
     }
 
-    fn wrapped(mut self, before: &str, text: &str, after: &str) -> Self {
+    fn wrapped(mut self, before: &str, escaped: &str, after: &str) -> Self {
         self.html.push_str(before);
-        self.html.push_str(&escape(text));
+        self.html.push_str(escaped);
         self.html.push_str(after);
         self
     }

@@ -76,6 +76,12 @@ impl Axes {
         Axes { height: if share.is_finite() { share.clamp(0.3, 3.0) } else { 1.0 }, ..self }
     }
 
+    /// The same without names, and so without a legend: for a panel beside one with the same series.
+    pub fn unnamed(mut self) -> Self {
+        self.series.iter_mut().for_each(|s| s.name.clear());
+        self
+    }
+
     /// All x of series and marks.
     pub(super) fn xs(&self) -> impl Iterator<Item = f64> {
         let marks = self.marks.iter().flat_map(|m| match m {

@@ -1,9 +1,12 @@
 //! An axis: its label, ticks and range.
 
 use super::scale::Scale;
-use super::ticks::{self, Tick};
+use super::ticks::{self, Tick, TickStep};
 
-/// A horizontal or vertical axis.
+/// Room beside the outermost data, as a share of the range.
+const ROOM: f64 = 0.04;
+
+/// A horizontal or vertical axis. Its range is that of the data with a little room; its ticks are round numbers inside.
 ///
 /// ```
 /// use piezoid_report::plot::Axis;
@@ -32,12 +35,12 @@ impl Axis {
         Axis { log: true, ..Axis::new(label) }
     }
 
-    /// Labels exactly these values.
+    /// Labels exactly those of these values that are in the range, if these are at least two.
     pub fn ticks(self, at: &[f64]) -> Self {
         Axis { ticks: at.to_vec(), ..self }
     }
 
-    /// Starts and ends with the data instead of at round numbers.
+    /// Starts and ends with the data, without room.
     pub fn tight(self) -> Self {
         Axis { tight: true, ..self }
     }
@@ -60,37 +63,40 @@ impl Axis {
 
     /// The scale for the data, and its ticks with about `count` labels.
     pub(super) fn resolve(&self, data: impl Iterator<Item = f64>, count: usize) -> (Scale, Vec<Tick>) {
-        let shown = |v: &f64| v.is_finite() && (!self.log || *v > 0.0);
-        let range = self.range.filter(|(low, high)| low < high && shown(low) && shown(high));
-        let (mut low, mut high) = range.unwrap_or_else(|| {
-            let all = data.chain(self.include.iter().copied()).chain(self.ticks.iter().copied());
-            let ends = all.filter(shown).fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
-            self.opened(ends)
+        let drawn = |v: &f64| v.is_finite() && (!self.log || *v > 0.0);
+        let range = self.range.filter(|(low, high)| low < high && drawn(low) && drawn(high));
+        let (low, high) = range.unwrap_or_else(|| {
+            let all = data.chain(self.include.iter().copied());
+            let ends = all.filter(drawn).fold((f64::MAX, f64::MIN), |(low, high), v| (low.min(v), high.max(v)));
+            self.padded(self.opened(ends), count)
         });
-        let given = !self.ticks.is_empty();
-        let free = range.is_none() && !self.tight && !given;
-        let step = ticks::TickStep::nice((high - low) / count.max(1) as f64);
-        match (free, self.log) {
-            (true, true) => (low, high) = (ticks::log_floor(low), ticks::log_ceil(high)),
-            (true, false) => (low, high) = step.enclose(low, high),
-            (false, false) if self.tight => high = step.complete(low, high),
-            _ => {}
+        let inside = |v: &&f64| drawn(v) && (low..=high).contains(*v);
+        let given: Vec<Tick> = self.ticks.iter().filter(inside).map(|&at| Tick::plain(at)).collect();
+        let found = match self.log {
+            _ if given.len() > 1 => given,
+            true => ticks::log(low, high, count),
+            false => ticks::linear(low, high, TickStep::within(low, high, count)),
+        };
+        (if self.log { Scale::log(low, high) } else { Scale::linear(low, high) }, found)
+    }
+
+    /// The ends with some room, so that the frame does not cut the outermost data. An end stays where it is if the
+    /// axis is to start there, or is tight.
+    fn padded(&self, (low, high): (f64, f64), count: usize) -> (f64, f64) {
+        if self.tight {
+            let step = TickStep::nice((high - low) / count.max(1) as f64);
+            return (low, if self.log { high } else { step.complete(low, high) });
         }
-        let found = match (given, self.log) {
-            (true, _) => self.ticks.iter().map(|&at| Tick::plain(at)).collect(),
-            (false, true) => ticks::log(low, high, count),
-            (false, false) => ticks::linear(low, high, step),
-        };
-        // Given ticks are slightly inside the ends, so that the frame does not cut the marks there.
-        let margin = if given && range.is_none() { 0.03 } else { 0.0 };
-        let scale = if self.log {
-            let factor = (high / low).powf(margin);
-            Scale::log(low / factor, high * factor)
+        let share = |end: f64| if self.include.contains(&end) { 0.0 } else { ROOM };
+        let (below, above) = (share(low), share(high));
+        if self.log {
+            let span = high.ln() - low.ln();
+            let [low, high] = [low.ln() - below * span, high.ln() + above * span].map(f64::exp);
+            (low.max(f64::MIN_POSITIVE), high.min(f64::MAX))
         } else {
-            let more = margin * (high - low);
-            Scale::linear(low - more, high + more)
-        };
-        (scale, found)
+            let span = high - low;
+            (low - below * span, high + above * span)
+        }
     }
 
     /// Ends that enclose a range even for empty or constant data.
@@ -122,6 +128,7 @@ impl From<&str> for Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::assert_close;
 
     fn ends(axis: &Axis, data: &[f64]) -> (f64, f64) {
         let (scale, ticks) = axis.resolve(data.iter().copied(), 6);
@@ -131,18 +138,18 @@ mod tests {
     }
 
     #[test]
-    fn an_axis_ends_on_round_numbers_that_enclose_the_data() {
-        assert_eq!(ends(&Axis::new("y"), &[0.0, 117.0]), (0.0, 120.0));
-        assert_eq!(ends(&Axis::new("y"), &[-0.016, 0.029]), (-0.02, 0.03));
-        assert_eq!(ends(&Axis::log("f"), &[7.0, 180.0]), (5.0, 200.0));
-        assert_eq!(ends(&Axis::new("y").from(0.0), &[40.0, 50.0]), (0.0, 50.0));
-        assert_eq!(ends(&Axis::new("t").tight(), &[0.0, 0.73]), (0.0, 0.73));
-        assert_eq!(ends(&Axis::new("t").tight(), &[0.0, 1.9995]), (0.0, 2.0), "the last sample of two seconds");
-    }
-
-    #[test]
-    fn data_slightly_below_zero_do_not_cost_a_whole_step() {
-        assert_eq!(ends(&Axis::new("z"), &[-12.0, 1630.0]), (-100.0, 1700.0));
+    fn an_axis_fits_its_data_with_four_percent_of_room() {
+        let fits = |axis: Axis, data: [f64; 2], expected: [f64; 2]| {
+            let (low, high) = ends(&axis, &data);
+            assert_close(&[low, high], &expected, 1e-3, 1e-12);
+        };
+        fits(Axis::new("y"), [-25.0, 75.0], [-29.0, 79.0]);
+        fits(Axis::new("z"), [-12.0, 1630.0], [-77.7, 1695.7]);
+        fits(Axis::log("f"), [10.0, 1000.0], [8.318, 1202.0]);
+        fits(Axis::new("y").from(0.0), [40.0, 50.0], [0.0, 52.0]);
+        fits(Axis::new("y").ticks(&[-90.0, 0.0, 90.0, 180.0]), [0.0, 100.0], [-4.0, 104.0]);
+        fits(Axis::new("t").tight(), [0.0, 0.73], [0.0, 0.73]);
+        fits(Axis::new("t").tight(), [0.0, 1.9995], [0.0, 2.0]);
     }
 
     #[test]
@@ -168,9 +175,12 @@ mod tests {
     }
 
     #[test]
-    fn given_ticks_are_labelled_exactly() {
-        let axis = Axis::log("f").ticks(&[5.0, 20.0, 2.5]);
-        let labels: Vec<String> = axis.resolve([6.0].into_iter(), 6).1.into_iter().map(|t| t.label).collect();
-        assert_eq!(labels, ["5", "20", "2.5"]);
+    fn given_ticks_in_the_range_are_labelled_exactly() {
+        let axis = Axis::log("f").ticks(&[5.0, 20.0, 2.5, 80.0]);
+        let labels = |data: [f64; 2]| -> Vec<String> {
+            axis.resolve(data.into_iter(), 6).1.into_iter().map(|t| t.label).filter(|l| !l.is_empty()).collect()
+        };
+        assert_eq!(labels([2.4, 40.0]), ["5", "20", "2.5"]);
+        assert_eq!(labels([30.0, 100.0]), ["50", "100"], "one given tick is not an axis");
     }
 }

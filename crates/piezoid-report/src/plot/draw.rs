@@ -4,7 +4,7 @@ use super::decimate;
 use super::path::{PathData, Point};
 use super::scale::Scale;
 use super::series::{Series, SeriesKind};
-use super::svg::{MARKED, Svg, marker};
+use super::svg::{MARKED, Stroke, Svg, marker};
 
 /// Largest number of dots of a series, and of single points of a broken line.
 const DOTS: usize = 3000;
@@ -15,16 +15,17 @@ const APART: f64 = 14.0;
 
 /// Draws a series in the colour of its role.
 pub(super) fn series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
-    let runs = runs(series, x, y);
+    let (runs, stroke) = (runs(series, x, y), Stroke::of(series));
     svg.open_role(series.role);
     match series.kind {
         SeriesKind::Dots => svg.dots(&decimate::dots(&runs.concat(), DOTS)),
         SeriesKind::Band => band(svg, series, x, y),
-        SeriesKind::Dashed => lines(svg, "pz-dash", &runs),
-        SeriesKind::Line => lines(svg, "pz-line", &runs),
-        SeriesKind::Step => lines(svg, "pz-line", &runs.iter().map(|run| held(run)).collect::<Vec<_>>()),
-        SeriesKind::Marked => {
-            lines(svg, "pz-line", &runs);
+        SeriesKind::Dashed | SeriesKind::Wide | SeriesKind::Line => lines(svg, &stroke, &runs),
+        SeriesKind::Step => lines(svg, &stroke, &runs.iter().map(|run| held(run)).collect::<Vec<_>>()),
+        SeriesKind::Marked | SeriesKind::Points => {
+            if series.kind == SeriesKind::Marked {
+                lines(svg, &stroke, &runs);
+            }
             let places = decimate::dots(&decimate::markers(&runs.concat(), APART), MARKERS);
             svg.shape(MARKED, &marker(series.role, &places));
         }
@@ -47,7 +48,7 @@ fn runs(series: &Series, x: &Scale, y: &Scale) -> Vec<Vec<Point>> {
 }
 
 /// All runs as one path. Single points between gaps become dots.
-fn lines(svg: &mut Svg, class: &str, runs: &[Vec<Point>]) {
+fn lines(svg: &mut Svg, stroke: &Stroke, runs: &[Vec<Point>]) {
     let mut path = PathData::default();
     let mut lone = Vec::new();
     for run in runs {
@@ -57,7 +58,7 @@ fn lines(svg: &mut Svg, class: &str, runs: &[Vec<Point>]) {
         }
     }
     decimate::dots(&lone, DOTS).iter().for_each(|p| path.dot(*p));
-    svg.stroked(class, &path.finish());
+    svg.stroked(stroke, &path.finish());
 }
 
 /// The corners of a line that holds each value until the next x.

@@ -42,7 +42,7 @@ pub use axes::Axes;
 pub use axis::Axis;
 pub use palette::Role;
 pub use series::Series;
-pub(crate) use text::escape;
+pub(crate) use text::{escape, shown};
 
 use panel::{Panel, RIGHT};
 use path::Point;
@@ -88,6 +88,11 @@ impl Figure {
         Figure { panel: [280.0, 270.0], ..self }
     }
 
+    /// Panels of 440 by 330 units, for two in a row.
+    pub fn medium(self) -> Self {
+        Figure { panel: [440.0, 330.0], ..self }
+    }
+
     /// Panels side by side in rows of `columns`, each with its own axes.
     pub fn columns(self, columns: usize) -> Self {
         Figure { columns: columns.max(1), ..self }
@@ -96,6 +101,16 @@ impl Figure {
     /// Panels one below the other with a common x axis, labelled at the lowest.
     pub fn stacked(self) -> Self {
         Figure { stacked: true, columns: 1, ..self }
+    }
+
+    /// One legend for several figures, as a list for a page with [`Figure::style`]; empty without names.
+    pub(crate) fn legend(figures: &[Figure]) -> String {
+        legend::shared(figures.iter().flat_map(|f| &f.panels).flat_map(|axes| &axes.series))
+    }
+
+    /// The same figure without a legend of its own.
+    pub(crate) fn without_legend(self) -> Self {
+        Figure { panels: self.panels.into_iter().map(Axes::unnamed).collect(), ..self }
     }
 
     /// Its title.
@@ -129,7 +144,7 @@ impl Figure {
     /// The opening tag, with title and description for screen readers.
     fn head(&self, window: &str, attributes: &str) -> String {
         let wide = if self.grows() { " pz-wide" } else { "" };
-        let (title, caption) = (escape(&self.title), escape(&self.caption));
+        let (title, caption) = (shown(&self.title), shown(&self.caption));
         format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"pz-fig{wide}\" viewBox=\"{window}\"{attributes} \
              role=\"img\" font-family=\"sans-serif\" font-size=\"15\">\n\
@@ -253,6 +268,23 @@ mod tests {
             let bytes = Figure::new("huge", "").panel(Axes::new("x", "y").with(series)).svg().len();
             assert!(bytes < 60_000, "series {i}: {bytes} bytes");
         }
+    }
+
+    #[test]
+    fn a_measurement_is_drawn_wide_below_a_model_that_was_added_before_it() {
+        let (model, measured) = (Series::line(&ramp(3), &ramp(3)), Series::wide(&ramp(3), &ramp(3)));
+        let text = Figure::new("", "").panel(Axes::new("t", "y").with(model).with(measured)).inline();
+        let at = |class: &str| text.find(class).unwrap_or_else(|| panic!("{class}: {text}"));
+        assert!(at("class=\"pz-under\"") < at("class=\"pz-line\""), "{text}");
+    }
+
+    #[test]
+    fn lines_that_coincide_differ_in_their_dashes() {
+        let line = |k| Series::line(&ramp(3), &ramp(3)).dashes(k);
+        let drawn = |k| Figure::new("", "").panel(Axes::new("t", "y").with(line(k))).inline();
+        let all: std::collections::BTreeSet<String> = (0..5).map(drawn).collect();
+        assert_eq!(all.len(), 5);
+        assert!(!drawn(0).contains("stroke-dasharray:") && drawn(1).contains("stroke-dasharray:9 6"));
     }
 
     #[test]

@@ -4,6 +4,7 @@ use super::axes::{Axes, Mark};
 use super::legend::{self, Legend};
 use super::path::Point;
 use super::scale::Scale;
+use super::series::SeriesKind;
 use super::svg::Svg;
 use super::ticks::Tick;
 use super::{draw, place, text::width};
@@ -81,7 +82,9 @@ impl<'a> Panel<'a> {
         if cut {
             svg.open_window(corner, size);
         }
-        self.axes.series.iter().for_each(|s| draw::series(svg, s, &x, &y));
+        // Wide lines first, so that they cover nothing.
+        let (wide, thin): (Vec<_>, Vec<_>) = self.axes.series.iter().partition(|s| s.kind == SeriesKind::Wide);
+        wide.into_iter().chain(thin).for_each(|s| draw::series(svg, s, &x, &y));
         if cut {
             svg.close_window();
         }

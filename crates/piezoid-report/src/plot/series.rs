@@ -6,9 +6,11 @@ use super::palette::Role;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum SeriesKind {
     Line,
+    Wide,
     Dashed,
     Step,
     Marked,
+    Points,
     Dots,
     Band,
 }
@@ -28,6 +30,8 @@ pub struct Series {
     pub(super) kind: SeriesKind,
     pub(super) role: Role,
     pub(super) name: String,
+    /// Dashes of a line: 0 is solid.
+    pub(super) dashes: usize,
     /// Pairs `[x, y]`.
     pub(super) points: Vec<[f64; 2]>,
     /// Lower edge of a band, one value per point; empty otherwise.
@@ -37,12 +41,17 @@ pub struct Series {
 impl Series {
     fn new(kind: SeriesKind, role: Role, x: &[f64], y: &[f64]) -> Self {
         let points = x.iter().zip(y).map(|(x, y)| [*x, *y]).collect();
-        Series { kind, role, name: String::new(), points, lower: Vec::new() }
+        Series { kind, role, name: String::new(), dashes: 0, points, lower: Vec::new() }
     }
 
     /// A line through the points.
     pub fn line(x: &[f64], y: &[f64]) -> Self {
         Series::new(SeriesKind::Line, Role::Model, x, y)
+    }
+
+    /// A wide, pale line, drawn below all other series: a measurement stays visible under a model that follows it.
+    pub fn wide(x: &[f64], y: &[f64]) -> Self {
+        Series::new(SeriesKind::Wide, Role::Measured, x, y)
     }
 
     /// A dashed line.
@@ -58,6 +67,11 @@ impl Series {
     /// A line with markers. Each accent has its own shape.
     pub fn marked(x: &[f64], y: &[f64]) -> Self {
         Series::new(SeriesKind::Marked, Role::Accent1, x, y)
+    }
+
+    /// Markers without a line between them: points of which none follows from another.
+    pub fn points(x: &[f64], y: &[f64]) -> Self {
+        Series::new(SeriesKind::Points, Role::Accent1, x, y)
     }
 
     /// Small, half transparent dots.
@@ -76,9 +90,20 @@ impl Series {
         Series { role, ..self }
     }
 
+    /// A line with the `k`-th pattern of dashes; 0 is solid. Lines of different patterns that coincide show both
+    /// colours.
+    pub fn dashes(self, k: usize) -> Self {
+        Series { dashes: k, ..self }
+    }
+
     /// Its name in the legend; without one it is not listed.
     pub fn named(self, name: impl Into<String>) -> Self {
         Series { name: name.into(), ..self }
+    }
+
+    /// True without any point.
+    pub fn is_empty(&self) -> bool {
+        self.points.is_empty()
     }
 
     /// All x of the points.

@@ -5,10 +5,38 @@
 
 use super::palette::{Role, ground};
 use super::path::{PathData, Point};
-use super::text::{escape, px};
+use super::series::{Series, SeriesKind};
+use super::text::{px, shown};
 
 /// Class of markers.
 pub(super) const MARKED: &str = "pz-mark";
+
+/// Patterns of dashes of lines [units of the drawing]; the first is solid. Round ends add the width of the line.
+const DASHES: [&str; 5] = ["", "9 6", "1 5", "12 5 1 5", "5 5"];
+
+/// How a line is stroked: its class, and the same as attributes for viewers without style sheets.
+#[derive(Debug)]
+pub(super) struct Stroke {
+    class: &'static str,
+    attributes: String,
+}
+
+impl Stroke {
+    /// The stroke of a series.
+    pub(super) fn of(series: &Series) -> Self {
+        let (class, plain) = match series.kind {
+            SeriesKind::Wide => ("pz-under", " stroke-width=\"7\" stroke-opacity=\"0.45\""),
+            SeriesKind::Dashed => ("pz-dash", " stroke-width=\"2\" stroke-dasharray=\"6 4\""),
+            _ => ("pz-line", " stroke-width=\"1.8\""),
+        };
+        let dashes = match DASHES[series.dashes % DASHES.len()] {
+            "" => String::new(),
+            // As a style, because a pattern belongs to the series and not to its class.
+            dashes => format!(" style=\"stroke-dasharray:{dashes}\""),
+        };
+        Stroke { class, attributes: [plain, &dashes].concat() }
+    }
+}
 
 /// An SVG document under construction.
 #[derive(Debug, Default)]
@@ -43,17 +71,16 @@ impl Svg {
     }
 
     /// A line through points, in the colour of the group.
-    pub(super) fn stroke(&mut self, class: &str, points: &[Point]) {
+    pub(super) fn stroke(&mut self, stroke: &Stroke, points: &[Point]) {
         let mut path = PathData::default();
         path.polyline(points);
-        self.stroked(class, &path.finish());
+        self.stroked(stroke, &path.finish());
     }
 
     /// A stroked path, in the colour of the group.
-    pub(super) fn stroked(&mut self, class: &str, d: &str) {
+    pub(super) fn stroked(&mut self, Stroke { class, attributes }: &Stroke, d: &str) {
         if !d.is_empty() {
-            let dash = if class == "pz-dash" { " stroke-dasharray=\"6 4\"" } else { "" };
-            self.put(&["<path class=\"", class, "\" fill=\"none\" stroke-width=\"2\"", dash, " d=\"", d, "\"/>\n"]);
+            self.put(&["<path class=\"", class, "\" fill=\"none\"", attributes, " d=\"", d, "\"/>\n"]);
         }
     }
 
@@ -103,7 +130,7 @@ impl Svg {
     /// A line of text, anchored at its start, middle or end.
     pub(super) fn text(&mut self, class: &str, x: f64, y: f64, anchor: &str, text: &str) {
         self.put(&["<text class=\"", class, "\" x=\"", &px(x), "\" y=\"", &px(y)]);
-        self.put(&["\" text-anchor=\"", anchor, "\">", &escape(text), "</text>\n"]);
+        self.put(&["\" text-anchor=\"", anchor, "\">", &shown(text), "</text>\n"]);
     }
 }
 

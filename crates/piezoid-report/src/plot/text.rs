@@ -18,6 +18,37 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
+/// Units with a Greek letter that data formats write in ASCII, and how people read them.
+const MICRO: [(&str, &str); 3] = [("um", "\u{b5}m"), ("uV", "\u{b5}V"), ("uA", "\u{b5}A")];
+
+/// A text for people, escaped: `um` that stands as a unit is `µm`. Data and models keep `um`; this is the only place
+/// where a unit is rendered.
+pub(crate) fn shown(text: &str) -> String {
+    let mut out = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(at) = rest.find('u') {
+        let (before, from) = rest.split_at(at);
+        out.push_str(before);
+        // A unit stands by itself, or after its number: not in a word, and not in the name of a file.
+        let last = out.chars().next_back();
+        let begins = !last.is_some_and(|c| c.is_alphabetic() || matches!(c, '_' | '-' | '.' | '\\'));
+        let ends = |unit: &str| {
+            let mut next = from[unit.len()..].chars();
+            match next.next() {
+                Some('.') => !next.next().is_some_and(char::is_alphanumeric),
+                Some(c) => !c.is_alphanumeric() && !matches!(c, '_' | '-'),
+                None => true,
+            }
+        };
+        let unit = MICRO.into_iter().find(|(unit, _)| begins && from.starts_with(unit) && ends(unit));
+        let (plain, rendered) = unit.unwrap_or(("u", "u"));
+        out.push_str(rendered);
+        rest = &from[plain.len()..];
+    }
+    out.push_str(rest);
+    escape(&out)
+}
+
 /// A coordinate with one decimal, omitted if zero: `12.3`, `12`, never `-0`.
 pub(super) fn px(v: f64) -> String {
     tenths(in_tenths(v))
@@ -89,6 +120,15 @@ mod tests {
     #[test]
     fn markup_in_a_text_is_escaped() {
         assert_eq!(escape("a<b & \"c\">'d'\u{1}"), "a&lt;b &amp; &quot;c&quot;&gt;&#39;d&#39;");
+    }
+
+    #[test]
+    fn a_unit_is_rendered_with_its_greek_letter_and_names_are_left_alone() {
+        assert_eq!(shown("y [um], 22.4 um/V, 3um."), "y [µm], 22.4 µm/V, 3µm.");
+        assert_eq!(shown("[V um] 5 uV < 1 um"), "[V µm] 5 µV &lt; 1 µm");
+        for name in ["rise_um.csv", "um.csv", "sum", "umbra", "u [V]", "x_um", "um_x", "um2"] {
+            assert_eq!(shown(name), name);
+        }
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The reports: on a model and its validation, block by block, and on control schemes.
 
 mod creep;
+mod cycles;
 mod errors;
 mod hysteresis;
 mod linear;
@@ -139,6 +140,26 @@ mod tests {
             assert!(html.contains(said), "{said}");
         }
         assert!(!html.contains("Error by amplitude"), "one amplitude repeats the overall figures");
+    }
+
+    #[test]
+    fn loops_are_seen_one_by_one_and_errors_are_joined_within_a_frequency() {
+        let hysteresis = (piezoid::hysteresis::Operator::find("dahl").unwrap().example)(5e-4).unwrap();
+        let units = piezoid::Units { u: "V".into(), y: "um".into() };
+        let model = Model::new(hysteresis, Arx::gain(5e-4, 2.0).unwrap(), 0.0).unwrap().with_units(units.clone());
+        let compared = |frequency: f64| {
+            let rising = piezoid::excitation::RisingSine { amplitude: 9.0, frequency, ..Default::default() };
+            let u = rising.samples(5e-4, 4000).unwrap();
+            let y = model.simulate(&u).iter().enumerate().map(|(t, y)| y + 0.1 * (t as f64).sin()).collect();
+            let record = Record::new(5e-4, u, y).unwrap().with_units(units.clone());
+            Compared { name: "r.csv".into(), validation: model.validate(&record).unwrap(), record }
+        };
+        let html = report(&model, &Validated { files: [20.0, 40.0].map(compared).into() }).html();
+        for said in ["Drawn are 3 of 38 cycles", "y − line [µm]", "over 8 of 7"] {
+            assert!(html.contains(said), "{said}");
+        }
+        assert!([">20.", ">40."].iter().all(|hz| html.contains(hz)) && html.matches(" Hz</text>").count() == 2);
+        assert!(!html.contains("um]") && !html.contains(" um"), "units as people read them");
     }
 
     fn beam() -> Model {

@@ -1,14 +1,14 @@
 //! A record in the report: time series, loops, and residuals.
 
+use super::cycles::{self, Drawn};
 use super::residuals;
+use crate::hysteresis_part::StraightLine;
 use crate::page::{PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
 use piezoid::number::{round, short};
 use piezoid::validation::{LoopShape, Offset};
-
-/// Number of samples that a figure shows.
-const SHOWN: usize = 4000;
+use std::ops::Range;
 
 pub(super) fn section(trial: &Compared) -> Section {
     let (name, record, validation) = (trial.short(), &trial.record, &trial.validation);
@@ -30,52 +30,73 @@ pub(super) fn section(trial: &Compared) -> Section {
         Some(summary) => section.text(sentence(summary)),
         None => section,
     };
-    let section = section.figure(time_series(trial)).figure(loops(trial));
+    let section = loops(section.figure(time_series(trial)), trial);
     let section = if validation.loops.is_empty() { section } else { section.table(shapes(trial)) };
     residuals::residuals(section, trial)
 }
 
+/// Measurement and free run over a few periods, and the residual over the whole record.
 fn time_series(trial: &Compared) -> Figure {
     let Compared { record, validation, .. } = trial;
-    let units = record.units();
-    let range = validation.start..record.len().min(validation.start + SHOWN);
-    let t: Vec<f64> = range.clone().map(|k| k as f64 * record.ts()).collect();
-    let (y, simulated) = (&record.y()[range.clone()], &validation.simulated[range]);
-    let error: Vec<f64> = y.iter().zip(simulated).map(|(y, s)| y - s).collect();
-    let rms = short(validation.metrics.rms_pp_percent);
-    let part = if record.len() - validation.start > SHOWN { "the first part of the record" } else { "the record" };
-    let of = &record.y()[validation.start..];
-    let errors = of.iter().zip(&validation.simulated[validation.start..]).map(|(y, s)| (y - s).abs());
-    let worst = errors.enumerate().fold((0, 0.0), |worst, (k, e)| if e > worst.1 { (k, e) } else { worst }).0;
-    let at = short((validation.start + worst) as f64 * record.ts());
+    let (units, start) = (record.units(), validation.start);
+    let time = |range: Range<usize>| range.map(|k| k as f64 * record.ts()).collect::<Vec<f64>>();
+    let (y, simulated) = (record.y(), &validation.simulated);
+    let error: Vec<f64> = y[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s).collect();
+    let worst = worst(trial);
+    let (shown, words) = cycles::periods(record, start, worst);
     let caption = format!(
-        "Measurement, free run and residual over {part}; residual over the whole record: {rms} % of peak-to-peak. The \
-        largest error is at {at} s."
+        "Above: measurement and free run{words}. Below: the residual over the whole record, {} % of peak-to-peak (rms). \
+        It is largest at {} s.",
+        short(validation.metrics.rms_pp_percent),
+        short(worst as f64 * record.ts())
     );
-    let (axis, residual) = (|label: &str| Axis::new(format!("{label} [{}]", units.y)), Role::Residual);
-    let top = Axes::new("t [s]", axis("y")).height(0.6);
-    let top = top.with(Series::line(&t, y).role(Role::Measured).named("measured"));
-    let top = top.with(Series::line(&t, simulated).role(Role::Model).named("model"));
-    let low = Axes::new("t [s]", axis("error")).height(0.4).with(Series::line(&t, &error).role(residual));
-    Figure::new("Time series", caption).panel(top).panel(low).stacked()
+    let (t, axis) = (|| Axis::new("t [s]").tight(), |label: &str| Axis::new(format!("{label} [{}]", units.y)));
+    let top = Axes::new(t(), axis("y"))
+        .height(0.75)
+        .with(Series::wide(&time(shown.clone()), &y[shown.clone()]).named("measured"))
+        .with(Series::line(&time(shown.clone()), &simulated[shown]).role(Role::Model).named("model"));
+    let low = Axes::new(t(), axis("error")).height(0.55);
+    let low = low.with(Series::line(&time(start..record.len()), &error).role(Role::Residual));
+    Figure::new("Time series", caption).panel(top).panel(low)
 }
 
-fn loops(trial: &Compared) -> Figure {
+/// The sample of the largest residual.
+fn worst(trial: &Compared) -> usize {
     let Compared { record, validation, .. } = trial;
-    let units = record.units();
-    let range = validation.start..record.len().min(validation.start + SHOWN);
-    let u = &record.u()[range.clone()];
-    let part = if range.end < record.len() { "the first part of the record" } else { "the record" };
+    let error = |k: usize| (record.y()[k] - validation.simulated[k]).abs();
+    (validation.start..record.len()).max_by(|&i, &j| error(i).total_cmp(&error(j)).then(j.cmp(&i))).unwrap_or_default()
+}
+
+/// Adds the loops of output over input if there are any, and beside them what a straight line leaves of them.
+fn loops(section: Section, trial: &Compared) -> Section {
+    let Compared { record, validation, .. } = trial;
+    let (units, u) = (record.units(), record.u());
+    let Some(Drawn { parts, words }) = cycles::loops(record, validation.start, worst(trial)) else { return section };
     let caption = format!(
-        "Output against input in {part}, measured and in free run. In the whole record they differ by {} % of the \
-         peak-to-peak output (rms).",
+        "Output against input, measured and in free run; beside it the same less the least-squares straight line of \
+        each measured loop, so that the width of the loops is seen.{words} Over the whole record measurement and free \
+        run differ by {} % of the peak-to-peak output (rms).",
         short(validation.metrics.rms_pp_percent)
     );
-    Figure::new("Loops", caption).panel(
-        Axes::new(Axis::new(format!("u [{}]", units.u)), Axis::new(format!("y [{}]", units.y)))
-            .with(Series::line(u, &record.y()[range.clone()]).role(Role::Measured).named("measured"))
-            .with(Series::line(u, &validation.simulated[range]).role(Role::Model).named("model")),
-    )
+    let lines = parts.iter().map(|part| StraightLine::through(&u[part.clone()], &record.y()[part.clone()]));
+    let lines: Vec<StraightLine> = lines.collect();
+    // The parts with gaps between them.
+    let joined = |of: &dyn Fn(usize, Range<usize>) -> Vec<f64>| {
+        let each = parts.iter().enumerate().flat_map(|(k, part)| of(k, part.clone()).into_iter().chain([f64::NAN]));
+        each.collect::<Vec<f64>>()
+    };
+    let x = joined(&|_, part| u[part].to_vec());
+    let whole = |y: &[f64]| joined(&|_, part| y[part].to_vec());
+    let rest = |y: &[f64]| joined(&|k, part| lines[k].taken_from(&u[part.clone()], &y[part]));
+    let panel = |title: &str, label: &str, of: &dyn Fn(&[f64]) -> Vec<f64>| {
+        let axes = Axes::new(Axis::new(format!("u [{}]", units.u)), Axis::new(format!("{label} [{}]", units.y)))
+            .titled(title)
+            .with(Series::wide(&x, &of(record.y())).named("measured"))
+            .with(Series::line(&x, &of(&validation.simulated)).role(Role::Model).named("model"));
+        Figure::new(title, "").medium().panel(axes)
+    };
+    let figures = [panel("loops", "y", &whole), panel("without the straight line", "y − line", &rest)];
+    section.figures(2, "Loops", caption, figures)
 }
 
 /// The shapes of the measured and the modelled loops, in alternating rows.

@@ -30,14 +30,15 @@ pub fn tracking(compared: &Comparison) -> Page {
     [loops(compared), learning(compared), spread(compared)].into_iter().flatten().fold(page, Page::section)
 }
 
-/// A curve of one scheme, in the same style on the whole page; dashed if colours repeat.
+/// A curve of one scheme, in the same style on the whole page. Each has its own dashes, so that curves that coincide
+/// are all seen.
 fn curve(compared: &Comparison, d: &SchemeResult, x: &[f64], y: &[f64]) -> Series {
     let uncompensated = |d: &SchemeResult| d.name() == FEED_FORWARDS[0].name;
     let others = compared.driven.iter().filter(|d| !uncompensated(d));
     match others.map(SchemeResult::name).position(|name| name == d.name()) {
         None => Series::line(x, y).role(Role::Muted),
-        Some(k) if k < COLOURS => Series::line(x, y).role(Role::accent(k)),
-        Some(k) => Series::dashed(x, y).role(Role::accent(k)),
+        // One pattern further where colours repeat.
+        Some(k) => Series::line(x, y).role(Role::accent(k)).dashes(k + k / COLOURS),
     }
 }
 
@@ -92,10 +93,10 @@ fn along(compared: &Comparison, k: usize) -> Section {
     let shown = wanted.from..wanted.r.len().min(wanted.from + length);
     let ts = compared.driven[0].drive.model().ts();
     let t: Vec<f64> = shown.clone().map(|t| t as f64 * ts).collect();
-    let mut path = Axes::new("t [s]", &*format!("y [{unit}]")).height(0.4);
-    let mut error = Axes::new("t [s]", &*format!("r - y [{unit}]")).height(0.35);
-    let mut nearest = Axes::new("t [s]", &*format!("r - y, best controllers [{unit}]")).height(0.35);
-    let mut voltage = Axes::new("t [s]", "u [V]").height(0.4);
+    let mut path = Axes::new(Axis::new("t [s]").tight(), &*format!("y [{unit}]")).height(0.4);
+    let mut error = Axes::new(Axis::new("t [s]").tight(), &*format!("r - y [{unit}]")).height(0.35);
+    let mut nearest = Axes::new(Axis::new("t [s]").tight(), &*format!("r - y, best controllers [{unit}]")).height(0.35);
+    let mut voltage = Axes::new(Axis::new("t [s]").tight(), "u [V]").height(0.4);
     let attempts = || compared.driven.iter().filter_map(|d| Some((d, d.attempts[k].as_ref().ok()?)));
     let best = attempts().map(|(_, a)| a.tracking.rms).fold(f64::INFINITY, f64::min);
     for (d, ReferenceResult { run, tracking, .. }) in attempts() {
@@ -108,7 +109,7 @@ fn along(compared: &Comparison, k: usize) -> Section {
         }
         error = error.with(curve(&error_of));
     }
-    let path = path.with(Series::dashed(&t, &wanted.r[shown]).role(Role::Reference).named("reference"));
+    let path = path.with(Series::wide(&t, &wanted.r[shown]).role(Role::Reference).named("reference"));
     let caption =
         format!("Displacement, error, error of the schemes within {NEAR} times the smallest rms error, and voltage.");
     let figure = Figure::new(wanted.name.clone(), caption).panel(path).panel(error).panel(nearest).panel(voltage);
@@ -129,8 +130,8 @@ fn loops(compared: &Comparison) -> Option<Section> {
         table.row([d.name()].into_iter().chain(figures).chain([stable.to_string()]).collect::<Vec<_>>())
     });
     let axes = Axes::new(Axis::log("f [Hz]").tight(), Axis::log("|S|"));
-    let axes = closed.iter().fold(axes, |axes, (d, _)| match d.drive.sensitivity(&hz) {
-        Some(s) => axes.with(curve(compared, d, &hz, &s).named(d.name())),
+    let axes = closed.iter().enumerate().fold(axes, |axes, (k, (d, _))| match d.drive.sensitivity(&hz) {
+        Some(s) => axes.with(curve(compared, d, &hz, &s).dashes(k).named(d.name())),
         None => axes,
     });
     let caption = "Sensitivity to disturbances: attenuated below 1, amplified above 1.";

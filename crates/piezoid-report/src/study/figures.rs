@@ -2,6 +2,7 @@
 
 use super::words;
 use super::{Frequency, METHODS, Study, TS, TestSignal};
+use crate::hysteresis_part::StraightLine;
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::hysteresis::Branches;
 use piezoid::linear::Arx;
@@ -111,12 +112,12 @@ pub(super) fn response(study: &Study) -> Figure {
         .panel(
             Axes::new(axis(), Axis::log("gain / static gain"))
                 .with(Series::line(&hz, &gain(printed)).role(Role::Descending).named("the paper's Table 2"))
-                .with(Series::line(&hz, &gain(own)).role(Role::Model).named("estimated by the swarm")),
+                .with(Series::line(&hz, &gain(own)).role(Role::Model).dashes(1).named("estimated by the swarm")),
         )
         .panel(
             Axes::new(axis(), "phase [°]")
                 .with(Series::line(&hz, &phase(printed)).role(Role::Descending))
-                .with(Series::line(&hz, &phase(own)).role(Role::Model)),
+                .with(Series::line(&hz, &phase(own)).role(Role::Model).dashes(1)),
         )
         .stacked()
 }
@@ -127,32 +128,62 @@ fn branch(branches: &Branches, read: impl Fn(f64) -> f64) -> (Vec<f64>, Vec<f64>
 }
 
 /// The loop of the hidden variable with its separating line and branches, and the loop of the joint model: Figs 2, 4
-/// and 5.
+/// and 5. Beside it the same without the least-squares line of the loop.
 pub(super) fn hysteresis_loop(f: &Frequency) -> Figure {
+    let [whole, rest] = loop_panels(f);
+    let figure = Figure::new(format!("Loop at {} Hz", f.hz), loop_caption(f)).medium().panel(whole);
+    figure.panel(rest.unnamed()).columns(2)
+}
+
+/// The same as two figures a frequency.
+pub(super) fn hysteresis_loops(study: &Study) -> impl Iterator<Item = Figure> {
+    study.frequencies.iter().flat_map(|f| {
+        let [whole, rest] = loop_panels(f);
+        let titles = [format!("Loop at {} Hz", f.hz), format!("Loop at {} Hz without its straight line", f.hz)];
+        let figure = |(title, panel)| Figure::new(title, loop_caption(f)).medium().panel(panel);
+        titles.into_iter().zip([whole, rest]).map(figure).collect::<Vec<_>>()
+    })
+}
+
+fn loop_caption(f: &Frequency) -> String {
+    format!(
+        "The width of the loop is {:.1} % of its height; {:.0} % of its points lie on the side of the line that \
+         matches their direction. The loop of the joint model opens by {:.1} %.",
+        100.0 * f.own.found.branches.width(),
+        100.0 * f.own.found.agreement,
+        100.0 * f.joint.found.branches.width()
+    )
+}
+
+/// What is drawn of z over u.
+type Drawn = fn(&StraightLine, &[f64], &[f64]) -> Vec<f64>;
+
+/// z over u, and z less a straight line over u.
+fn loop_panels(f: &Frequency) -> [Axes; 2] {
     let found = &f.own.found;
     let (up_u, up_z) = branch(&found.branches, |u| found.branches.ascending(u));
     let (down_u, down_z) = branch(&found.branches, |u| found.branches.descending(u));
     let [(u0, z0), (u1, z1)] = found.line;
-    let caption = format!(
-        "The width of the loop is {:.1} % of its height; {:.0} % of its points lie on the side of the line that \
-         matches their \
-        direction. The loop of the joint model opens by {:.1} %.",
-        100.0 * found.branches.width(),
-        100.0 * found.agreement,
-        100.0 * f.joint.found.branches.width()
-    );
     // The last period, closed.
     let period = (1.0 / (f.hz * TS)).ceil() as usize + 1;
     let last = f.joint.u.len().saturating_sub(period);
-    Figure::new(format!("Loop at {} Hz", f.hz), caption).small().panel(
-        Axes::new("u [V]", "z [V]")
-            .titled(format!("{} Hz: {:.1} % wide", f.hz, 100.0 * found.branches.width()))
-            .with(Series::dots(&f.own.u, &f.own.z).role(Role::Measured))
-            .with(Series::line(&f.joint.u[last..], &f.joint.z[last..]).role(Role::Accent5).named("joint"))
-            .with(Series::line(&up_u, &up_z).role(Role::Ascending).named("ascending"))
-            .with(Series::line(&down_u, &down_z).role(Role::Descending).named("descending"))
-            .with(Series::dashed(&[u0, u1], &[z0, z1]).role(Role::Reference)),
-    )
+    let (joint_u, joint_z) = (&f.joint.u[last..], &f.joint.z[last..]);
+    let line = StraightLine::through(&f.own.u, &f.own.z);
+    let joint_line = StraightLine::through(joint_u, joint_z);
+    let panel = |title: String, label: &str, of: Drawn| {
+        let joint = Series::line(joint_u, &of(&joint_line, joint_u, joint_z)).role(Role::Accent5);
+        Axes::new("u [V]", label)
+            .titled(title)
+            .with(Series::dots(&f.own.u, &of(&line, &f.own.u, &f.own.z)).role(Role::Measured).named("samples"))
+            .with(Series::line(&up_u, &of(&line, &up_u, &up_z)).role(Role::Ascending).named("ascending"))
+            .with(Series::line(&down_u, &of(&line, &down_u, &down_z)).role(Role::Descending).named("descending"))
+            .with(joint.dashes(1).named("joint model"))
+            .with(Series::dashed(&[u0, u1], &of(&line, &[u0, u1], &[z0, z1])).named("separating line"))
+    };
+    let width = format!("{} Hz: {:.1} % wide", f.hz, 100.0 * found.branches.width());
+    let whole = panel(width, "z [V]", |_, _, z| z.to_vec());
+    let rest = panel(format!("{} Hz, without the straight line", f.hz), "z − line [V]", StraightLine::taken_from);
+    [whole, rest]
 }
 
 /// Test and predictions over the last periods, with their errors.
@@ -160,8 +191,8 @@ pub(super) fn test(f: &Frequency) -> Figure {
     let y = f.test.y();
     let from = y.len() - ((PERIODS / (f.hz * TS)).round() as usize).clamp(1, y.len());
     let t: Vec<f64> = (0..y.len() - from).map(|k| 1e3 * k as f64 * TS).collect();
-    let mut answer = Axes::new("t [ms]", "y [mm]").height(0.6).titled(format!("{} Hz", f.hz));
-    let mut errors = Axes::new("t [ms]", "error [mm]").height(0.4);
+    let mut answer = Axes::new(Axis::new("t [ms]").tight(), "y [mm]").height(0.8).titled(format!("{} Hz", f.hz));
+    let mut errors = Axes::new(Axis::new("t [ms]").tight(), "error [mm]").height(0.5);
     let shown = [
         ("printed-rule", "rule as printed", Role::Descending),
         ("held-direction", "direction held", Role::Model),
@@ -171,12 +202,14 @@ pub(super) fn test(f: &Frequency) -> Figure {
     for (method, name, role) in shown {
         let Some(row) = f.row(method) else { continue };
         let error: Vec<f64> = row.simulated[from..].iter().zip(&y[from..]).map(|(s, y)| y - s).collect();
-        answer = answer.with(Series::line(&t, &row.simulated[from..]).role(role).named(name));
-        errors = errors.with(Series::line(&t, &error).role(role));
+        // Dashed, so that a line beneath stays visible.
+        let dashes = usize::from(method == "joint");
+        answer = answer.with(Series::line(&t, &row.simulated[from..]).role(role).dashes(dashes).named(name));
+        errors = errors.with(Series::line(&t, &error).role(role).dashes(dashes));
         words.push(format!("error with the {name}: {:.2} % of peak-to-peak", row.metrics.rms_pp_percent));
     }
-    let answer = answer.with(Series::dashed(&t, &y[from..]).role(Role::Measured).named("twin"));
-    Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).panel(answer).panel(errors).stacked()
+    let answer = answer.with(Series::wide(&t, &y[from..]).named("twin"));
+    Figure::new(format!("Test at {} Hz", f.hz), words.join("; ")).medium().panel(answer).panel(errors).stacked()
 }
 
 /// Width of the loops with the estimated block and with that of Table 2.
@@ -218,10 +251,10 @@ pub(super) fn error(study: &Study) -> Figure {
     let hz: Vec<f64> = study.frequencies.iter().map(|f| f.hz).collect();
     let roles = [Role::Descending, Role::Model, Role::Muted, Role::Residual, Role::Accent5];
     let mut axes = Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::log("MSE [mm²]").from(FLOOR));
-    for (method, role) in METHODS.iter().zip(roles) {
+    for (k, (method, role)) in METHODS.iter().zip(roles).enumerate() {
         let rows = study.frequencies.iter().filter_map(|f| f.row(method.name));
         let mse: Vec<f64> = rows.map(|r| r.metrics.mse.max(FLOOR)).collect();
-        axes = axes.with(Series::marked(&hz, &mse).role(role).named(method.name));
+        axes = axes.with(Series::marked(&hz, &mse).role(role).dashes(k).named(method.name));
     }
     let (f, mse): (Vec<f64>, Vec<f64>) = Study::PRINTED_MSE.iter().copied().unzip();
     // Dashed, so that a line beneath stays visible.
@@ -266,13 +299,18 @@ fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl 
 /// Table 1 over the form and the number of steps of the test signal.
 pub(super) fn test_signal(study: &Study) -> Figure {
     let title = "Error against the steps of the test signal, and the paper's Table 1";
-    over_steps(study).into_iter().fold(Figure::new(title, words::over_test_signals(study)), Figure::panel).columns(2)
+    over_steps(study)
+        .into_iter()
+        .fold(Figure::new(title, words::over_test_signals(study)).medium(), Figure::panel)
+        .columns(2)
 }
 
 /// The same with one figure per frequency.
 pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
     over_steps(study).into_iter().zip(Study::PRINTED_MSE).map(|(axes, (hz, printed))| {
-        Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm².")).panel(axes)
+        Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm²."))
+            .medium()
+            .panel(axes)
     })
 }
 

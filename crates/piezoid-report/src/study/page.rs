@@ -114,7 +114,9 @@ fn loops(study: &Study) -> Section {
         study.frequencies.iter().filter(|f| !f.own.found.ascending_below).map(|f| f.hz.to_string()).collect();
     let mut words = "Grey dots are samples of voltage and hidden variable; the curves and the loop of the joint model \
         may cover them. The dashed line through the two reversal points splits the loop; the curves are splines \
-        through the averages on each side. Which side is the ascending branch is determined from the data."
+        through the averages on each side. Which side is the ascending branch is determined from the data. Beside each \
+        loop: the same less the least-squares straight line (of the samples; of its own loop for the joint model), so \
+        that the width is seen."
         .to_string();
     let slowest = &study.frequencies[0];
     let span = |x: &[f64]| ends(x.iter().copied()).1 - ends(x.iter().copied()).0;
@@ -142,10 +144,10 @@ fn loops(study: &Study) -> Section {
     }
     Section::new(format!("Twin “{}”: the loops", study.plant.name))
         .figures(
-            4,
+            2,
             "Loops with separating line and branches (the paper's Figs 2, 4, 5)",
             words,
-            study.frequencies.iter().map(figures::hysteresis_loop),
+            figures::hysteresis_loops(study),
         )
         .figure(figures::width(study))
 }

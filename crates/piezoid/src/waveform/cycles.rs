@@ -13,19 +13,19 @@ const REGULAR: f64 = 0.35;
 
 /// A movement up and down.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Cycle {
+pub struct Cycle {
     /// From one minimum to the next, both included.
-    pub(crate) samples: Range<usize>,
+    pub samples: Range<usize>,
     /// The maximum.
-    pub(crate) peak: usize,
+    pub peak: usize,
     /// Half of peak-to-peak [input unit].
-    pub(crate) amplitude: f64,
+    pub amplitude: f64,
     /// Frequency [Hz].
-    pub(crate) hz: f64,
+    pub hz: f64,
 }
 
 /// The complete cycles of `u`, with sampling period `ts` [s]; empty if `u` is not regular.
-pub(crate) fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
+pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
     let reversals = reversals(u, REVERSAL);
     // The first reversal is skipped if it is a maximum.
     let first = usize::from(reversals.len() > 1 && u[reversals[0]] > u[reversals[1]]);
