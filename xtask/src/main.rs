@@ -1,4 +1,4 @@
-//! The project's own automation: `cargo xtask test|tidy|python|bench|fuzz|golden|docs`.
+//! The project's own automation: `cargo xtask test|tidy|python|web|bench|fuzz|golden|docs`.
 //!
 //! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `docs` use Python 3 too. Messages name what is
 //! missing.
@@ -15,7 +15,7 @@ use std::time::Instant;
 type Work = fn() -> Result<(), String>;
 
 /// The verbs with their descriptions.
-const VERBS: [(&str, &str, Work); 7] = [
+const VERBS: [(&str, &str, Work); 8] = [
     (
         "test",
         "format, clippy with warnings denied, the core for the web, all tests, documentation, `tidy`, then `python`",
@@ -23,6 +23,7 @@ const VERBS: [(&str, &str, Work); 7] = [
     ),
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
     ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
+    ("web", "the library as a module for browsers in web/dist, and its tests (Node.js)", web),
     ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
     ("fuzz", "damaged files of every format for a minute each (cargo-fuzz)", fuzz),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
@@ -73,6 +74,24 @@ fn fuzz() -> Result<(), String> {
 
 /// The target for web browsers.
 const WEB: &str = "wasm32-unknown-unknown";
+
+/// Builds the module of the page and its scripts into web/dist, and tests them.
+fn web() -> Result<(), String> {
+    let built = root().join("target").join(WEB).join("page/piezoid_wasm.wasm");
+    let mut build = cargo(&["build", "--profile", "page", "--package", "piezoid-wasm", "--target", WEB]);
+    step(build.env("RUSTFLAGS", "-C target-feature=+simd128"))?;
+    let run = |arguments: &[&str]| {
+        let mut npm = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
+        step(npm.args(["--prefix", "web"]).args(arguments))
+    };
+    run(&["ci", "--no-audit", "--no-fund"])?;
+    for script in ["check", "build"] {
+        run(&["run", script])?;
+    }
+    let module = root().join("web/dist/piezoid.wasm");
+    std::fs::copy(&built, &module).map_err(|e| format!("{}: {e}", module.display()))?;
+    run(&["test"])
+}
 
 fn test() -> Result<(), String> {
     for (component, arguments) in [("rustfmt", ["fmt", "--version"]), ("clippy", ["clippy", "--version"])] {

@@ -27,9 +27,6 @@ use super::exported::{Entry, ExportedProgram};
 use super::template::{Template, context, render, template, template_context};
 use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
 use piezoid::error::Error;
-use std::io::{Cursor, Write};
-use zip::write::{SimpleFileOptions, ZipWriter};
-use zip::{CompressionMethod, DateTime};
 
 pub(super) const FMI2: ExportTarget = ExportTarget {
     name: "fmu2",
@@ -117,7 +114,7 @@ fn make(request: &ExportRequest, version: &Version) -> Result<Exported, Error> {
             Ok(library) => files.push(library),
             Err(why) => made.notes.push(format!("{}.fmu contains sources only: {why}", fmu.name)),
         }
-        made.files.push(File { name: format!("{}.fmu", fmu.name), bytes: packed(&files)? });
+        made.files.push(File { name: format!("{}.fmu", fmu.name), bytes: File::archive(&files)? });
     }
     Ok(made)
 }
@@ -192,21 +189,6 @@ fn token(text: &str) -> String {
     format!("{{{}-{}-{}-{}-{}}}", &hex[..8], &hex[8..12], &hex[12..16], &hex[16..20], &hex[20..])
 }
 
-/// A zip file of these files, stored without times, so that its bytes are reproducible.
-fn packed(files: &[File]) -> Result<Vec<u8>, Error> {
-    let unpacked = |error: &dyn std::fmt::Display| Error::Content(format!("the FMU cannot be packed: {error}"));
-    let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
-    for file in files {
-        let options = SimpleFileOptions::default()
-            .compression_method(CompressionMethod::Stored)
-            .last_modified_time(DateTime::default())
-            .unix_permissions(0o644);
-        zip.start_file(file.name.as_str(), options).map_err(|error| unpacked(&error))?;
-        zip.write_all(&file.bytes).map_err(|error| unpacked(&error))?;
-    }
-    Ok(zip.finish().map_err(|error| unpacked(&error))?.into_inner())
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::Compiler;
@@ -216,7 +198,7 @@ mod tests {
     use piezoid::linear::Arx;
     use piezoid::record::Units;
     use roxmltree::Document;
-    use std::io::Read;
+    use std::io::{Cursor, Read};
 
     fn model(unit: &str) -> Model {
         let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();

@@ -30,6 +30,7 @@ mod words;
 mod write;
 
 pub use channel::Channel;
+pub(crate) use numpy::archive;
 pub use selection::ColumnSelection;
 pub use table::{Signal, Table};
 

@@ -13,6 +13,7 @@ use super::tree::{self, Node};
 use super::{Channel, Format, Table, history};
 use crate::Error;
 use descr::{ArrayHead, Descr};
+pub(crate) use zip::archive;
 
 /// The row of NumPy.
 pub(super) const ROW: Format = Format {

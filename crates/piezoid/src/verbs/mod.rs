@@ -21,7 +21,7 @@ pub use validate::{Compared, Validated};
 pub use verdict::Verdict;
 
 use crate::error::Error;
-use crate::formats::{ColumnSelection, Signal, Table};
+use crate::formats::{ColumnSelection, Signal, Table, archive};
 use crate::hammerstein::Model;
 use crate::record::{Record, Units};
 use crate::system::System;
@@ -46,6 +46,20 @@ impl File {
     /// Its name without folders: the same work gives the same bytes in every folder.
     pub fn short(&self) -> &str {
         short(&self.name)
+    }
+
+    /// A zip archive of these files, stored, without dates: the same files give the same bytes.
+    ///
+    /// ```
+    /// let archive = piezoid::File::archive(&[piezoid::File::new("a/b.txt", "c")])?;
+    /// assert!(archive.starts_with(b"PK"));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error for more than 65535 files, or more than 4 GB.
+    pub fn archive(files: &[File]) -> Result<Vec<u8>, Error> {
+        archive(files.iter().map(|file| (file.name.clone(), file.bytes.clone())))
     }
 
     /// Its text.

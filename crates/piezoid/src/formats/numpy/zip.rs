@@ -78,7 +78,7 @@ impl Member {
 }
 
 /// An archive of these members. It has no dates: the same members give the same bytes.
-pub(super) fn archive(members: impl Iterator<Item = (String, Vec<u8>)>) -> Result<Vec<u8>, Error> {
+pub(crate) fn archive(members: impl Iterator<Item = (String, Vec<u8>)>) -> Result<Vec<u8>, Error> {
     let short = |len: usize| {
         let advice = "more than 65535 columns, or a name of more than 65535 letters: choose fewer, or write CSV";
         u16::try_from(len).map(u16::to_le_bytes).map_err(|_| Error::Content(advice.into()))

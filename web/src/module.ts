@@ -1,0 +1,58 @@
+// The library as a WebAssembly module: crates/piezoid-wasm tells its functions.
+
+/** What is told of long work: the task, the steps done and all steps. */
+export type Progress = (what: string, done: number, total: number) => void;
+
+interface Exports {
+  memory: WebAssembly.Memory;
+  reserve(length: number): number;
+  release(address: number, length: number): void;
+  answer(address: number, length: number): number;
+  length(): number;
+  lists(): number;
+}
+
+/** The library in this thread. */
+export class Module {
+  #exports: Exports;
+  #progress: Progress = () => {};
+
+  private constructor(instance: (imports: WebAssembly.Imports) => WebAssembly.Instance) {
+    const text = new TextDecoder();
+    const progress = (address: number, length: number, done: number, total: number) => {
+      const what = text.decode(new Uint8Array(this.#exports.memory.buffer, address, length));
+      this.#progress(what, done, total);
+      return 1;
+    };
+    this.#exports = instance({ env: { progress } }).exports as unknown as Exports;
+  }
+
+  /** The library of a compiled module. */
+  static of(module: WebAssembly.Module): Module {
+    return new Module((imports) => new WebAssembly.Instance(module, imports));
+  }
+
+  /** The packed answer to a packed request. */
+  answer(request: Uint8Array, progress: Progress): Uint8Array {
+    const { memory, reserve, answer } = this.#exports;
+    const address = reserve(request.length);
+    if (address === 0) throw new Error("the browser gives no memory for a file of this size");
+    new Uint8Array(memory.buffer).set(request, address);
+    this.#progress = progress;
+    return this.#taken(answer(address, request.length));
+  }
+
+  /** The lists for menus and forms. */
+  lists(): any {
+    return JSON.parse(new TextDecoder().decode(this.#taken(this.#exports.lists())));
+  }
+
+  /** A copy of what stands at an address, which is released. */
+  #taken(address: number): Uint8Array {
+    const { memory, release, length } = this.#exports;
+    if (address === 0) throw new Error("the browser gives no memory for the answer");
+    const bytes = new Uint8Array(memory.buffer).slice(address, address + length());
+    release(address, length());
+    return bytes;
+  }
+}

@@ -1,0 +1,75 @@
+// Requests and answers as bytes: crates/piezoid-calls/src/packet.rs tells the layout.
+
+/** A named content. */
+export interface File {
+  name: string;
+  bytes: Uint8Array;
+}
+
+/** What is asked of the library. */
+export interface Request {
+  /** Name of the verb. */
+  call: string;
+  /** Its options by name. */
+  options?: Record<string, unknown>;
+  /** What is said of the columns of data files. */
+  columns?: Record<string, unknown>;
+  /** Names of files by their roles. */
+  files?: Record<string, string[]>;
+}
+
+/** What the library answers. */
+export interface Answer {
+  result: any;
+  series: Map<string, Float64Array>;
+  files: File[];
+}
+
+/** An error that the library told, in words for the user. */
+export class Refused extends Error {}
+
+/** The user ended the work. */
+export class Cancelled extends Error {}
+
+/** Everything begins at a multiple of so many bytes. */
+const ALIGN = 8;
+
+const aligned = (length: number) => Math.ceil(length / ALIGN) * ALIGN;
+
+/** The bytes of a request with its files. */
+export function packed(request: Request, files: File[]): Uint8Array {
+  const head = new TextEncoder().encode(
+    JSON.stringify({ ...request, bytes: files.map((file) => [file.name, file.bytes.length]) }),
+  );
+  const start = aligned(4 + head.length);
+  const bytes = new Uint8Array(start + files.reduce((sum, file) => sum + aligned(file.bytes.length), 0));
+  new DataView(bytes.buffer).setUint32(0, start - 4, true);
+  bytes.fill(0x20, 4, start);
+  bytes.set(head, 4);
+  let at = start;
+  for (const file of files) {
+    bytes.set(file.bytes, at);
+    at += aligned(file.bytes.length);
+  }
+  return bytes;
+}
+
+/** The answer in bytes, which begin at a multiple of 8 in their buffer. Its series and files are views of them. */
+export function unpacked(bytes: Uint8Array): Answer {
+  const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
+  const head = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
+  if (head.cancelled) throw new Cancelled(head.error);
+  if (head.error !== undefined) throw new Refused(head.error);
+  let at = bytes.byteOffset + 4 + length;
+  const series = new Map<string, Float64Array>();
+  for (const [name, count] of head.series as [string, number][]) {
+    series.set(name, new Float64Array(bytes.buffer, at, count));
+    at += ALIGN * count;
+  }
+  const files = (head.bytes as [string, number][]).map(([name, size]) => {
+    const file = { name, bytes: new Uint8Array(bytes.buffer, at, size) };
+    at += aligned(size);
+    return file;
+  });
+  return { result: head.result, series, files };
+}
