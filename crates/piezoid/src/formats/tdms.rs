@@ -161,26 +161,17 @@ impl Reading<'_> {
             });
         }
         let channel = &mut self.objects[index];
-        match cursor.number(4)? {
-            NO_DATA if channel.is_listed => {
-                channel.is_listed = false;
-                self.list.retain(|listed| *listed != index);
-            }
-            NO_DATA => {}
-            AS_BEFORE => {
-                if !std::mem::replace(&mut channel.is_listed, true) {
-                    self.list.push(index);
-                }
-            }
-            _ => {
-                let (kind, _, count) = (cursor.number(4)?, cursor.number(4)?, cursor.number(8)?);
-                let many = |_| damaged("a chunk of too many values");
-                let text = if kind == TEXT { usize::try_from(cursor.number(8)?).map_err(many)? } else { 0 };
-                channel.place = Some(Place { kind, count: usize::try_from(count).map_err(many)?, text });
-                if !std::mem::replace(&mut channel.is_listed, true) {
-                    self.list.push(index);
-                }
-            }
+        let place = cursor.number(4)?;
+        if place != NO_DATA && place != AS_BEFORE {
+            let (kind, _, count) = (cursor.number(4)?, cursor.number(4)?, cursor.number(8)?);
+            let many = |_| damaged("a chunk of too many values");
+            let text = if kind == TEXT { usize::try_from(cursor.number(8)?).map_err(many)? } else { 0 };
+            channel.place = Some(Place { kind, count: usize::try_from(count).map_err(many)?, text });
+        }
+        match (std::mem::replace(&mut channel.is_listed, place != NO_DATA), place != NO_DATA) {
+            (false, true) => self.list.push(index),
+            (true, false) => self.list.retain(|listed| *listed != index),
+            _ => {}
         }
         for _ in 0..cursor.count()? {
             let (name, kind) = (cursor.text()?, cursor.number(4)?);
