@@ -99,13 +99,14 @@ impl Reading {
         if depth > DEEPEST {
             return Err(damaged(format!("groups {depth} deep")));
         }
-        let stated = periods(&group.attributes().map_err(refused)?).into_iter();
-        let mut content: Vec<_> = stated.map(|(name, value)| (name, Node::series(Ok(vec![value]), None))).collect();
+        let attributes = group.attributes().map_err(refused)?;
+        let stated = |(name, value, _): (&str, f64, f64)| (name.to_string(), Node::series(Ok(vec![value]), None));
+        let mut content: Vec<_> = periods(&attributes).map(stated).collect();
         let (groups, data) = group.members().map_err(refused)?;
         for data in &data {
             self.count()?;
             let attributes = data.attributes();
-            let own = periods(&attributes).into_iter().find_map(|(name, value)| stated_period(&name, value));
+            let own = periods(&attributes).next().map(|(.., ts)| ts);
             content.extend(self.data(data, &attributes)?.map(|node| (data.name().to_string(), node.every(own))));
         }
         for group in &groups {
@@ -194,10 +195,12 @@ impl Reading {
     }
 }
 
-/// The sampling periods and rates among attributes.
-fn periods(attributes: &[Attribute]) -> Vec<(String, f64)> {
-    let number = |attribute: &Attribute| Some((attribute.name.clone(), attribute.read_as_f64().ok()?));
-    attributes.iter().filter_map(number).filter(|(name, value)| stated_period(name, *value).is_some()).collect()
+/// The sampling periods and rates among attributes: names, values, and the periods [s] that they state.
+fn periods(attributes: &[Attribute]) -> impl Iterator<Item = (&str, f64, f64)> {
+    attributes.iter().filter_map(|attribute| {
+        let (name, value) = (&*attribute.name, attribute.read_as_f64().ok()?);
+        Some((name, value, stated_period(name, value)?))
+    })
 }
 
 /// Values as NetCDF packs them: `scale_factor` and `add_offset`, NaN for `_FillValue`.

@@ -137,7 +137,7 @@ impl Record {
     /// Returns an error for a text that is no factor other than 0, and for samples that would not be finite.
     pub fn scaled(&self, input: &str, output: &str) -> Result<Self, Error> {
         let scale = |option: &str, text: &str| match text.trim() {
-            "" => Ok(Scale { factor: 1.0, unit: None, per: None }),
+            "" => Scale::read(option, "1"),
             text => Scale::read(option, text),
         };
         let (u, y) = (scale("input_scale", input)?, scale("output_scale", output)?);

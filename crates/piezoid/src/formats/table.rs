@@ -83,6 +83,19 @@ pub struct Signal {
     pub unit: String,
 }
 
+impl Signal {
+    /// The samples in another unit; `what` they are, for the error.
+    ///
+    /// # Errors
+    /// Returns an error if the conversion is unknown (see [`Units::factor`]).
+    pub(crate) fn samples_in(self, unit: &str, what: &str) -> Result<Vec<f64>, Error> {
+        match Units::factor(&self.unit, unit) {
+            Some(factor) => Ok(self.samples.into_iter().map(|v| v * factor).collect()),
+            None => Err(Error::Units { what: what.into(), found: self.unit, wanted: unit.into() }),
+        }
+    }
+}
+
 impl Table {
     /// A table without columns or lines.
     pub(super) fn empty() -> Self {

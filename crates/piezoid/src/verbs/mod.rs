@@ -23,7 +23,7 @@ pub use verdict::Verdict;
 use crate::error::Error;
 use crate::formats::{ColumnSelection, Signal, Table, archive};
 use crate::hammerstein::Model;
-use crate::record::{Record, Units};
+use crate::record::Record;
 use crate::system::System;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
@@ -99,12 +99,9 @@ impl File {
     /// cannot be converted.
     pub fn reference(&self, columns: &ColumnSelection, model: &Model) -> Result<Vec<f64>, Error> {
         self.read(|table| {
-            let Signal { ts, samples, unit } = table.reference(columns)?;
-            Record::same_sampling("the model", model.ts(), "the reference", ts)?;
-            let (what, wanted) = ("the reference".into(), &model.units().y);
-            let factor = Units::factor(&unit, wanted);
-            let factor = factor.ok_or_else(|| Error::Units { what, found: unit, wanted: wanted.clone() })?;
-            Ok(samples.iter().map(|r| r * factor).collect())
+            let reference = table.reference(columns)?;
+            Record::same_sampling("the model", model.ts(), "the reference", reference.ts)?;
+            reference.samples_in(&model.units().y, "the reference")
         })
     }
 

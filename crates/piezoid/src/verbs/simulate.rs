@@ -2,7 +2,7 @@
 
 use super::File;
 use crate::error::Error;
-use crate::formats::{ColumnSelection, Signal, Table};
+use crate::formats::{ColumnSelection, Table};
 use crate::hammerstein::InitialCondition;
 use crate::options::{OptionKind, OptionRow, options};
 use crate::plant::{Plant, Spec};
@@ -97,13 +97,10 @@ impl SimulateOptions {
 }
 
 /// The sampling period and the input in a file, in a unit.
-fn input_in(wanted: &str, input: &File, columns: &ColumnSelection) -> Result<(f64, Vec<f64>), Error> {
-    let Signal { ts, samples, unit } = input.input(columns)?;
-    let Some(factor) = Units::factor(&unit, wanted) else {
-        let (what, wanted) = ("the input".into(), wanted.into());
-        return Err(Error::Units { what, found: unit, wanted }.of(&input.name));
-    };
-    Ok((ts, samples.iter().map(|u| u * factor).collect()))
+fn input_in(unit: &str, file: &File, columns: &ColumnSelection) -> Result<(f64, Vec<f64>), Error> {
+    let input = file.input(columns)?;
+    let ts = input.ts;
+    Ok((ts, input.samples_in(unit, "the input").map_err(|error| error.of(&file.name))?))
 }
 
 impl Simulated {

@@ -60,17 +60,20 @@ impl Dialect {
                 let empty = |k: usize| 2 * rows.iter().filter(|row| row[k] == Cell::Empty).count() > rows.len();
                 let [numeric, empty] =
                     [&numeric as &dyn Fn(usize) -> bool, &empty].map(|of| (0..width).map(of).collect());
-                let comma = |line: &str| {
-                    cells(line, separator).flatten().any(|cell| matches!(number::read(cell), Some((_, Some(',')))))
-                };
-                let commas = samples.iter().flat_map(|sample| lines(sample)).any(|(_, line)| {
-                    row(line, separator).is_some_and(|row| row.len() == width && row.contains(&Cell::Number))
-                        && comma(line)
-                });
-                best = (score, Some(Dialect { separator, numeric, empty, commas }));
+                best = (score, Some(Dialect { separator, numeric, empty, commas: false }));
             }
         }
-        best.1
+        let dialect = best.1?;
+        let commas = samples.iter().flat_map(|sample| lines(sample)).any(|(_, line)| dialect.has_comma(line));
+        Some(Dialect { commas, ..dialect })
+    }
+
+    /// True if a number in a row has a decimal comma.
+    fn has_comma(&self, line: &str) -> bool {
+        let commas =
+            || cells(line, self.separator).flatten().any(|cell| matches!(number::read(cell), Some((_, Some(',')))));
+        let row = row(line, self.separator);
+        row.is_some_and(|row| row.len() == self.width() && row.contains(&Cell::Number)) && commas()
     }
 
     /// Number of cells in a row, without empty ones at its end.

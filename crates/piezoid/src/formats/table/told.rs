@@ -103,10 +103,13 @@ impl Table {
 
     /// A doubt about the sampling period that the user or the file states.
     fn doubt(&self, selection: &ColumnSelection) -> Option<String> {
+        let stated = selection.period().ok()?;
+        // Without another statement there is nothing to doubt, and the times need not be read again.
+        stated.or(self.ts)?;
         let time = Role::Time.find(self, selection).ok();
         let stamps = time.and_then(|time| self.period(time, selection, None).ok());
         let differs = |a: f64, b: f64| (a / b - 1.0).abs() > DIFFERENT;
-        let Some(stated) = selection.period().ok()? else {
+        let Some(stated) = stated else {
             let own = self.ts?;
             if time.is_some_and(|time| time::period(&time.samples, "", &|_| 0).is_err()) {
                 return Some(format!(

@@ -113,7 +113,7 @@ fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<Planned
 }
 
 /// A step up and a step down, each held. Nothing rings: the moves take two periods of the bandwidth, or
-/// seconds.
+/// a 24th of the record if that is shorter.
 fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     const STEEPEST: f64 = 1.875; // slope of `moved`
     let (ts, a) = (rig.ts, STEP * rig.half());
