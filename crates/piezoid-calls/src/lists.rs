@@ -3,8 +3,10 @@
 use crate::CALLS;
 use piezoid::OptionKind;
 use piezoid::OptionRow;
+use piezoid::Options;
 use piezoid::control::{CONTROLLERS, FEED_FORWARDS, REFERENCES};
 use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS};
+use piezoid::formats::ColumnSelection;
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
@@ -39,6 +41,7 @@ pub fn lists() -> Value {
     let feeds = FEED_FORWARDS.iter().map(|f| row(f.name, f.summary));
     json!({
         "calls": calls.collect::<Vec<_>>(),
+        "columns": rows(ColumnSelection::rows()),
         "operators": OPERATORS.iter().map(|o| row(o.name, o.summary)).collect::<Vec<_>>(),
         "excitations": excitations.collect::<Vec<_>>(),
         "plants": PLANTS.iter().map(|p| row(p.name, p.summary)).collect::<Vec<_>>(),

@@ -3,10 +3,12 @@
 use crate::{Answer, Call, Given, Role};
 use piezoid::excitation::Excitation;
 use piezoid::formats::{ColumnSelection, Table};
-use piezoid::hammerstein::Model;
+use piezoid::hammerstein::{HiddenLoop, Model};
+use piezoid::hysteresis::LoopOptions;
 use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
+use piezoid::waveform::reversals;
 use piezoid::{
     CompensateOptions, ControlOptions, Error, ExciteOptions, File, IdentifyOptions, OptionKind, OptionRow, Options,
     PlanOptions, PrepareOptions, SimulateOptions, options,
@@ -73,6 +75,13 @@ pub const CALLS: &[Call] = &[
         roles: &[role("data", 1, 1)],
         rows: PrepareOptions::rows,
         run: |given, _| prepare(given),
+    },
+    Call {
+        name: "loops",
+        summary: "the loop of a record, its separating line, and the branches of the paper",
+        roles: &[role("data", 1, 1), role("model", 0, 1)],
+        rows: LoopOptions::rows,
+        run: |given, _| loops(given),
     },
     Call {
         name: "excite",
@@ -167,6 +176,29 @@ fn prepare(given: &Given) -> Result<Answer, Error> {
     let written = File::new(name, made.written(name)?);
     let (result, _) = Table::read(name, &written.bytes)?.inspect(name, "csv", &ColumnSelection::default());
     Ok(Answer { result, series: named([("u", made.u()), ("y", made.y())]), files: vec![written] })
+}
+
+/// Number of points on which a branch is drawn, less one.
+const DRAWN: usize = 200;
+
+/// The share of the range by which the input moves back at a reversal.
+const REVERSAL: f64 = 0.02;
+
+fn loops(given: &Given) -> Result<Answer, Error> {
+    let record = given.one("data")?.record(&given.columns()?)?;
+    let model = given.some("model")?.map(|file| file.model()).transpose()?;
+    let (made, note) = given.options::<LoopOptions>()?.run(&record, model.as_ref())?;
+    let HiddenLoop { u, z, found, .. } = &made;
+    let (low, high) = found.branches.range();
+    let at: Vec<f64> = (0..=DRAWN).map(|k| low + (high - low) * k as f64 / DRAWN as f64).collect();
+    let rising: Vec<f64> = at.iter().map(|u| found.branches.ascending(*u)).collect();
+    let falling: Vec<f64> = at.iter().map(|u| found.branches.descending(*u)).collect();
+    let result = json!({
+        "loop": made.to_json(), "note": note, "units": record.units(), "ts": record.ts(),
+        "reversals": reversals(u, REVERSAL),
+    });
+    let series = [("u", &u[..]), ("z", z), ("at", &at), ("ascending", &rising), ("descending", &falling)];
+    Ok(Answer { result, series: named(series), files: Vec::new() })
 }
 
 fn excite(given: &Given) -> Result<Answer, Error> {

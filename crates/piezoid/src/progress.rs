@@ -1,9 +1,10 @@
 //! Progress of long tasks, and their cancellation.
 
+use serde::Serialize;
 use std::ops::ControlFlow;
 
 /// The present progress of a task.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stage<'a> {
     /// Name of the task as a noun phrase: "linear block by swarm".
     pub what: &'a str,
@@ -11,17 +12,24 @@ pub struct Stage<'a> {
     pub done: usize,
     /// Number of all steps.
     pub total: usize,
+    /// What was found last, by name: the errors of an operator, the cost of a search. Empty most of the time.
+    pub figures: &'a [(&'a str, f64)],
 }
 
 /// A callback for progress; [`ControlFlow::Break`] cancels the task.
 pub type Progress<'a> = dyn FnMut(Stage) -> ControlFlow<()> + 'a;
 
-impl Stage<'_> {
+impl<'a> Stage<'a> {
+    /// A stage that has found nothing yet.
+    pub const fn new(what: &'a str, done: usize, total: usize) -> Self {
+        Stage { what, done, total, figures: &[] }
+    }
+
     /// A callback that ignores progress.
     ///
     /// ```
     /// # use piezoid::progress::Stage;
-    /// assert!(Stage::ignore(Stage { what: "anything", done: 1, total: 2 }).is_continue());
+    /// assert!(Stage::ignore(Stage::new("anything", 1, 2)).is_continue());
     /// ```
     pub fn ignore(_: Stage) -> ControlFlow<()> {
         ControlFlow::Continue(())

@@ -7,7 +7,7 @@ use super::{
 use piezoid::error::Error;
 use piezoid::excitation::{RisingSine, Sine, SteppedSine};
 use piezoid::hammerstein::{HiddenLoop, Model};
-use piezoid::hysteresis::{Branches, Hysteresis, MeasuredLoop, Proportional, Split, TwoBranch};
+use piezoid::hysteresis::{Branches, Hysteresis, LoopOptions, MeasuredLoop, Proportional, TwoBranch};
 use piezoid::linear::Arx;
 use piezoid::plant::{Plant, Saturation, Spec};
 use piezoid::record::{Record, Units};
@@ -100,7 +100,7 @@ impl Bench {
         let loop_of = |z: &[f64]| -> Result<HiddenLoop, Error> {
             let settled = settled.min(z.len());
             let (u, z) = (sine.u()[settled..z.len()].to_vec(), z[settled..].to_vec());
-            let found = Branches::of_loop(&u, &z, BINS, Split::Line)?;
+            let found = Branches::of_loop(&u, &z, &LoopOptions { bins: BINS, ..LoopOptions::default() })?;
             Ok(HiddenLoop { frequency_hz: Some(hz), u, z, found })
         };
         let loop_by = |arx: &Arx, offset: f64| loop_of(&arx.hidden(offset, sine.y())?.0);

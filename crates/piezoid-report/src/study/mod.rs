@@ -313,7 +313,7 @@ impl Study {
         let mut frequencies = Vec::new();
         for (done, hz) in Study::FREQUENCIES.into_iter().enumerate() {
             let (what, total) = (format!("{}: loops and tests by frequency", plant.name), Study::FREQUENCIES.len());
-            if progress(Stage { what: &what, done, total }).is_break() {
+            if progress(Stage::new(&what, done, total)).is_break() {
                 return Err(Error::Cancelled { what, done, total });
             }
             frequencies.push(bench.frequency(hz, &own, &joint.model, &mut limits)?);

@@ -70,7 +70,7 @@ pub(super) fn all(bench: &Bench, found: &[Frequency], progress: &mut Progress) -
     let mut signals = Vec::new();
     for (done, form) in TestSignal::FORMS.into_iter().enumerate() {
         let what = "Table 1 over the test signal";
-        if progress(Stage { what, done, total }).is_break() {
+        if progress(Stage::new(what, done, total)).is_break() {
             return Err(Error::Cancelled { what: what.into(), done, total });
         }
         let some = TestSignal::STEPS.into_par_iter().map(|steps| one(bench, &models, form, steps));

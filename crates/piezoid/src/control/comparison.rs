@@ -130,7 +130,7 @@ impl Comparison {
         let total = drives.len();
         for (done, drive) in drives.into_iter().enumerate() {
             let what = "schemes";
-            if progress(Stage { what, done, total }).is_break() {
+            if progress(Stage::new(what, done, total)).is_break() {
                 return Err(Error::Cancelled { what: what.into(), done, total });
             }
             let attempts: Vec<_> = wanted.par_iter().map(|wanted| attempt(&drive, wanted)).collect();

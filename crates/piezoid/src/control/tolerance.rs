@@ -101,7 +101,7 @@ impl Tolerance {
         };
         let mut trials = Vec::with_capacity(self.draws);
         for first in (0..self.draws).step_by(BATCH) {
-            let stage = Stage { what: "draws of tolerance", done: first, total: self.draws };
+            let stage = Stage::new("draws of tolerance", first, self.draws);
             if progress(stage).is_break() {
                 return Err(Error::Cancelled { what: stage.what.into(), done: first, total: stage.total });
             }

@@ -1,11 +1,14 @@
 //! The loops of the hidden variable: the points (u, z) of the records, grouped by frequency and split into branches.
 
 use crate::error::Error;
-use crate::hysteresis::{Branches, MeasuredLoop, Split};
+use crate::hammerstein::Model;
+use crate::hysteresis::{Branches, LoopOptions, MeasuredLoop, Split};
 use crate::number::round;
 use crate::record::Record;
 use crate::series::{ends, mean};
+use crate::system::System;
 use crate::waveform::dominant_frequency;
+use serde_json::{Value, json};
 
 /// Relative difference below which two frequencies are equal.
 const SAME_FREQUENCY: f64 = 0.02;
@@ -26,10 +29,45 @@ pub struct HiddenLoop {
     pub frequency_hz: Option<f64>,
     /// Input [input unit].
     pub u: Vec<f64>,
-    /// Hidden variable [input unit].
+    /// Hidden variable [input unit], or the output [output unit].
     pub z: Vec<f64>,
     /// Branches and separating line.
     pub found: MeasuredLoop,
+}
+
+impl LoopOptions {
+    /// The loop of a record without its first period, if it has three or more: (u, z) with z by the inverse of a
+    /// model's linear block, or (u, y) without a model; and a note on the inverse.
+    ///
+    /// # Errors
+    /// The errors of [`Record::output_in`], [`Arx::hidden`](crate::linear::Arx::hidden) and [`Branches::of_loop`].
+    pub fn run(&self, record: &Record, model: Option<&Model>) -> Result<(HiddenLoop, Option<String>), Error> {
+        let (z, note) = match model {
+            Some(model) => {
+                Record::same_sampling("the model", model.ts(), "the record", record.ts())?;
+                let record = record.output_in(&model.units().y)?;
+                model.linear().hidden(model.offset(), record.y())?
+            }
+            None => (record.y().to_vec(), None),
+        };
+        let mut points = LoopPoints::default();
+        points.add(record, z)?;
+        Ok((points.split(self)?.swap_remove(0), note))
+    }
+}
+
+impl HiddenLoop {
+    /// Its figures as a document.
+    pub fn to_json(&self) -> Value {
+        json!({
+            "frequency_hz": self.frequency_hz,
+            "loop_width_percent": 100.0 * self.found.branches.width(),
+            "ascending_below": self.found.ascending_below,
+            "agreement": self.found.agreement,
+            "error_percent": 100.0 * self.found.error,
+            "line": self.found.line,
+        })
+    }
 }
 
 /// The points of the records by frequency, not yet split.
@@ -102,10 +140,10 @@ impl LoopPoints {
     ///
     /// # Errors
     /// The errors of [`Branches::of_loop`].
-    pub(super) fn split(mut self, bins: usize, split: Split) -> Result<Vec<HiddenLoop>, Error> {
+    pub(super) fn split(mut self, options: &LoopOptions) -> Result<Vec<HiddenLoop>, Error> {
         self.points.sort_by(|p, q| p.frequency_hz.unwrap_or(0.0).total_cmp(&q.frequency_hz.unwrap_or(0.0)));
         let one = |Points { frequency_hz, u, z }| {
-            let found = Branches::of_loop(&u, &z, bins, split)?;
+            let found = Branches::of_loop(&u, &z, options)?;
             Ok(HiddenLoop { frequency_hz, u, z, found })
         };
         self.points.into_iter().map(one).collect()
@@ -172,7 +210,7 @@ mod tests {
         assert_eq!(gathered.add(&biased, lagging(&biased, 0.0)).unwrap(), None, "a bias of the input is no drift");
         let note = gathered.add(&one, lagging(&one, 50.0)).unwrap().unwrap();
         assert!(note.contains("by 62"), "{note}");
-        let loops = gathered.split(16, Split::Line).unwrap();
+        let loops = gathered.split(&LoopOptions::default()).unwrap();
         assert!(loops.len() == 1 && loops[0].found.agreement > 0.9, "{}", loops[0].found.agreement);
     }
 

@@ -9,7 +9,7 @@ use super::loops::{CLEAR, HiddenLoop, LoopPoints, named, remarks};
 use super::{Domain, FittedParameter, Model, OperatorTrial};
 use crate::error::Error;
 use crate::hysteresis::{
-    HeldInput, Hysteresis, Operator, Pair, Proportional, RateScheduled, Split, TwoBranch, is_auto,
+    HeldInput, Hysteresis, LoopOptions, Operator, Pair, Proportional, RateScheduled, Split, TwoBranch, is_auto,
 };
 use crate::linear::{self, Arx, Orders};
 use crate::number::short;
@@ -120,7 +120,7 @@ pub(crate) fn identify_paper(
     if settings.operator == "two-branch" {
         loops.pool();
     }
-    let mut loops = loops.split(settings.bins, settings.split)?;
+    let mut loops = loops.split(&LoopOptions { bins: settings.bins, split: settings.split, line: None })?;
     notes.extend(remarks(&loops, settings.split));
     if is_auto(&settings.operator)
         && let Some(which) = named(&loops, |found| found.agreement < CLEAR)

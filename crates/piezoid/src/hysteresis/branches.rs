@@ -10,6 +10,7 @@
 use super::real::Dual;
 use crate::error::Error;
 use crate::intervals::Intervals;
+use crate::options::{OptionKind, OptionRow, options};
 use crate::program::Block;
 use crate::series::ends;
 use crate::spline::Spline;
@@ -30,6 +31,24 @@ pub enum Split {
     Line,
     /// The direction in which u last moved. Also correct for a loop that crosses itself.
     Direction,
+}
+
+const SPLITS: OptionKind = OptionKind::Choice(&[
+    ("line", "by the side of the separating line, as in the paper"),
+    ("direction", "by the direction of the input"),
+]);
+
+options! {
+    /// How the points of a loop become two branches.
+    #[derive(Copy)]
+    pub struct LoopOptions {
+        /// How the points are divided between the ascending and the descending branch.
+        split: Split = Split::Line, OptionRow::new(SPLITS);
+        /// Number of averaged points on each branch, between the reversals.
+        bins: usize = 16, OptionRow::new(OptionKind::Integer(1, BINS_MAX as u64));
+        /// The separating line: its z at the lowest and at the highest input.
+        line: Option<(f64, f64)> = None, OptionRow::new(OptionKind::Pair).absent("through the reversals");
+    }
 }
 
 /// One branch: knots, and a cubic spline (not-a-knot) through them.
@@ -153,6 +172,8 @@ pub struct MeasuredLoop {
     pub agreement: f64,
     /// True if ascending points are below the line, as in a piezo loop.
     pub ascending_below: bool,
+    /// Rms distance of the points from their branch, relative to the peak-to-peak of z.
+    pub error: f64,
 }
 
 impl Branches {
@@ -229,12 +250,13 @@ impl Branches {
     }
 
     /// Splits the loop (`u`, `z`), in the order of time, into branches of at most `bins` averages between the
-    /// reversals.
+    /// reversals. The branches end at the reversals wherever the separating line is.
     ///
     /// # Errors
-    /// [`Error::Unidentifiable`] if u does not move, or moves in one direction only; an error if `bins` is not 1 to
-    /// 1000.
-    pub fn of_loop(u: &[f64], z: &[f64], bins: usize, split: Split) -> Result<MeasuredLoop, Error> {
+    /// [`Error::Unidentifiable`] if u does not move, or moves in one direction only, or if all points are on one side of
+    /// the line; an error if `bins` is not 1 to 1000.
+    pub fn of_loop(u: &[f64], z: &[f64], options: &LoopOptions) -> Result<MeasuredLoop, Error> {
+        let LoopOptions { bins, split, line } = *options;
         if !(1..=BINS_MAX).contains(&bins) {
             return Err(Error::parameter("bins", bins, format!("must be from 1 to {BINS_MAX}")));
         }
@@ -255,7 +277,8 @@ impl Branches {
         };
         let bottom = (low, mean_where(&|u| u <= low + TIP * range));
         let top = (high, mean_where(&|u| u >= high - TIP * range));
-        let line = |u: f64| bottom.1 + (top.1 - bottom.1) * (u - low) / range;
+        let (from, to) = line.unwrap_or((bottom.1, top.1));
+        let line = |u: f64| from + (to - from) * (u - low) / range;
 
         // Direction of each point: the last one while u is held, 0 until it first moves.
         let directions = u.iter().scan((u[0], 0.0), |(before, direction), &u| {
@@ -282,18 +305,29 @@ impl Branches {
             return Err(Error::Unidentifiable { what: "the hysteresis loop".into(), because });
         }
         let (up, down): (Vec<_>, Vec<_>) = points.iter().filter(|p| p.2 != 0.0).partition(|p| rises(p));
-        let average = |points: Vec<&(f64, f64, f64)>| {
+        if let Some(way) = [(&up, "ascending"), (&down, "descending")].iter().find(|(points, _)| points.is_empty()) {
+            let because = format!("no point is on the {} side of the separating line: move the line", way.1);
+            return Err(Error::Unidentifiable { what: "the hysteresis loop".into(), because });
+        }
+        let average = |points: &[&(f64, f64, f64)]| {
             let mut sums = vec![(0.0, 0.0, 0.0); bins];
-            for (u, z, _) in points.into_iter().filter(|p| p.0 > low + TIP * range && p.0 < high - TIP * range) {
+            for (u, z, _) in points.iter().filter(|p| p.0 > low + TIP * range && p.0 < high - TIP * range) {
                 let bin = &mut sums[(((u - low) / range * bins as f64) as usize).min(bins - 1)];
                 *bin = (bin.0 + u, bin.1 + z, bin.2 + 1.0);
             }
             let means = sums.into_iter().filter(|s| s.2 > 0.0).map(|(u, z, n)| (u / n, z / n));
             std::iter::once(bottom).chain(means).chain(std::iter::once(top)).unzip()
         };
+        let branches = Branches::new(average(&up), average(&down))?;
+        let misses = |points: &[&(f64, f64, f64)], on: &Branch| -> f64 {
+            points.iter().map(|(u, z, _)| (z - on.at(*u)).powi(2)).sum()
+        };
+        let missed = misses(&up, &branches.ascending) + misses(&down, &branches.descending);
+        let (lowest, highest) = ends(z.iter().copied());
         Ok(MeasuredLoop {
-            branches: Branches::new(average(up), average(down))?,
-            line: [bottom, top],
+            error: (missed / moving).sqrt() / (highest - lowest),
+            branches,
+            line: [(low, from), (high, to)],
             agreement: 0.5 + 0.5 * vote.abs() / moving,
             ascending_below: side > 0.0,
         })
@@ -311,15 +345,34 @@ mod tests {
         (0..1500).map(|t| (30.0 * phase(t).sin(), 10.0 * (phase(t) - lag).sin())).unzip()
     }
 
+    fn twelve() -> LoopOptions {
+        LoopOptions { bins: 12, ..LoopOptions::default() }
+    }
+
+    #[test]
+    fn a_separating_line_that_is_moved_takes_points_from_one_branch_to_the_other() {
+        let (u, z) = cycle(0.1);
+        let own = Branches::of_loop(&u, &z, &twelve()).unwrap();
+        let [(low, from), (high, to)] = own.line;
+        let same = Branches::of_loop(&u, &z, &LoopOptions { line: Some((from, to)), ..twelve() }).unwrap();
+        assert_eq!((same.branches.ascending.knots, same.error), (own.branches.ascending.knots.clone(), own.error));
+        let moved = Branches::of_loop(&u, &z, &LoopOptions { line: Some((from + 0.5, to + 0.5)), ..twelve() }).unwrap();
+        assert_eq!(moved.line, [(low, from + 0.5), (high, to + 0.5)]);
+        assert!(moved.agreement < own.agreement && moved.error > 2.0 * own.error, "{} {}", moved.error, own.error);
+        let away = LoopOptions { line: Some((from + 50.0, to + 50.0)), ..twelve() };
+        let error = Branches::of_loop(&u, &z, &away).unwrap_err().to_string();
+        assert!(error.contains("side of the separating line: move the line"), "{error}");
+    }
+
     #[test]
     fn the_data_decide_on_which_side_the_ascending_branch_lies() {
         for split in [Split::Line, Split::Direction] {
             let (u, z) = cycle(0.1);
-            let normal = Branches::of_loop(&u, &z, 12, split).unwrap();
+            let normal = Branches::of_loop(&u, &z, &LoopOptions { split, bins: 12, line: None }).unwrap();
             assert!(normal.ascending_below && normal.agreement > 0.95);
             assert_close(&[normal.branches.width()], &[0.1], 0.03, 0.0);
             let (u, z) = cycle(-0.1);
-            let inverted = Branches::of_loop(&u, &z, 12, split).unwrap();
+            let inverted = Branches::of_loop(&u, &z, &LoopOptions { split, bins: 12, line: None }).unwrap();
             assert!(!inverted.ascending_below);
             assert_close(&[inverted.branches.width()], &[-0.1], 0.03, 0.0);
         }
@@ -328,7 +381,7 @@ mod tests {
     #[test]
     fn the_branches_meet_at_the_reversals_and_are_straight_outside_them() {
         let (u, z) = cycle(0.1);
-        let branches = Branches::of_loop(&u, &z, 12, Split::Line).unwrap().branches;
+        let branches = Branches::of_loop(&u, &z, &twelve()).unwrap().branches;
         let (low, high) = branches.range();
         assert_close(&[branches.ascending(high)], &[branches.descending(high)], 0.0, 1e-12);
         let slope = (branches.ascending(high) - branches.ascending(low)) / (high - low);
@@ -338,9 +391,9 @@ mod tests {
 
     #[test]
     fn a_constant_or_monotonic_input_has_no_loop() {
-        let error = Branches::of_loop(&[2.0; 9], &[1.0; 9], 5, Split::Line).unwrap_err().to_string();
+        let error = Branches::of_loop(&[2.0; 9], &[1.0; 9], &twelve()).unwrap_err().to_string();
         assert!(error.contains("the input is constant at 2"), "{error}");
-        let error = Branches::of_loop(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], 5, Split::Line).unwrap_err().to_string();
+        let error = Branches::of_loop(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], &twelve()).unwrap_err().to_string();
         assert!(error.contains("never falls"), "{error}");
     }
 }

@@ -26,7 +26,7 @@ mod two_branch;
 
 #[doc(hidden)]
 pub use basis::{Basis, BasisDesign, ShapeParameter};
-pub use branches::{Branches, MeasuredLoop, Split};
+pub use branches::{Branches, LoopOptions, MeasuredLoop, Split};
 pub use inverse::Inverted;
 pub(crate) use inverse::{between, inverse, inverse_behind_a_driver, with_scratch};
 pub use proportional::Proportional;

@@ -83,7 +83,7 @@ impl ModalFit {
         let starts = starts(records, n, longest, settings)?;
         let mut best: Option<(ModalError, Minimum)> = None;
         for (i, start) in starts.iter().enumerate() {
-            let stage = Stage { what: "modes", done: i, total: starts.len() };
+            let stage = Stage::new("modes", i, starts.len());
             if progress(stage).is_break() {
                 return Err(Error::Cancelled { what: "the fit of modes".into(), done: i, total: starts.len() });
             }

@@ -158,7 +158,7 @@ pub(crate) fn select(
 
     let (mut fitted, mut refused): (Vec<OutputError>, Vec<_>) = (Vec::new(), Vec::new());
     for n in 1..=settings.order {
-        let stage = Stage { what: "order and delay", done: n - 1, total: settings.order };
+        let stage = Stage::new("order and delay", n - 1, settings.order);
         if progress(stage).is_break() {
             return Err(Error::Cancelled { what: "the choice of an order".into(), done: n - 1, total: settings.order });
         }

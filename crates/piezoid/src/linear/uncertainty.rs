@@ -233,7 +233,7 @@ impl OutputError {
         let batch = if draws.parallel { rayon::current_num_threads() } else { 1 };
         while fitted.len() < draws.replicates {
             let (done, total) = (fitted.len(), draws.replicates);
-            if progress(Stage { what: "bootstrap", done, total }).is_break() {
+            if progress(Stage::new("bootstrap", done, total)).is_break() {
                 return Err(Error::Cancelled { what: "the bootstrap".into(), done, total });
             }
             let next = done..(done + batch).min(total);

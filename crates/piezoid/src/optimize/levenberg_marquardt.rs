@@ -87,7 +87,9 @@ pub(crate) fn minimise(
         if done >= settings.iterations {
             break Reason::Iterations;
         }
-        if progress(Stage { what: "Levenberg-Marquardt", done, total: settings.iterations }).is_break() {
+        let figures = &[("cost", history[done])];
+        let stage = Stage { figures, ..Stage::new("Levenberg-Marquardt", done, settings.iterations) };
+        if progress(stage).is_break() {
             break Reason::Cancelled;
         }
         let mut gain = -1.0;

@@ -216,7 +216,8 @@ impl Swarm {
             if let Some(reason) = self.ended() {
                 break reason;
             }
-            if progress(Stage { what: "swarm", done, total }).is_break() {
+            let figures = &[("cost", self.history[done])];
+            if progress(Stage { figures, ..Stage::new("swarm", done, total) }).is_break() {
                 break Reason::Cancelled;
             }
             self.advance(&mut streams);

@@ -110,14 +110,6 @@ impl Identification {
     /// The results as a document.
     pub fn to_json(&self) -> Value {
         let (found, arx) = (&self.found, self.found.model.linear());
-        let each = |l: &HiddenLoop| {
-            json!({
-                "frequency_hz": l.frequency_hz,
-                "loop_width_percent": 100.0 * l.found.branches.width(),
-                "ascending_below": l.found.ascending_below,
-                "agreement": l.found.agreement,
-            })
-        };
         json!({
             "linear": {
                 "a": arx.a(),
@@ -132,7 +124,7 @@ impl Identification {
                 "convergence": found.linear.fit.as_ref().map(|f| &f.history),
             },
             "operator": found.model.hysteresis().operator().name,
-            "loops": found.loops.iter().map(each).collect::<Vec<_>>(),
+            "loops": found.loops.iter().map(HiddenLoop::to_json).collect::<Vec<_>>(),
             "trials": found.trials,
             "parameters": found.parameters,
             "creep": found.model.creep().lags(),

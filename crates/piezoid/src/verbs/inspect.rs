@@ -3,15 +3,17 @@
 use super::File;
 use crate::error::Error;
 use crate::formats::{ColumnSelection, Format, Table};
-use crate::quality::{Need, inspect};
+use crate::quality::{Finding, Need, inspect};
 use crate::record::Record;
 use serde_json::{Value, json};
+use std::ops::Range;
 
 impl File {
     /// What this file holds as a document: `format`; `channels`, each with `name`, `unit`, `samples`, `low`, `high` and
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
     /// `history`, how the record is made of the channels; `problems`, which are reasons why there is no record, and
-    /// suspected defects of the record. The record itself is beside it, or the error in its place.
+    /// suspected defects of the record; `defects`, these with the spans of time [s] that they concern, the first hundred
+    /// of each. The record itself is beside it, or the error in its place.
     ///
     /// ```
     /// use piezoid::{File, formats::ColumnSelection};
@@ -45,9 +47,14 @@ impl Table {
     /// What a table with this name and format holds, as [`File::inspect`] gives it.
     pub fn inspect(&self, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
         let read = self.record(columns);
-        let (record, history, problems) = match &read {
-            Ok(record) => (described(record), record.history().to_vec(), defects(record)),
-            Err(error) => (Value::Null, Vec::new(), vec![error.to_string()]),
+        let (record, history, problems, defects) = match &read {
+            Ok(record) => {
+                let found = inspect(record, &Need::default()).findings;
+                let defects = found.iter().map(|finding| placed(finding, record.ts())).collect();
+                let texts = found.into_iter().map(|finding| finding.text).collect();
+                (described(record), record.history().to_vec(), texts, defects)
+            }
+            Err(error) => (Value::Null, Vec::new(), vec![error.to_string()], Vec::new()),
         };
         let seen = json!({
             "file": name,
@@ -56,6 +63,7 @@ impl Table {
             "record": record,
             "history": history,
             "problems": problems,
+            "defects": defects,
         });
         (seen, read)
     }
@@ -70,7 +78,12 @@ fn described(record: &Record) -> Value {
     })
 }
 
-/// The suspected defects of a record.
-fn defects(record: &Record) -> Vec<String> {
-    inspect(record, &Need::default()).findings.into_iter().map(|finding| finding.text).collect()
+/// Most spans that are told of a defect.
+const SPANS: usize = 100;
+
+/// A defect, with the spans of time that it concerns.
+fn placed(finding: &Finding, ts: f64) -> Value {
+    let span = |samples: &Range<usize>| [samples.start as f64 * ts, samples.end as f64 * ts];
+    let spans: Vec<_> = finding.samples.iter().take(SPANS).map(span).collect();
+    json!({"defect": finding.defect, "text": finding.text, "spans": spans})
 }

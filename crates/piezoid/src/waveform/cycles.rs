@@ -51,7 +51,7 @@ pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
 /// The reversals of `x`: the samples of its extremes between movements of more than a `share` of its range. For a held
 /// extreme, its middle sample. The first and the last extreme of the record count if they are near a limit of the
 /// range.
-pub(crate) fn reversals(x: &[f64], share: f64) -> Vec<usize> {
+pub fn reversals(x: &[f64], share: f64) -> Vec<usize> {
     let (low, high) = ends(x.iter().copied());
     let guard = share * (high - low);
     let outermost = |x: f64| (x - low).min(high - x) < 0.5 * guard;

@@ -6,8 +6,7 @@ mod motion;
 mod repetition;
 
 pub(crate) use band::band;
-pub(crate) use cycles::reversals;
-pub use cycles::{Cycle, cycles};
+pub use cycles::{Cycle, cycles, reversals};
 pub(crate) use motion::{in_motion, inputs_before};
 pub use repetition::period;
 

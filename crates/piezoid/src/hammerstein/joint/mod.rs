@@ -136,13 +136,13 @@ pub(crate) fn identify_joint(
     let design = BasisDesign { ts: faster, range, elements: settings.elements, frequencies };
 
     let total = 2 * candidates.len() + 1;
-    let mut report = |done: usize, what: &str| -> Result<(), Error> {
-        match progress(Stage { what, done, total }).is_break() {
-            true => Err(Error::Cancelled { what: what.into(), done, total }),
+    let mut report = |stage: Stage| -> Result<(), Error> {
+        match progress(Stage { total, ..stage }).is_break() {
+            true => Err(Error::Cancelled { what: stage.what.into(), done: stage.done, total }),
             false => Ok(()),
         }
     };
-    let mut watch = |_| report(0, "linear block");
+    let mut watch = |_| report(Stage::new("linear block", 0, total));
     watch(0)?;
     let bridged = |run: &TrainingRecord| match run.usable.contains(&false) {
         true => Ok(Record::new(ts, run.record.u().to_vec(), run.bridged())?.with_units(units.clone())),
@@ -172,7 +172,7 @@ pub(crate) fn identify_joint(
     let (taken, mut fitted) = trials::choose(&mut trials)?;
     fitted.begin_again(&mut runs, range);
     let row = candidates[taken];
-    let mut watch = |_| report(total - 1, row.name);
+    let mut watch = |_| report(Stage::new(row.name, total - 1, total));
     fitted = reconsider(fitted, &mut runs, range, &mut watch)?;
     // Small-signal records show the specified order best.
     if settings.order.is_none() || small.is_empty() {

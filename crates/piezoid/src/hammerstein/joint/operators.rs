@@ -13,6 +13,7 @@ use super::solve::FreeParameters;
 use super::trials::OperatorTrial;
 use crate::error::Error;
 use crate::hysteresis::{BasisDesign, Operator};
+use crate::progress::Stage;
 use crate::series::mean;
 
 /// Ratio of held-out errors with the linear block held from which an operator is not refined further.
@@ -32,31 +33,38 @@ const CLOSE: f64 = 1.1;
 /// The trials of the operators, each with its fit. `blocks` are the other parts of the model.
 ///
 /// # Errors
-/// The error of the only operator; those of `report`, which is called with the number of fits done.
+/// The error of the only operator; those of `report`, which is called with the number of fits done, and after each fit
+/// with its errors.
 pub(super) fn compare(
     candidates: &[&'static Operator],
     design: &BasisDesign,
     blocks: &Estimate,
     seed: u64,
     runs: &mut [TrainingRecord],
-    report: &mut dyn FnMut(usize, &str) -> Result<(), Error>,
+    report: &mut dyn FnMut(Stage) -> Result<(), Error>,
 ) -> Result<Vec<(OperatorTrial, Option<Fitted>)>, Error> {
-    let (mut starts, mut least) = (Vec::new(), f64::INFINITY);
+    let (total, mut starts, mut least) = (2 * candidates.len() + 1, Vec::new(), f64::INFINITY);
     for (k, row) in candidates.iter().enumerate() {
-        let found = shapes(row, design, blocks, seed, FAR * least, runs, &mut |_| report(1 + k, row.name));
+        let now = Stage::new(row.name, 1 + k, total);
+        let found = shapes(row, design, blocks, seed, FAR * least, runs, &mut |_| report(now));
         starts.push(match found {
             Err(why) if matches!(why, Error::Cancelled { .. }) || candidates.len() == 1 => return Err(why),
             found => found.map_err(|why| OperatorTrial::refused(row, why.to_string())),
         });
-        least = starts.last().into_iter().flatten().flatten().map(|fit| fit.held_out.rms_pp()).fold(least, f64::min);
+        if let Some(Ok([best, ..])) = starts.last().map(|fits| fits.as_deref()) {
+            least = least.min(best.held_out.rms_pp());
+            report(Stage { figures: &[("held_out_percent", 100.0 * best.held_out.rms_pp())], ..now })?;
+        }
     }
     let mut trials = Vec::new();
     for (k, (row, start)) in candidates.iter().zip(starts).enumerate() {
-        let mut watch = |_| report(1 + candidates.len() + k, row.name);
+        let now = Stage::new(row.name, 1 + candidates.len() + k, total);
         trials.push(match start {
             Err(refused) => (refused, None),
             Ok(shapes) => {
-                let (trial, fitted) = refined(row, shapes, HOPELESS * least, runs, design.range, &mut watch)?;
+                let most = HOPELESS * least;
+                let (trial, fitted) = refined(row, shapes, most, runs, design.range, &mut |_| report(now))?;
+                report(Stage { figures: &trial.figures(), ..now })?;
                 (trial, Some(fitted))
             }
         });

@@ -155,6 +155,15 @@ impl OperatorTrial {
         }
     }
 
+    /// The errors by name, for progress.
+    pub(super) fn figures(&self) -> [(&'static str, f64); 3] {
+        [
+            ("held_out_percent", self.held_out_percent),
+            ("free_run_percent", self.free_run_percent),
+            ("parameters", self.parameters as f64),
+        ]
+    }
+
     /// The larger of the two errors, with rounding [%]. The state before a part that is held out is known; before a
     /// record it is not.
     pub(super) fn error(&self) -> f64 {

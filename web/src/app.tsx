@@ -1,0 +1,190 @@
+// The frame of the page: views, records and models, work under way.
+
+import { useEffect, useRef, useState } from "preact/hooks";
+import { example } from "./example.ts";
+import type { Lists } from "./lists.ts";
+import { download, themeChanged } from "./plot/plot.ts";
+import { message, SharedContext } from "./ui.tsx";
+import { CompensateView } from "./views/compensate.tsx";
+import { ControlView } from "./views/control.tsx";
+import { DataView } from "./views/data.tsx";
+import { ExperimentView } from "./views/experiment.tsx";
+import { ExportView } from "./views/export.tsx";
+import { IdentifyView } from "./views/identify.tsx";
+import { LoopsView } from "./views/loops.tsx";
+import { StudyView } from "./views/study.tsx";
+import { ValidateView } from "./views/validate.tsx";
+import type { Workspace } from "./workspace.ts";
+
+/** The views in the order of the work. */
+const VIEWS = [
+  { name: "data", title: "Data", show: () => <DataView /> },
+  { name: "experiment", title: "Experiment", show: () => <ExperimentView /> },
+  { name: "loops", title: "Loops", show: () => <LoopsView /> },
+  { name: "identify", title: "Identify", show: () => <IdentifyView /> },
+  { name: "validate", title: "Validate", show: () => <ValidateView /> },
+  { name: "compensate", title: "Compensate", show: () => <CompensateView /> },
+  { name: "control", title: "Control", show: () => <ControlView /> },
+  { name: "export", title: "Export", show: () => <ExportView /> },
+  { name: "study", title: "Study", show: () => <StudyView /> },
+];
+
+const viewNow = () => VIEWS.find((view) => `#${view.name}` === location.hash) ?? VIEWS[0]!;
+
+export function App({ workspace, served }: { workspace: Workspace; served: boolean }) {
+  const [, setTick] = useState(0);
+  const [view, setView] = useState(viewNow);
+  const [lists, setLists] = useState<Lists>();
+  const main = useRef<HTMLElement>(null);
+  useEffect(() => workspace.subscribe(() => setTick((tick) => tick + 1)), []);
+  useEffect(() => {
+    const fail = (error: unknown) => workspace.failed(error);
+    workspace.open().catch(fail);
+    workspace.library.lists().then(setLists, fail);
+    const turn = () => {
+      setView(viewNow());
+      main.current?.focus();
+      scrollTo(0, 0);
+    };
+    addEventListener("hashchange", turn);
+    return () => removeEventListener("hashchange", turn);
+  }, []);
+  useEffect(() => void (document.title = `${view.title} \u2013 piezoid`), [view]);
+  useKeys(workspace);
+  return (
+    <div class="app" onDragOver={(event) => event.preventDefault()} onDrop={(event) => dropped(event, workspace)}>
+      <a class="skip" href={`#${view.name}`} onClick={() => main.current?.focus()}>Skip to the view</a>
+      <Header workspace={workspace} served={served} />
+      <nav aria-label="Views">
+        {VIEWS.map(({ name, title }) => (
+          <a key={name} href={`#${name}`} aria-current={name === view.name ? "page" : undefined}>{title}</a>
+        ))}
+      </nav>
+      <main ref={main} tabIndex={-1} aria-label={view.title}>
+        {workspace.fault && (
+          <div class="fault" role="alert">
+            {workspace.fault}
+            <button type="button" onClick={() => { workspace.fault = ""; workspace.changed(); }}>Close</button>
+          </div>
+        )}
+        {lists ? (
+          <SharedContext.Provider value={{ workspace, lists }}>
+            <div key={view.name} class={`view ${view.name}`}>
+              <h1>{view.title}</h1>
+              {view.show()}
+            </div>
+          </SharedContext.Provider>
+        ) : <p class="missing">Loading the lists of the library.</p>}
+      </main>
+      <Jobs workspace={workspace} />
+    </div>
+  );
+}
+
+function Header({ workspace, served }: { workspace: Workspace; served: boolean }) {
+  const opened = useRef<HTMLInputElement>(null);
+  const [busy, setBusy] = useState(false);
+  const start = (work: () => Promise<void>) => {
+    setBusy(true);
+    work().catch((error) => workspace.failed(error)).finally(() => setBusy(false));
+  };
+  return (
+    <header>
+      <p class="brand"><b>piezoid</b> <span>{served ? "on this computer" : "in this browser; nothing is uploaded"}</span></p>
+      <div class="actions" role="toolbar" aria-label="Project">
+        <button type="button" onClick={() => workspace.undo()} disabled={!workspace.canUndo} title="Undo (Ctrl+Z)">Undo</button>
+        <button type="button" onClick={() => workspace.redo()} disabled={!workspace.canRedo} title="Redo (Ctrl+Y)">Redo</button>
+        <button type="button" disabled={busy} onClick={() => start(() => example(workspace))}>Example</button>
+        <button type="button" onClick={() => opened.current?.click()}>Open</button>
+        <input
+          ref={opened}
+          type="file"
+          accept=".zip"
+          hidden
+          aria-label="Project to open"
+          onChange={(event) => {
+            const [file] = event.currentTarget.files ?? [];
+            event.currentTarget.value = "";
+            if (file) start(async () => workspace.unpack(new Uint8Array(await file.arrayBuffer())));
+          }}
+        />
+        <button
+          type="button"
+          onClick={() => start(async () => download("piezoid-project.zip", (await workspace.packed()) as BlobPart, "application/zip"))}
+        >
+          Save
+        </button>
+        <button type="button" onClick={changeTheme} title="Dark or light">Theme</button>
+      </div>
+    </header>
+  );
+}
+
+function Jobs({ workspace }: { workspace: Workspace }) {
+  return (
+    <div class="jobs" role="status" aria-live="polite">
+      {workspace.jobs.map((job, k) => (
+        <div key={k} class="job">
+          <span>{job.name}{job.what && `: ${job.what}`}</span>
+          <progress aria-label={job.name} max={job.total || 1} value={job.total ? job.done : undefined} />
+          <button type="button" onClick={() => job.cancel()}>Cancel</button>
+        </div>
+      ))}
+    </div>
+  );
+}
+
+/** Files dropped anywhere: a project, models, or records. */
+async function dropped(event: DragEvent, workspace: Workspace): Promise<void> {
+  event.preventDefault();
+  const files = [...(event.dataTransfer?.files ?? [])];
+  await taken(files, workspace);
+}
+
+/** Takes files into the project, by what they are. */
+export async function taken(files: File[], workspace: Workspace): Promise<void> {
+  for (const file of files) {
+    try {
+      const bytes = new Uint8Array(await file.arrayBuffer());
+      if (file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await workspace.unpack(bytes);
+      else if (file.name.endsWith(".json")) await takeModel(file.name, bytes, workspace);
+      else await workspace.addRecords([{ name: file.name, bytes }]);
+    } catch (error) {
+      workspace.failed(new Error(`${file.name}: ${message(error)}`));
+    }
+  }
+}
+
+async function takeModel(name: string, bytes: Uint8Array, workspace: Workspace): Promise<void> {
+  const model = JSON.parse(new TextDecoder().decode(bytes));
+  const operator = model?.hysteresis?.operator;
+  if (model?.piezoid === undefined || !operator) throw new Error("this is not a model of piezoid");
+  await workspace.addModel({ name, bytes }, `${operator}, from ${name}`, "");
+}
+
+const THEMES = ["auto", "dark", "light"];
+
+/** Automatic, dark, light. */
+function changeTheme(): void {
+  const root = document.documentElement;
+  const next = THEMES[(THEMES.indexOf(root.dataset["theme"] ?? "auto") + 1) % THEMES.length]!;
+  root.dataset["theme"] = next;
+  localStorage.setItem("theme", next);
+  themeChanged();
+}
+
+function useKeys(workspace: Workspace): void {
+  useEffect(() => {
+    const key = (event: KeyboardEvent) => {
+      const writes = event.target instanceof HTMLInputElement && event.target.type !== "checkbox";
+      if (writes || !(event.ctrlKey || event.metaKey)) return;
+      const which = event.key.toLowerCase();
+      if (which === "y" || (which === "z" && event.shiftKey)) workspace.redo();
+      else if (which === "z") workspace.undo();
+      else return;
+      event.preventDefault();
+    };
+    addEventListener("keydown", key);
+    return () => removeEventListener("keydown", key);
+  }, []);
+}

@@ -1,0 +1,129 @@
+// A form from the rows of options: one field a row, groups that fold.
+
+import { useId } from "preact/hooks";
+import type { OptionRow } from "./lists.ts";
+import type { Options } from "./project.ts";
+
+interface Props {
+  rows: OptionRow[];
+  values: Options;
+  change(values: Options): void;
+  /** Names that are offered for options of this name, such as the drivers. */
+  names?: Record<string, { name: string; summary: string }[]>;
+  /** Options that are shown outside their groups, which are folded otherwise. */
+  first?: string[];
+}
+
+/** The fields of options. What is empty is left out: then the library decides. */
+export function Form({ rows, values, change, names = {}, first }: Props) {
+  const set = (name: string, value: unknown) => {
+    const { [name]: _, ...others } = values;
+    change(value === "" || value === undefined ? others : { ...others, [name]: value });
+  };
+  const field = (row: OptionRow) => (
+    <Field key={row.name} row={row} value={values[row.name]} set={(value) => set(row.name, value)} names={names[row.name]} />
+  );
+  const isFirst = (row: OptionRow) => (first ? first.includes(row.name) : !row.group);
+  const groups = [...new Set(rows.filter((row) => !isFirst(row)).map((row) => row.group || "More"))];
+  return (
+    <div class="form">
+      {rows.filter(isFirst).map(field)}
+      {groups.map((group) => {
+        const members = rows.filter((row) => !isFirst(row) && (row.group || "More") === group);
+        const given = members.filter((row) => row.name in values).length;
+        return (
+          <details key={group}>
+            <summary>{group}{given > 0 && ` (${given} given)`}</summary>
+            {members.map(field)}
+          </details>
+        );
+      })}
+    </div>
+  );
+}
+
+/** A name as people read it. */
+export const spoken = (name: string): string => {
+  const words = name.replaceAll("_", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+};
+
+interface FieldProps {
+  row: OptionRow;
+  value: unknown;
+  set(value: unknown): void;
+  names?: { name: string; summary: string }[] | undefined;
+}
+
+function Field({ row, value, set, names }: FieldProps) {
+  const id = useId();
+  const unit = row.unit ? ` [${row.unit === "degrees" ? "°" : row.unit}]` : "";
+  const label = <label for={id}>{spoken(row.name)}{unit}{row.required && <span aria-hidden="true"> *</span>}</label>;
+  const help = <p class="help" id={`${id}-help`}>{row.help}</p>;
+  const common = { id, "aria-describedby": `${id}-help`, name: row.name };
+  const usual = row.usual ?? "";
+  if (row.kind === "switch") {
+    const on = value === undefined ? usual === "true" : value === true;
+    return (
+      <div class="field switch">
+        <input {...common} type="checkbox" checked={on} onChange={(event) => set(event.currentTarget.checked)} />
+        {label}
+        {help}
+      </div>
+    );
+  }
+  if (row.kind === "choice") {
+    return (
+      <div class="field">
+        {label}
+        <select {...common} value={String(value ?? "")} onChange={(event) => set(event.currentTarget.value)}>
+          <option value="">{usual || "none"}</option>
+          {row.choices?.filter(([name]) => name !== usual).map(([name]) => <option key={name} value={name}>{name}</option>)}
+        </select>
+        {help}
+      </div>
+    );
+  }
+  const shown = Array.isArray(value) ? value.join(row.kind === "pair" ? " to " : ", ") : String(value ?? "");
+  return (
+    <div class="field">
+      {label}
+      <input
+        {...common}
+        value={shown}
+        placeholder={usual}
+        required={row.required}
+        inputMode={row.kind === "number" || row.kind === "integer" ? "decimal" : "text"}
+        autocomplete="off"
+        spellcheck={false}
+        list={names ? `${id}-names` : undefined}
+        onChange={(event) => set(valueOf(row, event.currentTarget.value.trim()))}
+      />
+      {names && (
+        <datalist id={`${id}-names`}>
+          {names.map(({ name, summary }) => <option key={name} value={name}>{summary}</option>)}
+        </datalist>
+      )}
+      {help}
+    </div>
+  );
+}
+
+/** What the library takes for a text in a field. It reads numbers with units itself. */
+export function valueOf(row: OptionRow, text: string): unknown {
+  if (text === "") return undefined;
+  const number = Number(text.replace("\u2212", "-"));
+  switch (row.kind) {
+    case "integer":
+    case "number":
+      return Number.isFinite(number) ? number : text;
+    case "pair": {
+      const two = text.replace("\u2212", "-").split(/\s*(?:to|;|,|\s)\s*/).filter(Boolean).map(Number);
+      return two.length === 2 && two.every(Number.isFinite) ? two : text;
+    }
+    case "texts":
+      return text.split(",").map((part) => part.trim()).filter(Boolean);
+    default:
+      return text;
+  }
+}

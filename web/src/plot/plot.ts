@@ -1,0 +1,496 @@
+// A plot that answers to the hand: zoom, cursor, legend, handles, download. The same in the page and in reports.
+//
+// Wheel or pinch: zoom about the pointer. Drag: zoom to a box; with Shift, or with a finger, move. Double click or 0: all.
+// Keys on the plot: arrows move, + and - zoom, 0 shows all.
+
+import { areas, CanvasPen, draw, type Frame, pixelX, pixelY, SvgPen, type Theme, valueX, valueY } from "./draw.ts";
+import { type Figure, type Handle, place, type Series, type Span, spanX, spanY, within } from "./figure.ts";
+import { short, unit } from "./ticks.ts";
+
+/** What a plot tells whoever made it. */
+export interface Listener {
+  /** The span of x that is shown, after each zoom; undefined if all is shown. */
+  zoomed?(span: Span | undefined): void;
+}
+
+/** Draws a figure in an element, and draws it anew when the figure, the size or the theme changes. */
+export class Plot {
+  readonly #host: HTMLElement;
+  readonly #canvas = document.createElement("canvas");
+  readonly #cursor = document.createElement("canvas");
+  readonly #legend = document.createElement("div");
+  readonly #readout = document.createElement("output");
+  readonly #stage = document.createElement("div");
+  readonly #listener: Listener;
+  readonly #resized: ResizeObserver;
+  readonly #hidden = new Set<string>();
+  #figure: Figure;
+  #frames: Frame[] = [];
+  #x: Span | undefined;
+  #y: (Span | undefined)[] = [];
+  #handles: HTMLButtonElement[] = [];
+  #drawing = 0;
+
+  constructor(host: HTMLElement, figure: Figure, listener: Listener = {}) {
+    this.#host = host;
+    this.#figure = figure;
+    this.#listener = listener;
+    host.classList.add("plot");
+    this.#stage.className = "stage";
+    this.#legend.className = "legend";
+    this.#readout.className = "readout";
+    this.#canvas.tabIndex = 0;
+    this.#canvas.setAttribute("role", "img");
+    this.#cursor.className = "cursor";
+    this.#cursor.setAttribute("aria-hidden", "true");
+    this.#stage.append(this.#canvas, this.#cursor);
+    host.replaceChildren(this.#legend, this.#stage, this.#bar());
+    this.#listen();
+    this.#resized = new ResizeObserver(() => this.redraw());
+    this.#resized.observe(this.#stage);
+    darkness.addEventListener("change", this.#themed);
+    themed.add(this.#themed);
+    this.set(figure);
+  }
+
+  /** Shows another figure. The zoom stays if the x axis does. */
+  set(figure: Figure): void {
+    const before = this.#figure;
+    this.#figure = figure;
+    const same = before.x.label === figure.x.label && before.panels.length === figure.panels.length;
+    if (!same) [this.#x, this.#y] = [undefined, []];
+    this.#canvas.setAttribute("aria-label", told(figure));
+    this.#legends();
+    this.#movable();
+    this.redraw();
+  }
+
+  /** Ends the plot. */
+  close(): void {
+    this.#resized.disconnect();
+    darkness.removeEventListener("change", this.#themed);
+    themed.delete(this.#themed);
+    cancelAnimationFrame(this.#drawing);
+  }
+
+  /** Shows this span of x; all without one. */
+  show(span: Span | undefined): void {
+    this.#x = span;
+    if (!span) this.#y = [];
+    this.redraw();
+  }
+
+  /** Draws at the next frame of the screen. */
+  redraw(): void {
+    if (this.#drawing) return;
+    this.#drawing = requestAnimationFrame(() => {
+      this.#drawing = 0;
+      this.#draw();
+    });
+  }
+
+  /** The figure as it is shown, as SVG. */
+  svg(): string {
+    const { clientWidth: width, clientHeight: height } = this.#stage;
+    const pen = new SvgPen();
+    const theme = { ...themeOf(this.#host), ...PRINT };
+    draw(pen, this.#figure, this.#frames, theme, this.#hidden);
+    let x = 70;
+    for (const [name, colour] of this.#names()) {
+      if (this.#hidden.has(name)) continue;
+      pen.rectangle(x, height + 6, 16, 4, theme.series[colour % theme.series.length]!);
+      pen.text(name, x + 22, height + 12, theme.text, "left");
+      x += 40 + 7 * name.length;
+    }
+    return pen.picture(width, height + 24, this.#figure.title, "#fff");
+  }
+
+  /** The samples of all series as CSV: of each series its x and its y. */
+  csv(): string {
+    const all = this.#figure.panels.flatMap((panel) => panel.series.map((series) => ({ panel, series })));
+    const { x } = this.#figure;
+    const cell = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const head = all.flatMap(({ panel, series }) => [
+      cell(`${x.label} [${x.unit}]`),
+      cell(`${series.name}: ${panel.y.label} [${panel.y.unit}]`),
+    ]);
+    const longest = Math.max(0, ...all.map(({ series }) => series.y.length));
+    const rows = [head.join(",")];
+    for (let k = 0; k < longest; k++) {
+      rows.push(all.map(({ series }) => (k < series.y.length ? `${place(series, k)},${series.y[k]}` : ",")).join(","));
+    }
+    return `${rows.join("\n")}\n`;
+  }
+
+  readonly #themed = () => this.redraw();
+
+  #draw(): void {
+    const { clientWidth: width, clientHeight: height } = this.#stage;
+    if (width < 40 || height < 40) return;
+    const figure = this.#figure;
+    const x = this.#x ?? spanX(figure, this.#hidden);
+    const places = areas(figure, width, height);
+    this.#frames = figure.panels.map((panel, k) => ({
+      panel,
+      area: places[k]!,
+      x,
+      y: this.#y[k] ?? spanY(figure, panel, x, this.#hidden),
+    }));
+    const pen = new CanvasPen(sized(this.#canvas, width, height));
+    draw(pen, figure, this.#frames, themeOf(this.#host), this.#hidden);
+    sized(this.#cursor, width, height);
+    this.#placeHandles();
+  }
+
+  // The legend and the bar.
+
+  #names(): Map<string, number> {
+    const all = this.#figure.panels.flatMap((panel) => panel.series);
+    return new Map(all.filter((series) => series.name).map((series) => [series.name, series.colour ?? 0]));
+  }
+
+  #legends(): void {
+    const styles = new Map(this.#figure.panels.flatMap((panel) => panel.series).map((one) => [one.name, one.style]));
+    const names = this.#names();
+    const buttons = [...names].map(([name, colour]) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = name;
+      button.className = `series-${colour % COLOURS} ${styles.get(name) ?? "line"}`;
+      button.ariaPressed = String(!this.#hidden.has(name));
+      button.title = "Show or hide";
+      button.onclick = () => {
+        if (!this.#hidden.delete(name)) this.#hidden.add(name);
+        button.ariaPressed = String(!this.#hidden.has(name));
+        this.redraw();
+      };
+      return button;
+    });
+    this.#legend.replaceChildren(...(names.size > 1 ? buttons : []));
+  }
+
+  #bar(): HTMLElement {
+    const bar = document.createElement("div");
+    bar.className = "bar";
+    const button = (text: string, title: string, act: () => void) => {
+      const made = document.createElement("button");
+      made.type = "button";
+      made.textContent = text;
+      made.title = title;
+      made.onclick = act;
+      return made;
+    };
+    const name = (ending: string) => `${this.#figure.title.replace(/[^\p{L}\p{N}]+/gu, "-")}.${ending}`;
+    bar.append(
+      this.#readout,
+      button("All", "Show all (double click)", () => this.#zoom(undefined, [])),
+      button("SVG", "Download the figure as SVG", () => download(name("svg"), this.svg(), "image/svg+xml")),
+      button("CSV", "Download the samples as CSV", () => download(name("csv"), this.csv(), "text/csv")),
+    );
+    return bar;
+  }
+
+  // Zoom and cursor.
+
+  #zoom(x: Span | undefined, y: (Span | undefined)[]): void {
+    this.#x = x;
+    this.#y = y;
+    this.redraw();
+    this.#listener.zoomed?.(x);
+  }
+
+  #frameAt(y: number): number {
+    const k = this.#frames.findIndex(({ area }) => y <= area.y + area.height + 7);
+    return k < 0 ? this.#frames.length - 1 : k;
+  }
+
+  /** Zooms by a factor about a point, or moves by shares of the span. */
+  #change(factor: number, at: { x: number; y: number }, move = { x: 0, y: 0 }): void {
+    const frame = this.#frames[this.#frameAt(at.y)];
+    if (!frame) return;
+    const figure = this.#figure;
+    const { area } = frame;
+    const spanned = (from: number, size: number, middle: number, moved: number): [number, number] => {
+      const low = middle + (from - middle) * factor + moved * size;
+      return [low, low + size * factor];
+    };
+    const [left, right] = spanned(area.x, area.width, at.x, move.x);
+    const [top, bottom] = spanned(area.y, area.height, at.y, move.y);
+    const x = { from: valueX(figure, frame, left), to: valueX(figure, frame, right) };
+    if (!(x.to - x.from > 1e-12 * Math.abs(x.to))) return;
+    const y = [...this.#y];
+    const k = this.#frameAt(at.y);
+    if (figure.loops || move.y !== 0 || y[k]) {
+      y[k] = { from: valueY(frame, bottom), to: valueY(frame, top) };
+    }
+    this.#zoom(x, y);
+  }
+
+  #listen(): void {
+    const canvas = this.#canvas;
+    const at = (event: MouseEvent) => {
+      const box = canvas.getBoundingClientRect();
+      return { x: event.clientX - box.x, y: event.clientY - box.y };
+    };
+    const held = new Map<number, { x: number; y: number }>();
+    let start: { x: number; y: number } | undefined;
+    canvas.addEventListener("wheel", (event) => {
+      // A page is scrolled over its plots, unless a plot has the focus or a key is held.
+      if (!event.ctrlKey && document.activeElement !== canvas) return;
+      event.preventDefault();
+      this.#change(1.0015 ** event.deltaY, at(event));
+    }, { passive: false });
+    canvas.addEventListener("pointerdown", (event) => {
+      canvas.setPointerCapture(event.pointerId);
+      held.set(event.pointerId, at(event));
+      start = at(event);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const now = at(event);
+      const before = held.get(event.pointerId);
+      if (!before || !start) return this.#point(now);
+      held.set(event.pointerId, now);
+      const moves = event.pointerType === "touch" || event.shiftKey;
+      if (held.size === 2) {
+        const other = [...held].find(([id]) => id !== event.pointerId)![1];
+        const apart = (p: { x: number; y: number }) => Math.hypot(p.x - other.x, p.y - other.y) || 1;
+        this.#change(apart(before) / apart(now), other);
+      } else if (moves) {
+        const area = this.#frames[this.#frameAt(start.y)]!.area;
+        const move = { x: (before.x - now.x) / area.width, y: (before.y - now.y) / area.height };
+        this.#change(1, now, { x: move.x, y: this.#figure.loops ? move.y : 0 });
+      } else {
+        this.#box(start, now);
+      }
+    });
+    const up = (event: PointerEvent) => {
+      const now = at(event);
+      if (start && held.size === 1 && event.pointerType !== "touch" && !event.shiftKey) this.#boxed(start, now);
+      held.delete(event.pointerId);
+      if (held.size === 0) start = undefined;
+    };
+    canvas.addEventListener("pointerup", up);
+    canvas.addEventListener("pointercancel", () => {
+      held.clear();
+      start = undefined;
+      this.#clear();
+    });
+    canvas.addEventListener("pointerleave", () => held.size === 0 && this.#clear());
+    canvas.addEventListener("dblclick", () => this.#zoom(undefined, []));
+    canvas.addEventListener("keydown", (event) => this.#key(event));
+  }
+
+  #key(event: KeyboardEvent): void {
+    const area = this.#frames[0]?.area;
+    if (!area || event.ctrlKey || event.metaKey) return;
+    const middle = { x: area.x + area.width / 2, y: area.y + area.height / 2 };
+    const moves: Record<string, () => void> = {
+      ArrowLeft: () => this.#change(1, middle, { x: -0.1, y: 0 }),
+      ArrowRight: () => this.#change(1, middle, { x: 0.1, y: 0 }),
+      ArrowUp: () => this.#change(1, middle, { x: 0, y: -0.1 }),
+      ArrowDown: () => this.#change(1, middle, { x: 0, y: 0.1 }),
+      "+": () => this.#change(0.8, middle),
+      "=": () => this.#change(0.8, middle),
+      "-": () => this.#change(1.25, middle),
+      "0": () => this.#zoom(undefined, []),
+    };
+    const move = moves[event.key];
+    if (!move) return;
+    event.preventDefault();
+    move();
+  }
+
+  #clear(): void {
+    this.#cursor.getContext("2d")?.clearRect(0, 0, this.#cursor.width, this.#cursor.height);
+    this.#readout.value = "";
+  }
+
+  #box(from: { x: number; y: number }, to: { x: number; y: number }): void {
+    const context = this.#cursor.getContext("2d");
+    const frame = this.#frames[this.#frameAt(from.y)];
+    if (!context || !frame) return;
+    this.#clear();
+    const all = this.#frames.at(-1)!.area;
+    const [top, height] = this.#figure.loops ? [from.y, to.y - from.y] : [8, all.y + all.height - 8];
+    context.fillStyle = themeOf(this.#host).span;
+    context.fillRect(from.x, top, to.x - from.x, height);
+  }
+
+  #boxed(from: { x: number; y: number }, to: { x: number; y: number }): void {
+    this.#clear();
+    const k = this.#frameAt(from.y);
+    const frame = this.#frames[k];
+    if (!frame || Math.abs(to.x - from.x) < 5) return;
+    const xs = [valueX(this.#figure, frame, from.x), valueX(this.#figure, frame, to.x)].sort((a, b) => a - b);
+    const y = [...this.#y];
+    if (this.#figure.loops && Math.abs(to.y - from.y) >= 5) {
+      const ys = [valueY(frame, from.y), valueY(frame, to.y)].sort((a, b) => a - b);
+      y[k] = { from: ys[0]!, to: ys[1]! };
+    }
+    this.#zoom({ from: xs[0]!, to: xs[1]! }, y);
+  }
+
+  /** The cursor: what the series are there. */
+  #point(at: { x: number; y: number }): void {
+    const context = this.#cursor.getContext("2d");
+    const frame = this.#frames[this.#frameAt(at.y)];
+    if (!context || !frame) return;
+    this.#clear();
+    const { area } = frame;
+    if (at.x < area.x || at.x > area.x + area.width) return;
+    const theme = themeOf(this.#host);
+    context.strokeStyle = theme.line;
+    context.lineWidth = 1;
+    const figure = this.#figure;
+    if (figure.loops) {
+      const [x, y] = [valueX(figure, frame, at.x), valueY(frame, at.y)];
+      this.#readout.value = `${short(x)} ${unit(figure.x.unit)}, ${short(y)} ${unit(frame.panel.y.unit)}`;
+      return;
+    }
+    const [first, last] = [this.#frames[0]!.area, this.#frames.at(-1)!.area];
+    context.beginPath();
+    context.moveTo(at.x, first.y);
+    context.lineTo(at.x, last.y + last.height);
+    context.stroke();
+    const x = valueX(figure, frame, at.x);
+    const values = this.#frames.flatMap(({ panel }) =>
+      panel.series
+        .filter((series) => !this.#hidden.has(series.name))
+        .map((series) => ({ panel, series, k: nearest(series, x) }))
+        .filter(({ k }) => k !== undefined)
+        .map(({ panel, series, k }) => `${series.name} ${short(series.y[k!]!)} ${unit(panel.y.unit)}`),
+    );
+    this.#readout.value = [`${short(x)} ${unit(figure.x.unit)}`, ...values].join(" \u00b7 ");
+  }
+
+  // Handles: buttons over the canvas, so that keys and screen readers reach them.
+
+  #movable(): void {
+    const handles = this.#figure.handles ?? [];
+    while (this.#handles.length > handles.length) this.#handles.pop()!.remove();
+    while (this.#handles.length < handles.length) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.className = "handle";
+      button.setAttribute("role", "slider");
+      const k = this.#handles.length;
+      this.#stage.append(button);
+      this.#handles.push(button);
+      this.#drag(button, () => this.#figure.handles?.[k]);
+    }
+  }
+
+  #placeHandles(): void {
+    this.#figure.handles?.forEach((handle, k) => {
+      const frame = this.#frames[handle.panel ?? 0];
+      const button = this.#handles[k];
+      if (!frame || !button) return;
+      const { area } = frame;
+      const clamp = (value: number, low: number, size: number) => Math.max(low, Math.min(low + size, value));
+      button.style.left = `${clamp(pixelX(this.#figure, frame, handle.x), area.x, area.width)}px`;
+      const y = handle.moves === "x" ? area.y + area.height / 2 : pixelY(frame, handle.y);
+      button.style.top = `${clamp(y, area.y, area.height)}px`;
+      button.setAttribute("aria-label", handle.label);
+      button.title = handle.label;
+      button.dataset["moves"] = handle.moves;
+      const value = handle.moves === "x" ? handle.x : handle.y;
+      button.setAttribute("aria-valuenow", String(value));
+      const span = handle.moves === "x" ? frame.x : frame.y;
+      button.setAttribute("aria-valuemin", String(span.from));
+      button.setAttribute("aria-valuemax", String(span.to));
+      button.setAttribute("aria-valuetext", short(value));
+    });
+  }
+
+  #drag(button: HTMLButtonElement, handle: () => Handle | undefined): void {
+    const to = (event: PointerEvent, done: boolean) => {
+      const [now, box] = [handle(), this.#canvas.getBoundingClientRect()];
+      const frame = this.#frames[now?.panel ?? 0];
+      if (!now || !frame) return;
+      const x = now.moves === "y" ? now.x : valueX(this.#figure, frame, event.clientX - box.x);
+      const y = now.moves === "x" ? now.y : valueY(frame, event.clientY - box.y);
+      now.moved(x, y, done);
+    };
+    button.addEventListener("pointerdown", (event) => button.setPointerCapture(event.pointerId));
+    button.addEventListener("pointermove", (event) => button.hasPointerCapture(event.pointerId) && to(event, false));
+    button.addEventListener("pointerup", (event) => to(event, true));
+    button.addEventListener("keydown", (event) => {
+      const now = handle();
+      const frame = this.#frames[now?.panel ?? 0];
+      const ways: Record<string, [number, number]> =
+        { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
+      const way = ways[event.key];
+      if (!now || !frame || !way) return;
+      event.preventDefault();
+      const step = event.shiftKey ? 0.05 : 0.005;
+      const x = now.moves === "y" ? now.x : now.x + way[0] * step * (frame.x.to - frame.x.from);
+      const y = now.moves === "x" ? now.y : now.y + way[1] * step * (frame.y.to - frame.y.from);
+      now.moved(x, y, true);
+    });
+  }
+}
+
+/** What a screen reader says of a figure. */
+function told(figure: Figure): string {
+  const panels = figure.panels.map(({ y, series }) => {
+    const names = series.map((one) => one.name).filter(Boolean).join(", ");
+    return `${y.label} [${y.unit}]${names ? `: ${names}` : ""}`;
+  });
+  return `${figure.title}. ${panels.join("; ")} against ${figure.x.label} [${figure.x.unit}]`;
+}
+
+/** The sample of a series whose x rises that is nearest to x. */
+function nearest(series: Series, x: number): number | undefined {
+  const n = series.y.length;
+  const [first, last] = within(series, { from: x, to: x });
+  let best: number | undefined;
+  for (let k = first; k < Math.min(last, n); k++) {
+    if (best === undefined || Math.abs(place(series, k) - x) < Math.abs(place(series, best) - x)) best = k;
+  }
+  return best;
+}
+
+/** The drawing context of a canvas with this size in pixels of CSS, cleared. */
+function sized(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
+  const ratio = devicePixelRatio || 1;
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+  const context = canvas.getContext("2d")!;
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return context;
+}
+
+// Themes: colours come from the style sheet.
+
+const COLOURS = 8;
+const darkness = matchMedia("(prefers-color-scheme: dark)");
+const themed = new Set<() => void>();
+
+/** Draws all plots anew after the theme was chosen by hand. */
+export const themeChanged = (): void => themed.forEach((redraw) => redraw());
+
+const PRINT = { text: "#222", grid: "#ddd", line: "#444", pale: "#b8c4d6", span: "#eee", mark: "#fbd5d5" };
+
+function themeOf(element: HTMLElement): Theme {
+  const style = getComputedStyle(element);
+  const colour = (name: string) => style.getPropertyValue(`--plot-${name}`).trim() || "#888";
+  return {
+    text: colour("text"),
+    grid: colour("grid"),
+    span: colour("span"),
+    mark: colour("mark"),
+    pale: colour("pale"),
+    line: colour("line"),
+    series: Array.from({ length: COLOURS }, (_, k) => colour(String(k))),
+  };
+}
+
+/** Offers bytes or text as a file. */
+export function download(name: string, content: BlobPart, type = "application/octet-stream"): void {
+  const url = URL.createObjectURL(new Blob([content], { type }));
+  const link = document.createElement("a");
+  [link.href, link.download] = [url, name];
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 10_000);
+}

@@ -1,0 +1,137 @@
+// Parts that all views are made of.
+
+import { createContext, type ComponentChildren } from "preact";
+import { useContext, useEffect, useId, useRef, useState } from "preact/hooks";
+import type { Lists } from "./lists.ts";
+import { Cancelled } from "./packet.ts";
+import type { Figure, Span } from "./plot/figure.ts";
+import { Plot } from "./plot/plot.ts";
+import type { Workspace } from "./workspace.ts";
+
+/** What every view can reach. */
+export interface Shared {
+  workspace: Workspace;
+  lists: Lists;
+}
+
+export const SharedContext = createContext<Shared | undefined>(undefined);
+
+/** The shared parts; the view is drawn anew after each change of the project. */
+export function useShared(): Shared {
+  const shared = useContext(SharedContext);
+  if (!shared) throw new Error("a view outside the page");
+  return shared;
+}
+
+/** What became of asynchronous work. */
+export interface Outcome<T> {
+  value?: T;
+  error?: string;
+  busy: boolean;
+}
+
+/** The outcome of work that is done anew when its key changes; the last value stays until the next one is there. */
+export function useOutcome<T>(key: string | undefined, work: () => Promise<T>): Outcome<T> {
+  const [outcome, setOutcome] = useState<Outcome<T>>({ busy: false });
+  useEffect(() => {
+    if (key === undefined) return setOutcome({ busy: false });
+    let current = true;
+    setOutcome((before) => ({ ...(before.value !== undefined && { value: before.value }), busy: true }));
+    work().then(
+      (value) => current && setOutcome({ value, busy: false }),
+      (error) => current && setOutcome({ error: message(error), busy: false }),
+    );
+    return () => void (current = false);
+  }, [key]);
+  return outcome;
+}
+
+/** Work that a button starts. */
+export function useWork<T>(): Outcome<T> & { start(work: () => Promise<T>): void; clear(): void } {
+  const [outcome, setOutcome] = useState<Outcome<T>>({ busy: false });
+  const alive = useRef(true);
+  useEffect(() => () => void (alive.current = false), []);
+  const start = (work: () => Promise<T>) => {
+    setOutcome({ busy: true });
+    work().then(
+      (value) => alive.current && setOutcome({ value, busy: false }),
+      (error) => alive.current && setOutcome({ ...(!(error instanceof Cancelled) && { error: message(error) }), busy: false }),
+    );
+  };
+  return { ...outcome, start, clear: () => setOutcome({ busy: false }) };
+}
+
+export const message = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
+/** A figure, with its caption. */
+export function Chart(props: { figure: Figure; height?: number; zoomed?: (span: Span | undefined) => void }) {
+  const host = useRef<HTMLDivElement>(null);
+  const plot = useRef<Plot>();
+  const listener = useRef(props.zoomed);
+  listener.current = props.zoomed;
+  useEffect(() => {
+    plot.current = new Plot(host.current!, props.figure, { zoomed: (span) => listener.current?.(span) });
+    return () => plot.current?.close();
+  }, []);
+  useEffect(() => plot.current?.set(props.figure), [props.figure]);
+  const size = props.height ?? (props.figure.panels.length > 1 ? 420 : 300);
+  return (
+    <figure class="chart">
+      <figcaption>{props.figure.title}</figcaption>
+      <div ref={host} style={{ "--height": `${size}px` }} />
+    </figure>
+  );
+}
+
+/** A part of a view, with its heading. */
+export function Section(props: { title: string; help?: string; children: ComponentChildren; wide?: boolean }) {
+  const id = useId();
+  return (
+    <section class={props.wide ? "wide" : ""} aria-labelledby={id}>
+      <h2 id={id}>{props.title}</h2>
+      {props.help && <p class="help">{props.help}</p>}
+      {props.children}
+    </section>
+  );
+}
+
+/** An error in the words of the library. */
+export const Fault = ({ text }: { text: string | undefined }) =>
+  text ? <p class="fault" role="alert">{text}</p> : null;
+
+/** Remarks. */
+export const Notes = ({ title, notes }: { title: string; notes: string[] }) =>
+  notes.length === 0 ? null : (
+    <div class="notes">
+      <h3>{title}</h3>
+      <ul>{notes.map((note) => <li key={note}>{note}</li>)}</ul>
+    </div>
+  );
+
+/** What to do first where there is nothing to show. */
+export const Missing = ({ what, view, title }: { what: string; view: string; title: string }) => (
+  <p class="missing">
+    {what} <a href={`#${view}`}>{title}</a>
+  </p>
+);
+
+/** A table: heads, then rows of cells. Cells that are numbers stand on the right. */
+export function Table(props: { caption: string; head: string[]; rows: ComponentChildren[][]; marked?: number }) {
+  return (
+    <div class="table" tabIndex={0} role="region" aria-label={props.caption}>
+      <table>
+        <caption>{props.caption}</caption>
+        <thead>
+          <tr>{props.head.map((cell) => <th key={cell} scope="col">{cell}</th>)}</tr>
+        </thead>
+        <tbody>
+          {props.rows.map((row, k) => (
+            <tr key={k} class={k === props.marked ? "marked" : ""}>
+              {row.map((cell, j) => (j === 0 ? <th key={j} scope="row">{cell}</th> : <td key={j}>{cell}</td>))}
+            </tr>
+          ))}
+        </tbody>
+      </table>
+    </div>
+  );
+}

@@ -1,0 +1,3 @@
+export function CompensateView() {
+  return <p class="missing">Not built yet.</p>;
+}

@@ -1,0 +1,3 @@
+export function ControlView() {
+  return <p class="missing">Not built yet.</p>;
+}

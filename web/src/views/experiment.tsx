@@ -1,0 +1,3 @@
+export function ExperimentView() {
+  return <p class="missing">Not built yet.</p>;
+}

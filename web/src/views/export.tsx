@@ -1,0 +1,3 @@
+export function ExportView() {
+  return <p class="missing">Not built yet.</p>;
+}

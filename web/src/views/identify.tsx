@@ -1,0 +1,3 @@
+export function IdentifyView() {
+  return <p class="missing">Not built yet.</p>;
+}

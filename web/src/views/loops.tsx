@@ -1,0 +1,3 @@
+export function LoopsView() {
+  return <p class="missing">Not built yet.</p>;
+}

@@ -1,0 +1,3 @@
+export function ValidateView() {
+  return <p class="missing">Not built yet.</p>;
+}

@@ -1,0 +1,253 @@
+// What all views share: the project with its history and files, the library, and the work under way.
+
+import { PROJECT, packedProject, unpackedProject } from "./archive.ts";
+import type { Library } from "./library.ts";
+import { type Answer, Cancelled, type File, type Request } from "./packet.ts";
+import { EMPTY, filesOf, free, History, type Project, read, type RecordEntry, withRecord, written } from "./project.ts";
+import type { Store } from "./store.ts";
+
+/** Work of the library under way. */
+export interface Job {
+  /** What the user started. */
+  name: string;
+  /** The present step. */
+  what: string;
+  done: number;
+  total: number;
+  cancel(): void;
+}
+
+/** What long work has told so far: the last figures of each step, by its name. */
+export type Figures = Map<string, Record<string, number>>;
+
+/** What is asked of the library, and how it is shown. */
+export interface Task {
+  /** What the user started, such as "identify". */
+  name: string;
+  request: Request;
+  files: File[];
+  /** Called after each step. */
+  told?(what: string, figures: Record<string, number>): void;
+  /** Short work is not shown among the jobs. */
+  quiet?: boolean;
+}
+
+/** How long the project may differ from what is stored [ms]. */
+const DELAY = 200;
+
+/** Number of answers that are kept. */
+const KEPT = 24;
+
+export class Workspace {
+  readonly library: Library;
+  readonly store: Store;
+  jobs: Job[] = [];
+  /** The last fault of the store or the library that no view shows. */
+  fault = "";
+  #history = new History<Project>(EMPTY);
+  #files = new Map<string, Uint8Array>();
+  #answers = new Map<string, Promise<Answer>>();
+  #listeners = new Set<() => void>();
+  #saving: ReturnType<typeof setTimeout> | undefined;
+
+  constructor(library: Library, store: Store) {
+    this.library = library;
+    this.store = store;
+  }
+
+  get project(): Project {
+    return this.#history.now;
+  }
+
+  get canUndo(): boolean {
+    return this.#history.canUndo;
+  }
+
+  get canRedo(): boolean {
+    return this.#history.canRedo;
+  }
+
+  /** Calls after each change; the result ends that. */
+  subscribe(listener: () => void): () => void {
+    this.#listeners.add(listener);
+    return () => this.#listeners.delete(listener);
+  }
+
+  changed(): void {
+    this.#listeners.forEach((listener) => listener());
+  }
+
+  /** Takes up what was stored. */
+  async open(): Promise<void> {
+    const stored = (await this.store.list()).some((file) => file.name === PROJECT);
+    if (stored) this.#history = new History(read(new TextDecoder().decode(await this.store.read(PROJECT))));
+    const used = new Set([PROJECT, ...filesOf(this.project)]);
+    const all = this.store.own ? await this.store.list() : [];
+    for (const { name } of all) if (!used.has(name)) await this.store.remove(name);
+    this.changed();
+  }
+
+  /** Goes on to another project. With `passing`, the next change is undone together with this one. */
+  change(next: (project: Project) => Project, passing = false): void {
+    this.#history.to(next(this.project), passing);
+    this.#save();
+    this.changed();
+  }
+
+  undo(): void {
+    this.#history.undo();
+    this.#save();
+    this.changed();
+  }
+
+  redo(): void {
+    this.#history.redo();
+    this.#save();
+    this.changed();
+  }
+
+  /** Stores what is not stored yet, at once. */
+  async flush(): Promise<void> {
+    clearTimeout(this.#saving);
+    this.#saving = undefined;
+    await this.store.write(PROJECT, new TextEncoder().encode(written(this.project)));
+  }
+
+  #save(): void {
+    clearTimeout(this.#saving);
+    this.#saving = setTimeout(() => this.flush().catch((error) => this.failed(error)), DELAY);
+  }
+
+  /** Shows a fault. */
+  failed(error: unknown): void {
+    this.fault = error instanceof Error ? error.message : String(error);
+    this.changed();
+  }
+
+  // Files.
+
+  /** The content of a file of the project. */
+  async bytes(name: string): Promise<Uint8Array> {
+    const known = this.#files.get(name) ?? (await this.store.read(name));
+    this.#files.set(name, known);
+    return known;
+  }
+
+  async file(name: string): Promise<File> {
+    return { name, bytes: await this.bytes(name) };
+  }
+
+  /** Keeps a content under its name, or under one like it that is free; the result is the name. */
+  async keep(file: File): Promise<string> {
+    const stored = new Set((await this.store.list()).map((one) => one.name));
+    const name = free(file.name.replace(/[/\\]/g, "-"), (one) => this.#files.has(one) || stored.has(one));
+    this.#files.set(name, file.bytes);
+    await this.store.write(name, file.bytes);
+    return name;
+  }
+
+  /** Adds records; the last becomes the one that is looked at. */
+  async addRecords(files: File[], use: RecordEntry["use"] = "training"): Promise<void> {
+    for (const file of files) {
+      const name = await this.keep(file);
+      const entry = { file: name, columns: {}, prepare: {}, use };
+      this.change((project) => ({ ...project, records: [...project.records, entry], record: name }));
+    }
+  }
+
+  /** Adds a model, which becomes the one that is used. */
+  async addModel(file: File, summary: string, verdict: string): Promise<string> {
+    const name = await this.keep(file);
+    const entry = { file: name, summary, verdict };
+    this.change((project) => ({ ...project, models: [...project.models, entry], model: name }));
+    return name;
+  }
+
+  /** The project in one file. */
+  async packed(): Promise<Uint8Array> {
+    return packedProject(this.project, await Promise.all(filesOf(this.project).map((name) => this.file(name))));
+  }
+
+  /** Takes up a project from one file; the present one can be gone back to. */
+  async unpack(bytes: Uint8Array): Promise<void> {
+    const { project, files } = unpackedProject(bytes);
+    const names = new Map<string, string>();
+    for (const file of files) names.set(file.name, await this.keep(file));
+    const named = <E extends { file: string }>(entry: E): E => ({ ...entry, file: names.get(entry.file)! });
+    const name = (old: string | undefined) => (old === undefined ? {} : names.get(old));
+    this.change(() => ({
+      ...project,
+      records: project.records.map(named),
+      models: project.models.map(named),
+      ...(project.record && { record: name(project.record) as string }),
+      ...(project.model && { model: name(project.model) as string }),
+    }));
+  }
+
+  // Work.
+
+  /** The answer to a task, with its progress among the jobs. */
+  async run({ name, request, files, told, quiet }: Task): Promise<Answer> {
+    const stop = new AbortController();
+    const job: Job = { name, what: "", done: 0, total: 0, cancel: () => stop.abort() };
+    if (!quiet) this.jobs = [...this.jobs, job];
+    this.changed();
+    try {
+      const progress = (what: string, done: number, total: number, figures: Record<string, number> = {}) => {
+        Object.assign(job, { what, done, total });
+        told?.(what, figures);
+        if (!quiet) this.changed();
+      };
+      return await this.library.call(request, files, progress, stop.signal);
+    } finally {
+      this.jobs = this.jobs.filter((other) => other !== job);
+      this.changed();
+    }
+  }
+
+  /** The answer to a short task, kept for the next time that the same is asked. `key` tells tasks apart. */
+  answer(key: string, task: () => Promise<Task> | Task): Promise<Answer> {
+    const known = this.#answers.get(key);
+    if (known) {
+      this.#answers.delete(key);
+      this.#answers.set(key, known);
+      return known;
+    }
+    const asked = Promise.resolve(task()).then((ready) => this.run({ quiet: true, ...ready }));
+    this.#answers.set(key, asked);
+    asked.catch((error) => error instanceof Cancelled && this.#answers.delete(key));
+    const oldest = this.#answers.keys().next().value;
+    if (this.#answers.size > KEPT && oldest !== undefined) this.#answers.delete(oldest);
+    return asked;
+  }
+
+  /** What a record's file holds, as it is read with what was said of it. */
+  inspected(entry: RecordEntry): Promise<Answer> {
+    return this.answer(`inspect ${JSON.stringify([entry.file, entry.columns])}`, async () => ({
+      name: "inspect",
+      request: { call: "inspect", columns: entry.columns, files: { data: [entry.file] } },
+      files: [await this.file(entry.file)],
+    }));
+  }
+
+  /** The record as it is identified: read, prepared, written as CSV in our own columns. */
+  prepared(entry: RecordEntry): Promise<Answer> {
+    return this.answer(`prepare ${JSON.stringify([entry.file, entry.columns, entry.prepare])}`, async () => ({
+      name: "prepare",
+      request: { call: "prepare", columns: entry.columns, options: entry.prepare, files: { data: [entry.file] } },
+      files: [await this.file(entry.file)],
+    }));
+  }
+
+  /** The prepared record as a file named like its own: `log.mat` becomes `log.mat.csv`. */
+  async ready(entry: RecordEntry): Promise<File> {
+    const [made] = (await this.prepared(entry)).files;
+    if (!made) throw new Error(`${entry.file}: nothing was prepared`);
+    return { name: entry.file.endsWith(".csv") ? entry.file : `${entry.file}.csv`, bytes: made.bytes };
+  }
+
+  /** Changes what is said of a record. */
+  tell(entry: RecordEntry, passing = false): void {
+    this.change((project) => withRecord(project, entry), passing);
+  }
+}
