@@ -1,5 +1,6 @@
 // The frame of the page: views, records and models, work under way.
 
+import { Component, type ComponentChildren } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { example } from "./example.ts";
 import type { Lists } from "./lists.ts";
@@ -71,7 +72,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
           <SharedContext.Provider value={{ workspace, lists }}>
             <div key={view.name} class={`view ${view.name}`}>
               <h1>{view.title}</h1>
-              {view.show()}
+              <Guard>{view.show()}</Guard>
             </div>
           </SharedContext.Provider>
         ) : <p class="missing">Loading the lists of the library.</p>}
@@ -159,7 +160,7 @@ async function takeModel(name: string, bytes: Uint8Array, workspace: Workspace):
   const model = JSON.parse(new TextDecoder().decode(bytes));
   const operator = model?.hysteresis?.operator;
   if (model?.piezoid === undefined || !operator) throw new Error("this is not a model of piezoid");
-  await workspace.addModel({ name, bytes }, `${operator}, from ${name}`, "");
+  await workspace.addModel({ name, bytes }, { summary: `${operator}, from ${name}`, verdict: "", notes: [] });
 }
 
 const THEMES = ["auto", "dark", "light"];
@@ -187,4 +188,18 @@ function useKeys(workspace: Workspace): void {
     addEventListener("keydown", key);
     return () => removeEventListener("keydown", key);
   }, []);
+}
+
+/** A fault of a view is told in its place; the other views go on. */
+class Guard extends Component<{ children: ComponentChildren }, { fault?: string }> {
+  override state: { fault?: string } = {};
+
+  override componentDidCatch(error: unknown): void {
+    this.setState({ fault: message(error) });
+  }
+
+  render() {
+    const { fault } = this.state;
+    return fault ? <p class="fault" role="alert">This view failed: {fault}. Nothing is lost; reload the page.</p> : this.props.children;
+  }
 }

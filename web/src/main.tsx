@@ -12,7 +12,9 @@ const library = served ? new ServerLibrary() : local();
 const store = served ? new ServerStore() : new BrowserStore();
 const workspace = new Workspace(library, store);
 
-render(<App workspace={workspace} served={served} />, document.getElementById("page")!);
+const page = document.getElementById("page")!;
+page.replaceChildren();
+render(<App workspace={workspace} served={served} />, page);
 addEventListener("pagehide", () => void workspace.flush());
 
 function local(): any {

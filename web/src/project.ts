@@ -26,6 +26,8 @@ export interface ModelEntry {
   summary: string;
   /** What the records prove of it. */
   verdict: string;
+  /** What else was said of its identification. */
+  notes: string[];
 }
 
 /** Everything that is saved, besides the files themselves. */

@@ -6,6 +6,7 @@ import type { Lists } from "./lists.ts";
 import { Cancelled } from "./packet.ts";
 import type { Figure, Span } from "./plot/figure.ts";
 import { Plot } from "./plot/plot.ts";
+import { prose } from "./plot/ticks.ts";
 import type { Workspace } from "./workspace.ts";
 
 /** What every view can reach. */
@@ -46,6 +47,34 @@ export function useOutcome<T>(key: string | undefined, work: () => Promise<T>): 
   return outcome;
 }
 
+/** As `useOutcome`, for what follows a hand: of keys that come while work is under way only the last is worked on. */
+export function useLatest<T>(key: string | undefined, work: () => Promise<T>): Outcome<T> {
+  const [outcome, setOutcome] = useState<Outcome<T>>({ busy: false });
+  const state = useRef({ busy: false, alive: true, next: undefined as (() => Promise<T>) | undefined });
+  useEffect(() => () => void (state.current.alive = false), []);
+  useEffect(() => {
+    const now = state.current;
+    now.next = work;
+    const go = async () => {
+      while (now.next && now.alive) {
+        const task = now.next;
+        now.next = undefined;
+        const result = await task().then((value) => ({ value }), (error) => ({ error: message(error) }));
+        if (now.alive) setOutcome({ ...result, busy: now.next !== undefined });
+      }
+      now.busy = false;
+    };
+    if (key === undefined) {
+      now.next = undefined;
+      setOutcome({ busy: false });
+    } else if (!now.busy) {
+      now.busy = true;
+      void go();
+    }
+  }, [key]);
+  return outcome;
+}
+
 /** Work that a button starts. */
 export function useWork<T>(): Outcome<T> & { start(work: () => Promise<T>): void; clear(): void } {
   const [outcome, setOutcome] = useState<Outcome<T>>({ busy: false });
@@ -63,10 +92,10 @@ export function useWork<T>(): Outcome<T> & { start(work: () => Promise<T>): void
 
 export const message = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
-/** A figure, with its caption. */
-export function Chart(props: { figure: Figure; height?: number; zoomed?: (span: Span | undefined) => void }) {
+/** A figure, with its caption; without it, where a heading says the same. */
+export function Chart(props: { figure: Figure; height?: number; bare?: boolean; zoomed?: (span: Span | undefined) => void }) {
   const host = useRef<HTMLDivElement>(null);
-  const plot = useRef<Plot>();
+  const plot = useRef<Plot | undefined>(undefined);
   const listener = useRef(props.zoomed);
   listener.current = props.zoomed;
   useEffect(() => {
@@ -77,7 +106,7 @@ export function Chart(props: { figure: Figure; height?: number; zoomed?: (span: 
   const size = props.height ?? (props.figure.panels.length > 1 ? 420 : 300);
   return (
     <figure class="chart">
-      <figcaption>{props.figure.title}</figcaption>
+      <figcaption class={props.bare ? "unseen" : ""}>{props.figure.title}</figcaption>
       <div ref={host} style={{ "--height": `${size}px` }} />
     </figure>
   );
@@ -97,14 +126,18 @@ export function Section(props: { title: string; help?: string; children: Compone
 
 /** An error in the words of the library. */
 export const Fault = ({ text }: { text: string | undefined }) =>
-  text ? <p class="fault" role="alert">{text}</p> : null;
+  text ? <p class="fault" role="alert">{prose(text)}</p> : null;
+
+/** What the records prove of a model, or a model of a voltage. */
+export const Verdict = ({ text, of }: { text: string | undefined | null; of?: string }) =>
+  text ? <p class="verdict">{of && <b>{of}: </b>}{prose(text)}</p> : null;
 
 /** Remarks. */
 export const Notes = ({ title, notes }: { title: string; notes: string[] }) =>
   notes.length === 0 ? null : (
     <div class="notes">
-      <h3>{title}</h3>
-      <ul>{notes.map((note) => <li key={note}>{note}</li>)}</ul>
+      {title && <h3>{title}</h3>}
+      <ul>{notes.map((note) => <li key={note}>{prose(note)}</li>)}</ul>
     </div>
   );
 

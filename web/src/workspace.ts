@@ -3,7 +3,7 @@
 import { PROJECT, packedProject, unpackedProject } from "./archive.ts";
 import type { Library } from "./library.ts";
 import { type Answer, Cancelled, type File, type Request } from "./packet.ts";
-import { EMPTY, filesOf, free, History, type Project, read, type RecordEntry, withRecord, written } from "./project.ts";
+import { EMPTY, filesOf, free, History, type ModelEntry, type Project, read, type RecordEntry, withRecord, written } from "./project.ts";
 import type { Store } from "./store.ts";
 
 /** Work of the library under way. */
@@ -146,19 +146,20 @@ export class Workspace {
     return name;
   }
 
-  /** Adds records; the last becomes the one that is looked at. */
-  async addRecords(files: File[], use: RecordEntry["use"] = "training"): Promise<void> {
+  /** Adds records; with `look`, the last becomes the one that is looked at. */
+  async addRecords(files: File[], use: RecordEntry["use"] = "training", look = true): Promise<void> {
     for (const file of files) {
       const name = await this.keep(file);
       const entry = { file: name, columns: {}, prepare: {}, use };
-      this.change((project) => ({ ...project, records: [...project.records, entry], record: name }));
+      const looked = look ? { record: name } : {};
+      this.change((project) => ({ ...project, records: [...project.records, entry], ...looked }));
     }
   }
 
   /** Adds a model, which becomes the one that is used. */
-  async addModel(file: File, summary: string, verdict: string): Promise<string> {
+  async addModel(file: File, told: Omit<ModelEntry, "file">): Promise<string> {
     const name = await this.keep(file);
-    const entry = { file: name, summary, verdict };
+    const entry = { file: name, ...told };
     this.change((project) => ({ ...project, models: [...project.models, entry], model: name }));
     return name;
   }

@@ -121,7 +121,9 @@ export function spanX(figure: Figure, hidden: Set<string>): Span {
     return { from: place(series, 0), to: place(series, n - 1) };
   };
   const all = figure.panels.flatMap((panel) => panel.series).filter((series) => !hidden.has(series.name));
-  return shown(all.map(of).reduce(joined, EMPTY), figure.x.log ?? false);
+  const { from, to } = shown(all.map(of).reduce(joined, EMPTY), figure.x.log ?? false);
+  const margin = figure.loops && !figure.x.log ? 0.04 * (to - from) : 0;
+  return { from: from - margin, to: to + margin };
 }
 
 /** All y of the shown series of a panel, with a margin; of time series only those in the span of x. */

@@ -52,5 +52,18 @@ export function short(value: number): string {
   return text.replace(/\.?0+e/, "e").replace("e+", "e").replaceAll("-", MINUS);
 }
 
+const PREFIXES: [number, string][] = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "\u00b5"], [1e-9, "n"]];
+
+/** A value of a unit without prefix, with the prefix that reads best: 0.5 ms. */
+export function si(value: number, name: string): string {
+  const size = Math.abs(value);
+  const [factor, prefix] = PREFIXES.find(([factor]) => size >= factor * 0.9999) ?? (size === 0 ? [1, ""] : [1e-9, "n"]);
+  return `${short(value / factor)} ${prefix}${name}`;
+}
+
 /** A unit as it is written: µm for um. */
 export const unit = (name: string): string => name.replace(/^u(?=[mVAsF]\b)/, "\u00b5");
+
+/** A sentence of the library as it is typeset: \u00b5m for um, \u00b1 for +-, \u00b2 for ^2. */
+export const prose = (text: string): string =>
+  text.replace(/\bum(?=\b|\/|\^)/g, "\u00b5m").replace(/\+-/g, "\u00b1").replace(/\^2\b/g, "\u00b2").replace(/(^|[\s(])-(?=\d)/g, "$1\u2212");

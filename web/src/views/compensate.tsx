@@ -1,3 +1,288 @@
+// Compensate: the voltage for a path, and how an actuator follows it before and after.
+
+import { useMemo } from "preact/hooks";
+import { Form } from "../form.tsx";
+import { type Lists, optionsOf } from "../lists.ts";
+import type { Answer, File } from "../packet.ts";
+import { csv, drawn } from "../path.ts";
+import type { Figure, Series } from "../plot/figure.ts";
+import { download } from "../plot/plot.ts";
+import { prose, short, unit } from "../plot/ticks.ts";
+import { type Options, withSettings } from "../project.ts";
+import { Chart, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";
+import type { Workspace } from "../workspace.ts";
+
+/** What this view remembers. */
+interface Settings {
+  /** `drawn`, the file of a record, or a kind of signal. */
+  path?: string;
+  /** Heights of the points of a drawn path [output unit]. */
+  points?: number[];
+  /** Length of a drawn path [s]. */
+  duration?: number;
+  /** Options of a kind of signal. */
+  signal?: Options;
+  options?: Options;
+  plant?: string;
+}
+
+/** Share of what the model reaches that a path uses at first. */
+const SHARE = 0.3;
+
 export function CompensateView() {
-  return <p class="missing">Not built yet.</p>;
+  const { workspace } = useShared();
+  const { models, model } = workspace.project;
+  const entry = models.find((one) => one.file === model) ?? models.at(-1);
+  const read = useOutcome(entry?.file, async () => {
+    const model = JSON.parse(new TextDecoder().decode(await workspace.bytes(entry!.file)));
+    return { model, stroke: await strokeOf(workspace, entry!.file, model) };
+  });
+  if (!entry) return <Missing what="There is no model yet." view="identify" title="Identify one" />;
+  if (!read.value) return <Fault text={read.error} />;
+  return <Compensation key={entry.file} file={entry.file} {...read.value} />;
+}
+
+/** The displacements of a model at the ends of its range of voltage. */
+async function strokeOf(workspace: Workspace, file: string, model: any): Promise<[number, number]> {
+  const [low, high]: [number, number] = model.identified?.u ?? model.hysteresis?.range ?? [0, 1];
+  const unitName = model.units?.u ?? "V";
+  const inputs = Array.from({ length: 400 }, (_, k) => `${k * model.ts},${k < 200 ? low : high}`);
+  const drive = { name: "ends.csv", bytes: new TextEncoder().encode(`t_s,u_${unitName}\n${inputs.join("\n")}\n`) };
+  const answer = await workspace.answer(`ends ${file}`, async () => ({
+    name: "ends of the stroke",
+    request: { call: "simulate", options: { begin: "settled" }, files: { input: [drive.name], model: [file] } },
+    files: [drive, await workspace.file(file)],
+  }));
+  const y = answer.series.get("y")!;
+  return [y[199]!, y[399]!];
+}
+
+/** A path at first: two moves to both sides of the middle, in shares of the height. */
+const MOVES = [0, 1, 1, -1, -1, 0.5, 0];
+
+function Compensation({ file, model, stroke }: { file: string; model: any; stroke: [number, number] }) {
+  const { workspace, lists } = useShared();
+  const settings = (workspace.project.settings["compensate"] ?? {}) as Settings;
+  const change = (values: Partial<Settings>, passing = false) =>
+    workspace.change((project) => withSettings(project, "compensate", { ...settings, ...values } as Options), passing);
+  const rounded = (value: number) => Number(value.toPrecision(2));
+  const [height, middle] = [rounded((SHARE * Math.abs(stroke[1] - stroke[0])) / 2), rounded((stroke[0] + stroke[1]) / 2)];
+  const centre = Math.abs(middle) < 0.1 * height ? 0 : middle;
+  const points = settings.points ?? MOVES.map((move) => centre + move * height);
+  const duration = settings.duration ?? 0.5;
+  const of = model.units?.y ?? "um";
+  const path = useLatest(JSON.stringify([settings.path, points, duration, settings.signal, model.ts]), () =>
+    pathOf(workspace, settings, { points, duration, ts: model.ts, of, height, centre }));
+  const made = useLatest(path.value && JSON.stringify([file, settings.path, points, duration, settings.signal, settings.options]), () =>
+    compensated(workspace, file, path.value!, settings.options ?? {}));
+  return (
+    <>
+      <Path settings={settings} change={change} points={points} duration={duration} of={of} answer={made.value} lists={lists} />
+      <Fault text={path.error ?? made.error} />
+      {made.value && <Voltage answer={made.value} />}
+      <Section title="Limits and shaping" help="The voltage keeps the driver's limits; a path with corners is smoothed, or filtered at the resonance.">
+        <Form
+          rows={optionsOf(lists, "compensate")}
+          values={settings.options ?? {}}
+          change={(options) => change({ options })}
+          names={{ driver: lists.drivers }}
+          first={["driver", "clip", "smooth", "zvd"]}
+        />
+      </Section>
+      {path.value && <Twin file={file} ts={model.ts} path={path.value} settings={settings} change={change} />}
+    </>
+  );
+}
+
+/** The voltage for a path. */
+const compensated = async (workspace: Workspace, file: string, path: File, options: Options): Promise<Answer> =>
+  workspace.run({
+    name: "compensate",
+    request: { call: "compensate", options, files: { model: [file], reference: [path.name] } },
+    files: [await workspace.file(file), path],
+    quiet: true,
+  });
+
+/** The file of the chosen path. */
+async function pathOf(
+  workspace: Workspace,
+  { path = "drawn", signal = {} }: Settings,
+  { points, duration, ts, of, height, centre }: { points: number[]; duration: number; ts: number; of: string; height: number; centre: number },
+): Promise<File> {
+  if (path === "drawn") return csv("path.csv", of, ts, drawn(points, duration, ts));
+  const record = workspace.project.records.find((one) => one.file === path);
+  if (record) return { ...(await workspace.ready(record)), name: "path.csv" };
+  const options = { kind: path, ts, unit: of, duration, amplitude: height, offset: centre, frequency: 4 / duration, ...signal };
+  const answer = await workspace.run({ name: "path", request: { call: "excite", options }, files: [], quiet: true });
+  return { name: "path.csv", bytes: answer.files[0]!.bytes };
+}
+
+interface Changing {
+  settings: Settings;
+  change(values: Partial<Settings>, passing?: boolean): void;
+}
+
+const KINDS = ["sine", "triangle", "staircase"];
+
+function Path({ settings, change, points, duration, of, answer, lists }: Changing & {
+  points: number[]; duration: number; of: string; answer: Answer | undefined; lists: Lists;
+}) {
+  const { workspace } = useShared();
+  const { path = "drawn" } = settings;
+  const isKind = KINDS.includes(path);
+  const kind = lists.excitations.find((one) => one.name === path);
+  const base = useMemo((): Figure | undefined => answer && pathFigure(answer), [answer]);
+  const step = duration / (points.length - 1);
+  const moved = (k: number) => (_: number, y: number, done: boolean) =>
+    change({ points: points.map((one, j) => (j === k ? Number(y.toPrecision(3)) : one)) }, !done);
+  const figure: Figure | undefined = base && {
+    ...base,
+    ...(path === "drawn" && {
+      handles: points.map((y, k) => ({ label: `Height of the path at ${short(k * step)} s`, x: k * step, y, moves: "y" as const, moved: moved(k) })),
+    }),
+  };
+  const number = (label: string, value: number, set: (value: number) => void) => (
+    <label>
+      {label}{" "}
+      <input inputMode="decimal" size={7} value={String(value)} onChange={(event) => {
+        const next = Number(event.currentTarget.value);
+        if (next > 0) set(next);
+      }} />
+    </label>
+  );
+  return (
+    <Section title="Path" wide help={path === "drawn" ? "Drag the points, or move them with the arrow keys." : ""}>
+      <div class="row">
+        <label>
+          Path{" "}
+          <select value={path} onChange={(event) => change({ path: event.currentTarget.value })}>
+            <option value="drawn">drawn by hand</option>
+            {KINDS.map((name) => <option key={name} value={name}>{name}</option>)}
+            {workspace.project.records.map((one) => <option key={one.file} value={one.file}>output of {one.file}</option>)}
+          </select>
+        </label>
+        {(path === "drawn" || isKind) && number("Duration [s]", duration, (value) => change({ duration: value }))}
+        {path === "drawn" && number("Points", points.length, (value) =>
+          change({ points: Array.from({ length: Math.max(2, Math.min(40, Math.round(value))) }, (_, k) => points[k] ?? 0) }))}
+      </div>
+      {isKind && kind && (
+        <Form rows={kind.options.map((row) => ({ ...row, required: false, ...(row.name === "amplitude" && { unit: of }), ...(row.name === "offset" && { unit: of }) }))}
+          values={settings.signal ?? {}} change={(signal) => change({ signal })} />
+      )}
+      {figure && <Chart figure={figure} height={380} bare />}
+    </Section>
+  );
+}
+
+function pathFigure(answer: Answer): Figure {
+  const { ts, units } = answer.result;
+  const get = (name: string) => answer.series.get(name) ?? new Float64Array();
+  const curve = (name: string, of: string, more: Partial<Series>): Series => ({ name, y: get(of), step: ts, ...more });
+  return {
+    title: "Path and voltage",
+    x: { label: "Time", unit: "s" },
+    panels: [
+      {
+        y: { label: "Displacement", unit: units.y },
+        series: [
+          curve("requested", "requested", { style: "pale" }),
+          curve("shaped", "shaped", { style: "dashed", colour: 2 }),
+          curve("reached by the model", "y", { colour: 1 }),
+        ].filter((one) => one.y.length > 0),
+      },
+      { y: { label: "Voltage", unit: units.u }, series: [curve("voltage", "u", { colour: 7 })] },
+    ],
+  };
+}
+
+function Voltage({ answer }: { answer: Answer }) {
+  const { result } = answer;
+  const { usage } = result;
+  const rows = Object.values(usage ?? {})
+    .filter((one: any) => one)
+    .map((one: any) => [one.quantity, `${short(one.value)} ${one.unit}`, one.limit === null ? "none" : `${short(one.limit)} ${one.unit}`, one.share === null ? "" : `${short(100 * one.share)} %`]);
+  return (
+    <Section title="Voltage">
+      <Verdict text={result.told} />
+      {result.expected_rms !== null && result.expected_rms !== undefined && (
+        <p>Expected error on the actuator: {short(result.expected_rms)} {unit(result.units.y)} rms.</p>
+      )}
+      <Table caption="What the voltage uses of its limits" head={["Quantity", "Value", "Limit", "Used"]} rows={rows} />
+      <Notes title="Notes" notes={result.notes ?? []} />
+      <div class="row">
+        {answer.files.map((one) => (
+          <button key={one.name} type="button" class="main" onClick={() => download(one.name, one.bytes as BlobPart, "text/csv")}>
+            Download {one.name}
+          </button>
+        ))}
+      </div>
+    </Section>
+  );
+}
+
+/** The schemes that are compared on the twin: before and after. */
+const SCHEMES = ["gain", "feed-forward"];
+
+function Twin({ file, ts, path, settings, change }: Changing & { file: string; ts: number; path: File }) {
+  const { workspace, lists } = useShared();
+  const plant = settings.plant ?? "pl140";
+  const work = useWork<Answer>();
+  const start = () =>
+    work.start(async () =>
+      workspace.run({
+        name: `path on the twin ${plant}`,
+        request: {
+          call: "control",
+          options: { plant, controller: SCHEMES, ...pick(settings.options ?? {}) },
+          files: { model: [file], reference: [path.name] },
+        },
+        files: [await workspace.file(file), path],
+      }),
+    );
+  const figure = useMemo(() => work.value && twinFigure(work.value, ts), [work.value]);
+  const schemes: any[] = work.value?.result.schemes ?? [];
+  return (
+    <Section title="Before and after, on a twin" wide
+      help="The same path with a constant gain and with the feed-forward, on a simulated actuator that the model has not seen.">
+      <div class="row">
+        <label>
+          Twin{" "}
+          <select value={plant} onChange={(event) => change({ plant: event.currentTarget.value })}>
+            {lists.plants.map(({ name }) => <option key={name} value={name}>{name}</option>)}
+          </select>
+        </label>
+        <button type="button" class="main" disabled={work.busy} onClick={start}>Follow the path</button>
+      </div>
+      <p class="help">{prose(lists.plants.find((one) => one.name === plant)?.summary ?? "")}</p>
+      <Fault text={work.error} />
+      {work.value && (
+        <Table caption="Errors on the twin" head={["Scheme", "Error, rms", "Largest error", "Of the stroke"]}
+          rows={schemes.map(({ scheme, tracking: [one] }) => [
+            scheme, `${short(one?.rms)} ${unit(work.value!.result.unit)}`, `${short(one?.max)} ${unit(work.value!.result.unit)}`, `${short(one?.percent_of_stroke)} %`,
+          ])} />
+      )}
+      {figure && <Chart figure={figure} height={420} />}
+    </Section>
+  );
+}
+
+/** The options that compensation and control share. */
+const pick = (options: Options): Options =>
+  Object.fromEntries(Object.entries(options).filter(([name]) => ["clip", "driver", "capacitance", "low", "high", "slew", "current"].includes(name)));
+
+function twinFigure({ result, series }: Answer, ts: number): Figure {
+  const runs = SCHEMES.map((name, j) => ({ name, colour: 2 - j, r: series.get(`r/${j}/0`), u: series.get(`u/${j}/0`), y: series.get(`y/${j}/0`) })).filter((run) => run.y);
+  const panel = (label: string, unitName: string, all: Series[]) => ({ y: { label, unit: unitName }, series: all });
+  return {
+    title: "The path on the twin",
+    x: { label: "Time", unit: "s" },
+    panels: [
+      panel("Displacement", result.unit, [
+        ...(runs[0]?.r ? [{ name: "requested", y: runs[0].r, step: ts, style: "pale" as const }] : []),
+        ...runs.map((run): Series => ({ name: run.name, y: run.y!, step: ts, colour: run.colour })),
+      ]),
+      panel("Error", result.unit, runs.map((run): Series => ({ name: run.name, y: run.y!.map((y, k) => (run.r?.[k] ?? 0) - y), step: ts, colour: run.colour }))),
+      panel("Voltage", "V", runs.map((run): Series => ({ name: run.name, y: run.u!, step: ts, colour: run.colour }))),
+    ],
+  };
 }

@@ -7,7 +7,7 @@ import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
 import type { Figure } from "../plot/figure.ts";
-import { short, unit } from "../plot/ticks.ts";
+import { short, si, unit } from "../plot/ticks.ts";
 import type { RecordEntry, Use } from "../project.ts";
 import { Chart, Fault, Notes, Section, Table, useOutcome, useShared } from "../ui.tsx";
 
@@ -83,7 +83,7 @@ function Records({ shown }: { shown: RecordEntry | undefined }) {
     <button type="button" aria-label={`Remove ${entry.file}`} onClick={() => remove(entry.file)}>Remove</button>,
   ]);
   return (
-    <Section title="Records">
+    <Section title="Records" wide>
       <Table caption="Records and their use" head={["Record", "Use", ""]} rows={rows} marked={shown ? records.indexOf(shown) : -1} />
     </Section>
   );
@@ -134,8 +134,8 @@ function RecordView({ entry }: { entry: RecordEntry }) {
       <Section title={entry.file} wide>
         {record && (
           <p>
-            {result.format}, {record.samples.toLocaleString("en")} samples, {short(record.duration)} s, one every{" "}
-            {short(record.ts)} s, input in {unit(record.units.u)}, output in {unit(record.units.y)}.
+            {result.format}, {record.samples.toLocaleString("en")} samples, {si(record.duration, "s")}, one every{" "}
+            {si(record.ts, "s")}, input in {unit(record.units.u)}, output in {unit(record.units.y)}.
           </p>
         )}
         <Fault text={seen.error ?? made.error} />

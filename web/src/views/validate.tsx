@@ -1,3 +1,256 @@
+// Validate: free runs of models on records, against the noise floor; several models side by side.
+
+import { useMemo, useState } from "preact/hooks";
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import type { Answer } from "../packet.ts";
+import type { Figure, Series } from "../plot/figure.ts";
+import { download } from "../plot/plot.ts";
+import { short } from "../plot/ticks.ts";
+import { type ModelEntry, type Options, type RecordEntry, withSettings } from "../project.ts";
+import { Chart, Fault, Missing, Notes, Section, Table, useOutcome, useShared, Verdict } from "../ui.tsx";
+import type { Workspace } from "../workspace.ts";
+
+/** A model with its answer. */
+interface Run {
+  entry: ModelEntry;
+  answer: Answer;
+}
+
 export function ValidateView() {
-  return <p class="missing">Not built yet.</p>;
+  const { workspace } = useShared();
+  const { records, models } = workspace.project;
+  if (models.length === 0) return <Missing what="There is no model yet." view="identify" title="Identify one" />;
+  if (records.length === 0) return <Missing what="There is no record." view="data" title="Add one" />;
+  return <Validation />;
+}
+
+/** The call that validates a model on records. */
+async function task(workspace: Workspace, call: "validate" | "report", model: ModelEntry, records: RecordEntry[], options: Options) {
+  const data = await Promise.all(records.map((entry) => workspace.ready(entry)));
+  return {
+    name: `${call} ${model.file}`,
+    request: { call, options, files: { model: [model.file], data: data.map((file) => file.name) } },
+    files: [await workspace.file(model.file), ...data],
+  };
+}
+
+function Validation() {
+  const { workspace, lists } = useShared();
+  const { records, models, model, settings } = workspace.project;
+  const { models: chosenModels, records: chosenRecords, ...options } = (settings["validate"] ?? {}) as Options;
+  const set = (values: Options) =>
+    workspace.change((project) => withSettings(project, "validate", { ...project.settings["validate"], ...values }));
+  const usedModels = models.filter((one) => (chosenModels as string[] | undefined)?.includes(one.file) ?? one.file === (model ?? models.at(-1)!.file));
+  const unseen = records.filter((one) => one.use === "validation");
+  const usual = unseen.length > 0 ? unseen : records;
+  const usedRecords = (chosenRecords as string[] | undefined) ? records.filter((one) => (chosenRecords as string[]).includes(one.file)) : usual;
+  const key = JSON.stringify([usedModels.map((one) => one.file), usedRecords, options]);
+  const ready = usedModels.length > 0 && usedRecords.length > 0;
+  const runs = useOutcome(ready ? key : undefined, () =>
+    Promise.all(usedModels.map(async (entry): Promise<Run> => ({
+      entry,
+      answer: await workspace.answer(`validate ${JSON.stringify([entry.file, usedRecords, options])}`,
+        () => task(workspace, "validate", entry, usedRecords, options)),
+    }))),
+  );
+  const toggled = (all: { file: string }[], used: { file: string }[], file: string, on: boolean) =>
+    all.map((one) => one.file).filter((one) => (one === file ? on : used.some((other) => other.file === one)));
+  const report = async (entry: ModelEntry) => {
+    const made = await workspace.run(await task(workspace, "report", entry, usedRecords, options));
+    for (const file of made.files) download(file.name, file.bytes as BlobPart, "text/html");
+  };
+  return (
+    <>
+      <Section title="What is compared" wide>
+        <div class="row" role="group" aria-label="Models">
+          Models:
+          {models.map((one) => (
+            <label key={one.file}>
+              <input type="checkbox" checked={usedModels.includes(one)}
+                onChange={(event) => set({ models: toggled(models, usedModels, one.file, event.currentTarget.checked) })} />{" "}
+              {one.file}
+            </label>
+          ))}
+        </div>
+        <div class="row" role="group" aria-label="Records">
+          Records:
+          {records.map((one) => (
+            <label key={one.file}>
+              <input type="checkbox" checked={usedRecords.includes(one)}
+                onChange={(event) => set({ records: toggled(records, usedRecords, one.file, event.currentTarget.checked) })} />{" "}
+              {one.file}{one.use === "training" || one.use === "small-signal" ? " (identified from)" : ""}
+            </label>
+          ))}
+        </div>
+        <Form rows={optionsOf(lists, "validate")} values={options}
+          change={(values) => workspace.change((project) => withSettings(project, "validate", {
+            ...values, ...(chosenModels !== undefined && { models: chosenModels }), ...(chosenRecords !== undefined && { records: chosenRecords }),
+          }))} />
+        <Fault text={runs.error} />
+        {runs.busy && !runs.value && <p class="missing">Simulating.</p>}
+      </Section>
+      {runs.value && runs.value.length > 0 && <Compared runs={runs.value} records={usedRecords} report={report} />}
+    </>
+  );
+}
+
+/** The parts of a name that colours and legends use. */
+const nameOf = (entry: ModelEntry) => entry.file.replace(/\.json$/, "");
+
+function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry[]; report(entry: ModelEntry): Promise<void> }) {
+  const { workspace } = useShared();
+  const [chosen, setChosen] = useState(0);
+  const k = Math.min(chosen, records.length - 1);
+  const files = runs.map(({ answer }) => answer.result.files);
+  const rows = records.flatMap((record, j) =>
+    runs.map(({ entry }, i) => {
+      const one = files[i]?.[j] ?? {};
+      return [
+        record.file, nameOf(entry), `${short(one.rms_pp_percent)} %`, `${short(one.nrmse_percent)} %`,
+        `${short(one.max_abs)} ${one.unit === "um" ? "\u00b5m" : one.unit}`,
+        one.floor ? `${short(one.floor.rms_pp_percent)} %` : "",
+      ];
+    }),
+  );
+  const figures = useMemo(() => ({
+    time: timeFigure(runs, k),
+    loops: loopsFigure(runs, k),
+    frequency: binsFigure(runs, "by_frequency", { label: "Frequency", unit: "Hz", log: true }),
+    amplitude: binsFigure(runs, "by_amplitude", { label: "Amplitude of the input", unit: runs[0]!.answer.result.files[0]?.units?.u ?? "V" }),
+    white: whiteFigure(runs, k),
+  }), [runs, k]);
+  return (
+    <>
+      <Section title="Verdict" wide>
+        {runs.map(({ entry, answer }) => (
+          <div key={entry.file}>
+            <Verdict of={nameOf(entry)} text={answer.result.told} />
+            <button type="button" onClick={() => report(entry).catch((error) => workspace.failed(error))}>
+              Report of {nameOf(entry)}
+            </button>
+          </div>
+        ))}
+        <Table caption="Free-run errors" rows={rows}
+          head={["Record", "Model", "Error, rms of stroke", "Error, rms of std", "Largest error", "Noise, of stroke"]} />
+      </Section>
+      <Section title="Free run" wide>
+        {records.length > 1 && (
+          <div class="row">
+            <label>
+              Record{" "}
+              <select value={String(k)} onChange={(event) => setChosen(Number(event.currentTarget.value))}>
+                {records.map((record, j) => <option key={record.file} value={String(j)}>{record.file}</option>)}
+              </select>
+            </label>
+          </div>
+        )}
+        <Chart figure={figures.time} height={520} />
+      </Section>
+      {figures.frequency && <Section title="Error by frequency"><Chart figure={figures.frequency} bare /></Section>}
+      {figures.amplitude && <Section title="Error by amplitude"><Chart figure={figures.amplitude} bare /></Section>}
+      <Section title="Loop"><Chart figure={figures.loops} height={360} /></Section>
+      {figures.white && (
+        <Section title="Residuals" help="What is left of a good model is noise: its autocorrelation stays within the bounds.">
+          <Chart figure={figures.white} />
+          {runs.map(({ entry }, i) => (
+            <Notes key={entry.file} title={nameOf(entry)} notes={[...(files[i]?.[k]?.whiteness?.verdict ?? []), ...(files[i]?.[k]?.remarks ?? [])]} />
+          ))}
+        </Section>
+      )}
+    </>
+  );
+}
+
+const series = (run: Run, name: string, k: number) => run.answer.series.get(`${name}/${k}`) ?? new Float64Array();
+
+/** Input, output and error of a record against time. */
+function timeFigure(runs: Run[], k: number): Figure {
+  const first = runs[0]!;
+  const { ts, units, file } = first.answer.result.files[k];
+  const errors = runs.map((run, i): Series => {
+    const [y, simulated] = [series(run, "y", k), series(run, "simulated", k)];
+    return { name: nameOf(run.entry), y: y.map((value, t) => value - simulated[t]!), step: ts, colour: 1 + i };
+  });
+  return {
+    title: `Free run on ${file}`,
+    x: { label: "Time", unit: "s" },
+    panels: [
+      {
+        y: { label: "Output", unit: units.y },
+        series: [
+          { name: "measured", y: series(first, "y", k), step: ts, style: "pale" },
+          ...runs.map((run, i): Series => ({ name: nameOf(run.entry), y: series(run, "simulated", k), step: ts, colour: 1 + i })),
+        ],
+      },
+      { y: { label: "Residual", unit: units.y }, series: errors },
+      { y: { label: "Input", unit: units.u }, series: [{ name: "input", y: series(first, "u", k), step: ts, colour: 7 }] },
+    ],
+  };
+}
+
+function loopsFigure(runs: Run[], k: number): Figure {
+  const first = runs[0]!;
+  const { units, file } = first.answer.result.files[k];
+  return {
+    title: `Loop of ${file}`,
+    x: { label: "Input", unit: units.u },
+    panels: [{
+      y: { label: "Output", unit: units.y },
+      series: [
+        { name: "measured", x: series(first, "u", k), y: series(first, "y", k), style: "pale" },
+        ...runs.map((run, i): Series => ({
+          name: nameOf(run.entry), x: series(run, "u", k), y: series(run, "simulated", k), colour: 1 + i,
+        })),
+      ],
+    }],
+    loops: true,
+  };
+}
+
+interface Bin {
+  at: number;
+  rms_pp_percent: number;
+}
+
+/** Errors of all records by frequency or amplitude, and the noise floor. */
+function binsFigure(runs: Run[], by: "by_frequency" | "by_amplitude", x: Figure["x"]): Figure | undefined {
+  const all = runs.map((run, i): Series => {
+    const bins: Bin[] = run.answer.result.total[by] ?? [];
+    return {
+      name: nameOf(run.entry), x: Float64Array.from(bins, (bin) => bin.at), y: Float64Array.from(bins, (bin) => bin.rms_pp_percent),
+      style: "marks", colour: 1 + i,
+    };
+  });
+  if (all.every((one) => one.y.length === 0)) return undefined;
+  const floor = runs[0]!.answer.result.total.floor?.rms_pp_percent;
+  const errors = all.flatMap((one) => [...one.y]).filter((value) => value > 0);
+  const seen = floor > 0 && floor > Math.min(...errors) / 30;
+  return {
+    title: by === "by_frequency" ? "Error by frequency" : "Error by amplitude",
+    x,
+    panels: [{
+      y: { label: "Error, rms", unit: "% of peak-to-peak", log: true },
+      series: [...all, ...(seen ? [{ name: "", x: Float64Array.of(all[0]!.x![0] ?? 1), y: Float64Array.of(floor), style: "points" as const }] : [])],
+      ...(seen && { levels: [{ at: floor, label: "noise floor of the whole stroke" }] }),
+    }],
+  };
+}
+
+function whiteFigure(runs: Run[], k: number): Figure | undefined {
+  const of = (run: Run) => run.answer.result.files[k]?.whiteness;
+  const known = runs.filter((run) => of(run)?.autocorrelation?.length);
+  if (known.length === 0) return undefined;
+  const bound = of(known[0]!).autocorrelation_bound;
+  return {
+    title: "Autocorrelation of the residuals",
+    x: { label: "Lag", unit: "samples" },
+    panels: [{
+      y: { label: "Autocorrelation", unit: "" },
+      series: known.map((run): Series => ({
+        name: nameOf(run.entry), y: Float64Array.from(of(run).autocorrelation), start: 1, step: 1, style: "marks", colour: 1 + runs.indexOf(run),
+      })),
+      levels: [{ at: bound, label: "bound of noise" }, { at: -bound, label: "" }],
+    }],
+  };
 }
