@@ -3,6 +3,7 @@
 import { useId } from "preact/hooks";
 import type { OptionRow } from "./lists.ts";
 import type { Options } from "./project.ts";
+import { Entry } from "./ui.tsx";
 
 interface Props {
   rows: OptionRow[];
@@ -88,16 +89,14 @@ function Field({ row, value, set, names }: FieldProps) {
   return (
     <div class="field">
       {label}
-      <input
+      <Entry
         {...common}
         value={shown}
         placeholder={usual}
         required={row.required}
         inputMode={row.kind === "number" || row.kind === "integer" ? "decimal" : "text"}
-        autocomplete="off"
-        spellcheck={false}
         list={names ? `${id}-names` : undefined}
-        onChange={(event) => set(valueOf(row, event.currentTarget.value.trim()))}
+        entered={(text) => set(valueOf(row, text.trim()))}
       />
       {names && (
         <datalist id={`${id}-names`}>

@@ -112,6 +112,39 @@ export function Chart(props: { figure: Figure; height?: number; bare?: boolean; 
   );
 }
 
+/** A field of text, and what is said of it to the browser. */
+interface EntryProps {
+  value: string;
+  entered(text: string): void;
+  id?: string;
+  name?: string;
+  "aria-describedby"?: string;
+  placeholder?: string;
+  required?: boolean;
+  size?: number;
+  inputMode?: "decimal" | "text";
+  list?: string | undefined;
+}
+
+/** A field of text. What is being written stays while the view is drawn anew; `entered` gets it when it is done. */
+export function Entry({ value, entered, ...rest }: EntryProps) {
+  const [draft, setDraft] = useState<string>();
+  return (
+    <input
+      {...rest}
+      type="text"
+      value={draft ?? value}
+      autocomplete="off"
+      spellcheck={false}
+      onInput={(event) => setDraft(event.currentTarget.value)}
+      onChange={(event) => {
+        setDraft(undefined);
+        entered(event.currentTarget.value);
+      }}
+    />
+  );
+}
+
 /** A part of a view, with its heading. */
 export function Section(props: { title: string; help?: string; children: ComponentChildren; wide?: boolean }) {
   const id = useId();

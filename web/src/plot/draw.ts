@@ -157,18 +157,18 @@ function roomFor(count: number): Float64Array {
 function curve(pen: Pen, figure: Figure, frame: Frame, series: Series, theme: Theme): void {
   const colour = theme.series[(series.colour ?? 0) % theme.series.length]!;
   const points = series.style === "points";
-  const count = !figure.loops && !points ? columns(figure, frame, series) : all(figure, frame, series);
+  const [first, last] = figure.loops ? [0, series.y.length] : within(series, frame.x);
+  const dense = !figure.loops && !points && last - first > 4 * frame.area.width;
+  const count = dense ? columns(figure, frame, series, first, last) : all(figure, frame, series, first, last);
   if (points) return pen.dots(room, count, colour, 3);
   const pale = series.style === "pale";
   const dash = series.style === "dashed" ? [6, 4] : undefined;
-  pen.stroke(room, count, { colour: pale ? theme.pale : colour, width: pale ? 5 : 1.5, ...(dash && { dash }) });
+  pen.stroke(room, count, { colour: pale ? theme.pale : colour, width: dense ? 1 : pale ? 5 : 1.5, ...(dash && { dash }) });
   if (series.style === "marks") pen.dots(room, count, colour, 3.5);
 }
 
 /** The points of a series whose x rises: of each column of pixels the first, lowest, highest and last. */
-function columns(figure: Figure, frame: Frame, series: Series): number {
-  const [first, last] = within(series, frame.x);
-  if (last - first <= 4 * frame.area.width) return all(figure, frame, series, first, last);
+function columns(figure: Figure, frame: Frame, series: Series, first: number, last: number): number {
   const out = roomFor(8 * (frame.area.width + 4) + 16);
   const { y } = series;
   let used = 0;
@@ -199,7 +199,7 @@ function columns(figure: Figure, frame: Frame, series: Series): number {
 }
 
 /** The points of a series in their order, without those in the pixel of the one before. */
-function all(figure: Figure, frame: Frame, series: Series, first = 0, last = series.y.length): number {
+function all(figure: Figure, frame: Frame, series: Series, first: number, last: number): number {
   const out = roomFor(2 * (last - first));
   let used = 0;
   let [before, beforeY] = [NaN, NaN];
@@ -236,7 +236,7 @@ export class CanvasPen implements Pen {
     }
     context.strokeStyle = colour;
     context.lineWidth = width;
-    context.lineJoin = "round";
+    context.lineJoin = "bevel";
     context.setLineDash(dash ?? []);
     context.stroke();
   }

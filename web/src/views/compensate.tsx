@@ -9,7 +9,7 @@ import type { Figure, Series } from "../plot/figure.ts";
 import { download } from "../plot/plot.ts";
 import { prose, short, unit } from "../plot/ticks.ts";
 import { type Options, withSettings } from "../project.ts";
-import { Chart, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";
+import { Chart, Entry, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
 
 /** What this view remembers. */
@@ -144,10 +144,7 @@ function Path({ settings, change, points, duration, of, answer, lists }: Changin
   const number = (label: string, value: number, set: (value: number) => void) => (
     <label>
       {label}{" "}
-      <input inputMode="decimal" size={7} value={String(value)} onChange={(event) => {
-        const next = Number(event.currentTarget.value);
-        if (next > 0) set(next);
-      }} />
+      <Entry inputMode="decimal" size={7} value={String(value)} entered={(text) => Number(text) > 0 && set(Number(text))} />
     </label>
   );
   return (

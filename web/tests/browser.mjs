@@ -1,0 +1,89 @@
+// A static server for the built page, a browser, and records as instruments write them.
+import { createServer } from "node:http";
+import { existsSync, readFileSync } from "node:fs";
+import { extname } from "node:path";
+import { chromium } from "playwright-core";
+import { Module } from "../dist/module.js";
+import { packed, unpacked } from "../dist/packet.js";
+
+const DIST = new URL("../dist/", import.meta.url);
+const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".wasm": "application/wasm", ".json": "application/json" };
+
+/** The browser of the tests; `CHROMIUM` names another than Debian's. */
+export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
+export const isThere = existsSync(CHROMIUM);
+
+/** Serves dist/ as any static server does. */
+export async function served() {
+  const server = createServer((request, response) => {
+    const name = new URL(request.url, "http://x").pathname.slice(1) || "index.html";
+    const file = new URL(name, DIST);
+    if (!file.href.startsWith(DIST.href) || !existsSync(file)) return response.writeHead(404).end();
+    response.writeHead(200, { "content-type": TYPES[extname(name)] ?? "application/octet-stream" }).end(readFileSync(file));
+  });
+  await new Promise((resolve) => server.listen(0, "127.0.0.1", resolve));
+  return { url: `http://127.0.0.1:${server.address().port}/`, close: () => server.close() };
+}
+
+/** A browser without what needs a network. */
+export const launched = () =>
+  chromium.launch({
+    executablePath: CHROMIUM,
+    args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
+  });
+
+/** A page in a context of its own, with what it told and asked that it should not have. */
+export async function opened(browser, url, options = {}) {
+  const context = options.context ?? (await browser.newContext({ viewport: { width: 1280, height: 900 }, acceptDownloads: true, ...options }));
+  const page = await context.newPage();
+  const faults = [];
+  page.on("console", (message) => ["error", "warning"].includes(message.type()) && faults.push(message.text()));
+  page.on("pageerror", (error) => faults.push(error.message));
+  page.on("request", (request) => {
+    const own = ["blob:", "data:", new URL(url).origin].some((start) => request.url().startsWith(start));
+    if (!own) faults.push(`asked ${request.url()}`);
+  });
+  await page.goto(url);
+  return { page, faults, context };
+}
+
+/** The library beside the page, to make records. */
+export async function library() {
+  const modules = ["piezoid.wasm"].map((name) => new URL(name, DIST)).filter(existsSync);
+  const module = Module.of(new WebAssembly.Module(readFileSync(modules[0])));
+  return (request, files = []) => unpacked(module.answer(packed(request, files), () => {}));
+}
+
+/** A record of the simulated bender for a rising sine: input and output. */
+export function measured(call, frequency, amplitude = 28, duration = 2) {
+  const drive = call({ call: "excite", options: { kind: "rising-sine", frequency, amplitude, ts: 5e-4, duration } }).files;
+  const { series } = call({ call: "simulate", options: { plant: "pl140" }, files: { input: ["signal.csv"] } }, drive);
+  return { ts: 5e-4, u: series.get("u"), y: series.get("y") };
+}
+
+const bytes = (text) => Buffer.from(text);
+
+/** The record as a plain CSV. */
+export const csv = ({ ts, u, y }) => bytes(`t_s,u_V,y_um\n${Array.from(u, (v, k) => `${k * ts},${v},${y[k]}`).join("\n")}\n`);
+
+/** The record as an oscilloscope exports it: a preamble, seconds, the drive in V, and a sensor of 100 um/V. */
+export function scope({ ts, u, y }) {
+  const head = ["Model,MDO3014", "Firmware Version,1.22", "Waveform Type,ANALOG", "Horizontal Units,s", "Vertical Units,V,V", "", "TIME,CH1,CH2"];
+  return bytes([...head, ...Array.from(u, (v, k) => `${(k * ts).toExponential(6)},${v},${y[k] / 100}`)].join("\n"));
+}
+
+/** The record as MATLAB's version 4 writes it. */
+export function mat({ ts, u, y }) {
+  const matrix = (name, values) => {
+    const head = Buffer.alloc(20);
+    [0, values.length, 1, 0, name.length + 1].forEach((value, k) => head.writeInt32LE(value, 4 * k));
+    return Buffer.concat([head, Buffer.from(`${name}\0`), Buffer.from(Float64Array.from(values).buffer)]);
+  };
+  return Buffer.concat([matrix("t_s", u.map((_, k) => k * ts)), matrix("u_V", u), matrix("y_um", y)]);
+}
+
+/** What a download holds. */
+export async function download(page, start) {
+  const [got] = await Promise.all([page.waitForEvent("download"), start()]);
+  return readFileSync(await got.path());
+}

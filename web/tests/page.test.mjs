@@ -1,0 +1,140 @@
+// The page as a user takes it, in a real browser, from a static server.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { csv, download, isThere, launched, library, mat, measured, opened, scope, served } from "./browser.mjs";
+
+const skip = isThere ? false : "no Chromium";
+let server, browser, call;
+
+before(async () => {
+  if (skip) return;
+  [server, browser, call] = await Promise.all([served(), launched(), library()]);
+});
+after(async () => {
+  await browser?.close();
+  server?.close();
+});
+
+const view = (page, name) => page.getByRole("navigation").getByRole("link", { name, exact: true }).click();
+const choose = (page, files) => page.getByLabel("Data files").setInputFiles(files);
+const file = (name, buffer) => ({ name, mimeType: "application/octet-stream", buffer });
+
+/** Identifies with an operator, and waits for the verdict. */
+async function identify(page, operator) {
+  await view(page, "Identify");
+  const field = page.getByLabel("Operator", { exact: true });
+  await field.fill(operator);
+  await field.blur();
+  await page.getByRole("button", { name: "Identify", exact: true }).click();
+  await page.locator(".verdict").first().waitFor({ timeout: 120_000 });
+}
+
+test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a proof and a voltage; all is there after a reload", { skip }, async () => {
+  const { page, faults, context } = await opened(browser, server.url);
+  const [slow, fast] = [measured(call, 5), measured(call, 20)];
+  await choose(page, [file("slow.csv", csv(slow)), file("fast.mat", mat(fast)), file("scope.csv", scope(measured(call, 10, 25)))]);
+  await page.getByRole("heading", { name: "scope.csv" }).waitFor();
+
+  await page.getByLabel("Role of CH2").selectOption("output");
+  await page.getByLabel("Role of CH1").selectOption("input");
+  await page.getByLabel("Output scale").fill("100um/V");
+  await page.getByLabel("Output scale").blur();
+  await page.getByText(/4,000 samples.* output in .m\./).waitFor();
+  await page.getByLabel("Use of scope.csv").selectOption("validate");
+
+  await identify(page, "pi");
+  assert.match(await page.locator(".verdict").first().textContent(), /good to 0\.\d+ % of stroke/);
+
+  await view(page, "Validate");
+  await page.getByText("Free run on scope.csv", { exact: true }).waitFor();
+  assert.match(await page.locator(".verdict").first().textContent(), /free run on scope\.csv/);
+  const rows = (await download(page, () => page.getByRole("button", { name: "CSV" }).first().click())).toString().split("\n");
+  assert.match(rows[0], /measured: Output \[um\]/);
+  assert.equal(rows.length, slow.u.length + 2);
+
+  await view(page, "Compensate");
+  await page.getByRole("button", { name: "Download voltage.csv" }).waitFor();
+  const voltage = await download(page, () => page.getByRole("button", { name: "Download voltage.csv" }).click());
+  assert.match(voltage.toString(), /u_V/);
+
+  await page.waitForTimeout(400);
+  await page.reload();
+  await view(page, "Data");
+  for (const name of ["slow.csv", "fast.mat", "scope.csv"]) await page.getByRole("button", { name, exact: true }).waitFor();
+  assert.equal(await page.getByLabel("Use of scope.csv").inputValue(), "validation");
+  await view(page, "Identify");
+  await page.getByRole("button", { name: "prandtl-ishlinskii.json", exact: true }).waitFor();
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("the separating line is dragged, the branches follow, and undo takes it back", { skip }, async () => {
+  const { page, faults, context } = await opened(browser, server.url);
+  await choose(page, [file("loop.csv", csv(measured(call, 5)))]);
+  await view(page, "Loops");
+  const distance = page.getByRole("row", { name: /Distance of the points/ }).getByRole("cell");
+  const before = await distance.textContent();
+  const handle = page.getByRole("slider", { name: "Separating line at the highest input" });
+  const box = await handle.boundingBox();
+  await page.mouse.move(box.x + 9, box.y + 9);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 9, box.y + 70, { steps: 12 });
+  await page.mouse.up();
+  await page.waitForFunction((text) => ![...document.querySelectorAll("td")].some((cell) => cell.textContent === text), before);
+  const dragged = await distance.textContent();
+  assert.notEqual(dragged, before);
+  await page.keyboard.press("Control+z");
+  await page.getByRole("cell", { name: before }).waitFor();
+  await handle.focus();
+  await page.keyboard.press("Shift+ArrowDown");
+  await page.waitForFunction((text) => ![...document.querySelectorAll("td")].some((cell) => cell.textContent === text), before);
+  await page.getByRole("button", { name: "Line through the reversals" }).click();
+  await page.getByRole("cell", { name: before }).waitFor();
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("a project is saved as one file and opened elsewhere", { skip }, async () => {
+  const { page, context } = await opened(browser, server.url);
+  await page.getByRole("button", { name: "Open the example" }).click();
+  await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
+  const saved = await download(page, () => page.getByRole("button", { name: "Save", exact: true }).click());
+  await context.close();
+
+  const other = await opened(browser, server.url);
+  await other.page.getByLabel("Project to open").setInputFiles([file("shared.zip", saved)]);
+  await other.page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
+  await other.page.getByRole("heading", { name: "rising-5Hz.csv" }).waitFor();
+  await other.page.getByLabel("Project to open").setInputFiles([file("bad.zip", Buffer.from("PK nonsense"))]);
+  await other.page.getByRole("alert").waitFor();
+  await other.page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
+  assert.deepEqual(other.faults, []);
+  await other.context.close();
+});
+
+test("work is cancelled within 200 ms, and the next work is done", { skip }, async () => {
+  const { page, faults, context } = await opened(browser, server.url);
+  await page.getByRole("button", { name: "Open the example" }).click();
+  await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
+  await view(page, "Identify");
+  await page.getByRole("button", { name: "Identify", exact: true }).click();
+  await page.getByRole("button", { name: "Cancel" }).waitFor();
+  await page.waitForTimeout(1500);
+  const start = Date.now();
+  await page.getByRole("button", { name: "Cancel" }).click();
+  await page.getByRole("button", { name: "Cancel" }).waitFor({ state: "detached" });
+  assert.ok(Date.now() - start < 200, `${Date.now() - start} ms`);
+  await identify(page, "bouc-wen");
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("a file that is no record is told, and loses nothing", { skip }, async () => {
+  const { page, context } = await opened(browser, server.url);
+  await choose(page, [file("broken.csv", Buffer.from("nothing here")), file("empty.csv", Buffer.alloc(0))]);
+  await page.getByRole("alert").first().waitFor();
+  await choose(page, [file("good.csv", csv(measured(call, 5)))]);
+  await page.getByText(/4,000 samples/).waitFor();
+  await page.getByRole("button", { name: "broken.csv", exact: true }).waitFor();
+  await context.close();
+});
