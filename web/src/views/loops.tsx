@@ -64,7 +64,7 @@ function LoopsOf({ entry }: { entry: RecordEntry }) {
   const key = JSON.stringify([entry, used, part, options]);
   const whole = useOutcome(JSON.stringify(entry), () => workspace.prepared(entry));
   const own = useLatest(key, async () => workspace.run(await loopOf(workspace, entry, used, part, options)));
-  const beside = records.filter((one) => one !== entry && settings.beside?.includes(one.file));
+  const beside = besides(records, entry, settings);
   const others = useOutcome(JSON.stringify([beside, used]), () =>
     Promise.all(beside.map((one) => workspace.answer(`loops ${JSON.stringify([one, used])}`, () => loopOf(workspace, one, used, {}, {})))),
   );
@@ -128,6 +128,10 @@ function LoopsOf({ entry }: { entry: RecordEntry }) {
   );
 }
 
+/** The records beside the chosen one: those that were chosen, at first all large-signal records. */
+const besides = (records: RecordEntry[], entry: RecordEntry, { beside }: Settings): RecordEntry[] =>
+  records.filter((one) => one !== entry && (beside ? beside.includes(one.file) : one.use === "training"));
+
 interface Changing {
   settings: Settings;
   change(values: Partial<Settings>, passing?: boolean): void;
@@ -136,8 +140,9 @@ interface Changing {
 function Choice({ entry, settings, change }: Changing & { entry: RecordEntry }) {
   const { workspace } = useShared();
   const { records, models, model } = workspace.project;
+  const shown = besides(records, entry, settings);
   const toggle = (file: string, on: boolean) => {
-    const others = (settings.beside ?? []).filter((one) => one !== file);
+    const others = shown.map((one) => one.file).filter((one) => one !== file);
     change({ beside: on ? [...others, file] : others });
   };
   return (
@@ -171,7 +176,7 @@ function Choice({ entry, settings, change }: Changing & { entry: RecordEntry }) 
           Beside it:
           {records.filter((one) => one !== entry).map((one) => (
             <label key={one.file}>
-              <input type="checkbox" checked={settings.beside?.includes(one.file) ?? false}
+              <input type="checkbox" checked={shown.includes(one)}
                 onChange={(event) => toggle(one.file, event.currentTarget.checked)} />{" "}
               {one.file}
             </label>
@@ -234,7 +239,7 @@ function loopFigure(entry: RecordEntry, own: Answer, beside: RecordEntry[], othe
   const [u, z, at] = ["u", "z", "at"].map((name) => own.series.get(name)!) as [Float64Array, Float64Array, Float64Array];
   const name = (file: string, hz: number | null) => (hz === null ? file : `${file}, ${short(hz)} Hz`);
   const series: Series[] = [
-    { name: name(entry.file, loop.frequency_hz), x: u, y: z, style: "pale" },
+    { name: name(entry.file, loop.frequency_hz), x: u, y: z },
     ...others.map((other, k): Series => ({
       name: name(beside[k]?.file ?? "", other.result.loop.frequency_hz),
       x: other.series.get("u")!,
@@ -258,7 +263,7 @@ function withoutLine(own: Answer, what: string): Figure {
   const less = (u: Float64Array, z: Float64Array) => z.map((value, k) => value - rising[0]! - slope * (u[k]! - low));
   const { units } = own.result;
   const series: Series[] = [
-    { name: "record", x: get("u"), y: less(get("u"), get("z")), style: "pale" },
+    { name: "record", x: get("u"), y: less(get("u"), get("z")) },
     { name: "ascending branch", x: at, y: less(at, rising), colour: 1 },
     { name: "descending branch", x: at, y: less(at, get("descending")), colour: 2 },
   ];
