@@ -126,7 +126,7 @@ function Jobs({ workspace }: { workspace: Workspace }) {
     <div class="jobs" role="status" aria-live="polite">
       {workspace.jobs.map((job, k) => (
         <div key={k} class="job">
-          <span>{job.name}{job.what && `: ${job.what}`}</span>
+          <span>{job.name}<span aria-hidden="true">{job.what && `: ${job.what}`}</span></span>
           <progress aria-label={job.name} max={job.total || 1} value={job.total ? job.done : undefined} />
           <button type="button" onClick={() => job.cancel()}>Cancel</button>
         </div>

@@ -411,9 +411,17 @@ export class Plot {
       const y = now.moves === "x" ? now.y : valueY(frame, event.clientY - box.y);
       now.moved(x, y, done);
     };
-    button.addEventListener("pointerdown", (event) => button.setPointerCapture(event.pointerId));
-    button.addEventListener("pointermove", (event) => button.hasPointerCapture(event.pointerId) && to(event, false));
-    button.addEventListener("pointerup", (event) => to(event, true));
+    let moves = false;
+    button.addEventListener("pointerdown", (event) => {
+      button.setPointerCapture(event.pointerId);
+      moves = false;
+    });
+    button.addEventListener("pointermove", (event) => {
+      if (!button.hasPointerCapture(event.pointerId)) return;
+      moves = true;
+      to(event, false);
+    });
+    button.addEventListener("pointerup", (event) => moves && to(event, true));
     button.addEventListener("keydown", (event) => {
       const now = handle();
       const frame = this.#frames[now?.panel ?? 0];
