@@ -178,8 +178,17 @@ function columns(figure: Figure, frame: Frame, series: Series, first: number, la
     out[used++] = pixelY(frame, value);
   };
   const perPixel = (last - first) / frame.area.width;
+  // Samples that are evenly apart in pixels are counted; others are measured.
+  const uneven = series.x !== undefined || figure.x.log;
+  const counted = (column: number) => Math.min(last, Math.max(k + 1, first + Math.round((column + 1) * perPixel)));
+  const measured = () => {
+    const next = pixelX(figure, frame, place(series, k)) + 1;
+    let end = k + 1;
+    while (end < last && pixelX(figure, frame, place(series, end)) < next) end++;
+    return end;
+  };
   for (let column = 0; k < last; column++) {
-    const end = Math.min(last, Math.max(k + 1, first + Math.round((column + 1) * perPixel)));
+    const end = uneven ? measured() : counted(column);
     let [low, high] = [Infinity, -Infinity];
     for (let j = k; j < end; j++) {
       const value = y[j]!;
