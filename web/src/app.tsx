@@ -48,6 +48,8 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
       scrollTo(0, 0);
     };
     addEventListener("hashchange", turn);
+    // The address may have changed before this listened.
+    setView(viewNow());
     return () => removeEventListener("hashchange", turn);
   }, []);
   useEffect(() => void (document.title = `${view.title} \u2013 piezoid`), [view]);

@@ -2,6 +2,7 @@
 
 import { useId } from "preact/hooks";
 import type { OptionRow } from "./lists.ts";
+import { prose, unit } from "./plot/ticks.ts";
 import type { Options } from "./project.ts";
 import { Entry } from "./ui.tsx";
 
@@ -43,6 +44,9 @@ export function Form({ rows, values, change, names = {}, first }: Props) {
   );
 }
 
+/** The help of an option without the words of the command line. */
+const inPage = (help: string): string => help.replace(/ \(see `piezoid [a-z]+`\)/, "").replace(/--(?=[a-z])/g, "").replaceAll("`", "");
+
 /** A name as people read it. */
 export const spoken = (name: string): string => {
   const words = name.replaceAll("_", " ");
@@ -58,11 +62,18 @@ interface FieldProps {
 
 function Field({ row, value, set, names }: FieldProps) {
   const id = useId();
-  const unit = row.unit ? ` [${row.unit === "degrees" ? "°" : row.unit}]` : "";
-  const label = <label for={id}>{spoken(row.name)}{unit}{row.required && <span aria-hidden="true"> *</span>}</label>;
-  const help = <p class="help" id={`${id}-help`}>{row.help}</p>;
-  const common = { id, "aria-describedby": `${id}-help`, name: row.name };
+  const of = row.unit ? ` [${row.unit === "degrees" ? "°" : unit(row.unit)}]` : "";
+  const label = <label for={id}>{spoken(row.name)}{of}{row.required && <span aria-hidden="true"> *</span>}</label>;
   const usual = row.usual ?? "";
+  // What is too long for the field stands below it.
+  const long = usual.length > 20;
+  const chosen = names?.find(({ name }) => name === value);
+  const help = (
+    <p class="help" id={`${id}-help`}>
+      {inPage(row.help)}{long && `; otherwise ${usual}`}{chosen && <b>{prose(chosen.summary)}</b>}
+    </p>
+  );
+  const common = { id, "aria-describedby": `${id}-help`, name: row.name };
   if (row.kind === "switch") {
     const on = value === undefined ? usual === "true" : value === true;
     return (
@@ -77,7 +88,7 @@ function Field({ row, value, set, names }: FieldProps) {
     return (
       <div class="field">
         {label}
-        <select {...common} value={String(value ?? "")} onChange={(event) => set(event.currentTarget.value)}>
+        <select {...common} value={String(value === usual ? "" : value ?? "")} onChange={(event) => set(event.currentTarget.value)}>
           <option value="">{usual || "none"}</option>
           {row.choices?.filter(([name]) => name !== usual).map(([name]) => <option key={name} value={name}>{name}</option>)}
         </select>
@@ -92,7 +103,7 @@ function Field({ row, value, set, names }: FieldProps) {
       <Entry
         {...common}
         value={shown}
-        placeholder={usual}
+        placeholder={long ? "" : usual}
         required={row.required}
         inputMode={row.kind === "number" || row.kind === "integer" ? "decimal" : "text"}
         list={names ? `${id}-names` : undefined}
@@ -111,13 +122,13 @@ function Field({ row, value, set, names }: FieldProps) {
 /** What the library takes for a text in a field. It reads numbers with units itself. */
 export function valueOf(row: OptionRow, text: string): unknown {
   if (text === "") return undefined;
-  const number = Number(text.replace("\u2212", "-"));
+  const number = Number(text.replaceAll("\u2212", "-"));
   switch (row.kind) {
     case "integer":
     case "number":
       return Number.isFinite(number) ? number : text;
     case "pair": {
-      const two = text.replace("\u2212", "-").split(/\s*(?:to|;|,|\s)\s*/).filter(Boolean).map(Number);
+      const two = text.replaceAll("\u2212", "-").split(/\s*(?:to|;|,|\s)\s*/).filter(Boolean).map(Number);
       return two.length === 2 && two.every(Number.isFinite) ? two : text;
     }
     case "texts":

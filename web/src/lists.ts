@@ -37,7 +37,8 @@ export interface Lists {
   actuators: Member[];
   controllers: Member[];
   references: Member[];
-  targets: (Member & { operators: Record<string, boolean> })[];
+  /** With what each makes of a model, by its operator: nothing if it does not serve that operator. */
+  targets: (Member & { operators: Record<string, string[]> })[];
   estimators: Member[];
 }
 

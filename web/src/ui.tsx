@@ -1,12 +1,14 @@
 // Parts that all views are made of.
 
-import { createContext, type ComponentChildren } from "preact";
+import { createContext, type ComponentChildren, isValidElement } from "preact";
 import { useContext, useEffect, useId, useRef, useState } from "preact/hooks";
+import { zipped } from "./archive.ts";
 import type { Lists } from "./lists.ts";
-import { Cancelled } from "./packet.ts";
+import { Cancelled, type File } from "./packet.ts";
 import type { Figure, Span } from "./plot/figure.ts";
-import { Plot } from "./plot/plot.ts";
-import { prose } from "./plot/ticks.ts";
+import { download, Plot } from "./plot/plot.ts";
+import { prose, short } from "./plot/ticks.ts";
+import { type Options, withSettings } from "./project.ts";
 import type { Workspace } from "./workspace.ts";
 
 /** What every view can reach. */
@@ -181,23 +183,114 @@ export const Missing = ({ what, view, title }: { what: string; view: string; tit
   </p>
 );
 
-/** A table: heads, then rows of cells. Cells that are numbers stand on the right. */
+/** A table: heads, then rows of cells. Columns of numbers stand on the right. */
 export function Table(props: { caption: string; head: string[]; rows: ComponentChildren[][]; marked?: number }) {
+  const numeric = (j: number) => props.rows.length > 0 && props.rows.every((row) => NUMBER.test(textOf(row[j])));
+  const of = props.head.map((_, j) => (j > 0 && numeric(j) ? "number" : ""));
   return (
     <div class="table" tabIndex={0} role="region" aria-label={props.caption}>
       <table>
         <caption>{props.caption}</caption>
         <thead>
-          <tr>{props.head.map((cell) => <th key={cell} scope="col">{cell}</th>)}</tr>
+          <tr>{props.head.map((cell, j) => <th key={j} scope="col" class={of[j]}>{cell}</th>)}</tr>
         </thead>
         <tbody>
           {props.rows.map((row, k) => (
             <tr key={k} class={k === props.marked ? "marked" : ""}>
-              {row.map((cell, j) => (j === 0 ? <th key={j} scope="row">{cell}</th> : <td key={j}>{cell}</td>))}
+              {row.map((cell, j) => (j === 0 ? <th key={j} scope="row">{cell}</th> : <td key={j} class={of[j]}>{cell}</td>))}
             </tr>
           ))}
         </tbody>
       </table>
     </div>
   );
+}
+
+/** The text of a cell, which may be emphasised. */
+const textOf = (cell: ComponentChildren): string =>
+  isValidElement(cell) ? String((cell.props as { children?: ComponentChildren }).children) : String(cell);
+
+/** What a cell of a column of numbers may hold: a number, with its unit, or a dash. */
+const NUMBER = /^[\u2212-]?\d[^ ]*( .{1,4})?$|^\u2013?$/;
+
+/** Number of outcomes that are kept. */
+const KEPT = 12;
+
+/** Outcomes that stay when another view is shown, by name; the latest last. */
+const kept = new Map<string, Outcome<unknown> & { request?: string }>();
+
+/** Work that a button starts, whose outcome stays. It is `stale` once `request`, what is asked for, has changed. */
+export function useKept<T>(name: string, request: unknown): Outcome<T> & { stale: boolean; start(work: () => Promise<T>): void } {
+  const { workspace } = useShared();
+  const asked = JSON.stringify(request);
+  const set = (outcome: Outcome<T>) => {
+    kept.delete(name);
+    kept.set(name, { ...outcome, request: asked });
+    const oldest = kept.keys().next().value;
+    if (kept.size > KEPT && oldest !== undefined) kept.delete(oldest);
+    workspace.changed();
+  };
+  const start = (work: () => Promise<T>) => {
+    const before = kept.get(name);
+    set({ busy: true });
+    work().then(
+      (value) => set({ value, busy: false }),
+      (error) => {
+        if (error instanceof Cancelled) kept.set(name, before ?? { busy: false });
+        else set({ error: message(error), busy: false });
+        workspace.changed();
+      },
+    );
+  };
+  const now = (kept.get(name) ?? { busy: false }) as Outcome<T> & { request?: string };
+  return { ...now, stale: now.value !== undefined && now.request !== asked, start };
+}
+
+/** Says that a form has changed since its results were made. */
+export const Stale = ({ stale }: { stale: boolean }) =>
+  stale ? <p class="stale" role="status">The form has changed since: these are the results of before.</p> : null;
+
+/** The settings of a view, and how they are changed. */
+export function useSettings(view: string): [Options, (values: Options) => void] {
+  const { workspace } = useShared();
+  return [workspace.project.settings[view] ?? {}, (values) => workspace.change((project) => withSettings(project, view, values))];
+}
+
+/** One of several, chosen by buttons. */
+export const Choice = (props: { label: string; names: string[]; chosen: string | undefined; choose(name: string): void }) => (
+  <div class="row" role="group" aria-label={props.label}>
+    {props.names.map((name) => (
+      <button key={name} type="button" class="choice" aria-pressed={name === props.chosen} onClick={() => props.choose(name)}>{name}</button>
+    ))}
+  </div>
+);
+
+/** A size of a file. */
+export const size = (bytes: number): string => (bytes < 1000 ? `${bytes} B` : bytes < 1e6 ? `${short(bytes / 1e3)} kB` : `${short(bytes / 1e6)} MB`);
+
+/** A button that offers files: one as it is, several in an archive. */
+export const Download = ({ files, archive, title }: { files: File[]; archive?: string; title?: string }) => (
+  <button
+    type="button"
+    disabled={files.length === 0}
+    aria-label={title ?? `Download ${files[0]?.name}`}
+    onClick={() => (archive ? download(archive, zipped(files) as BlobPart, "application/zip") : download(files[0]!.name, files[0]!.bytes as BlobPart))}
+  >
+    {title ?? "Download"}
+  </button>
+);
+
+/** A text file, which scrolls inside. */
+export function TextFile({ file }: { file: File }) {
+  const bare = file.bytes.subarray(0, 1000).includes(0);
+  return bare
+    ? <p class="missing">{file.name} is not a text.</p>
+    : <pre tabIndex={0} role="region" aria-label={`Text of ${file.name}`}>{new TextDecoder().decode(file.bytes)}</pre>;
+}
+
+/** The document of the model in use. */
+export function useModel(): Outcome<any> {
+  const { workspace } = useShared();
+  const { model } = workspace.project;
+  return useOutcome(model, async () => JSON.parse(new TextDecoder().decode(await workspace.bytes(model!))));
 }

@@ -105,7 +105,7 @@ export function draw(pen: Pen, figure: Figure, frames: Frame[], theme: Theme, hi
       for (const level of frame.panel.levels ?? []) {
         const at = pixelY(frame, level.at);
         pen.stroke(Float64Array.of(frame.area.x, at, frame.area.x + frame.area.width, at), 2, limit(theme));
-        pen.text(level.label, frame.area.x + frame.area.width - 4, at - 4, theme.text, "right");
+        pen.text(level.label, frame.area.x + frame.area.width - 4, beside(at, frame.area), theme.text, "right");
       }
       for (const { from, to } of k === 0 ? (figure.lines ?? []) : []) {
         const ends = [from, to].flatMap(([x, y]) => [pixelX(figure, frame, x), pixelY(frame, y)]);
@@ -113,6 +113,13 @@ export function draw(pen: Pen, figure: Figure, frames: Frame[], theme: Theme, hi
       }
     });
   });
+}
+
+/** Where the label of a level stands: on the side that is away from the middle, if there is room. */
+function beside(at: number, { y, height }: Area): number {
+  const [above, below] = [at - 4, at + 14];
+  const room = at > y + height / 2 ? below + 4 < y + height : above - 12 < y;
+  return room ? below : above;
 }
 
 const limit = (theme: Theme): Stroke => ({ colour: theme.line, width: 1.5, dash: [6, 4] });
@@ -126,19 +133,24 @@ function axes(pen: Pen, figure: Figure, frame: Frame, theme: Theme, named: boole
   for (const value of xs) {
     const at = Math.round(pixelX(figure, frame, value)) + 0.5;
     pen.stroke(Float64Array.of(at, area.y, at, low), 2, grid);
-    if (named) pen.text(written(value, gap(xs, value)), at, low + 16, theme.text, "center");
+    if (!named) continue;
+    // The last number does not reach over the edge of the picture.
+    const text = written(value, gap(xs, value, figure.x.log));
+    const over = at + 3.5 * text.length > right + RIGHT;
+    pen.text(text, over ? right + RIGHT : at, low + 16, theme.text, over ? "right" : "center");
   }
   for (const value of ys) {
     const at = Math.round(pixelY(frame, value)) + 0.5;
     pen.stroke(Float64Array.of(area.x, at, right, at), 2, grid);
-    pen.text(written(value, gap(ys, value)), area.x - 6, at + 4, theme.text, "right");
+    pen.text(written(value, gap(ys, value, panel.y.log)), area.x - 6, at + 4, theme.text, "right");
   }
   if (named) pen.text(label(figure.x), area.x + area.width / 2, low + 34, theme.text, "center");
   pen.text(label(panel.y), 12, area.y + area.height / 2, theme.text, "center", true);
 }
 
-/** The distance from a tick to its neighbour. */
-const gap = (all: number[], value: number): number => {
+/** The distance from a tick to its neighbour; on a logarithmic axis, the tick's own power of ten. */
+const gap = (all: number[], value: number, log: boolean | undefined): number => {
+  if (log) return 10 ** Math.floor(Math.log10(value) + 1e-9);
   const k = all.indexOf(value);
   const other = all[k + 1] ?? all[k - 1];
   return other === undefined ? value || 1 : Math.min(Math.abs(other - value), Math.abs(value) || Infinity);
@@ -178,8 +190,17 @@ function columns(figure: Figure, frame: Frame, series: Series, first: number, la
     out[used++] = pixelY(frame, value);
   };
   const perPixel = (last - first) / frame.area.width;
+  // Samples that are evenly apart in pixels are counted; others are measured.
+  const uneven = series.x !== undefined || figure.x.log;
+  const counted = (column: number) => Math.min(last, Math.max(k + 1, first + Math.round((column + 1) * perPixel)));
+  const measured = () => {
+    const next = pixelX(figure, frame, place(series, k)) + 1;
+    let end = k + 1;
+    while (end < last && pixelX(figure, frame, place(series, end)) < next) end++;
+    return end;
+  };
   for (let column = 0; k < last; column++) {
-    const end = Math.min(last, Math.max(k + 1, first + Math.round((column + 1) * perPixel)));
+    const end = uneven ? measured() : counted(column);
     let [low, high] = [Infinity, -Infinity];
     for (let j = k; j < end; j++) {
       const value = y[j]!;

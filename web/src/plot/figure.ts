@@ -126,7 +126,7 @@ export function spanX(figure: Figure, hidden: Set<string>): Span {
   return { from: from - margin, to: to + margin };
 }
 
-/** All y of the shown series of a panel, with a margin; of time series only those in the span of x. */
+/** All y of the shown series of a panel, with a margin and the limits that are near; of time series those in the span of x. */
 export function spanY(figure: Figure, panel: Panel, x: Span, hidden: Set<string>): Span {
   const of = (series: Series): Span => {
     const [from, to] = figure.loops ? [0, series.y.length] : within(series, x);
@@ -135,6 +135,13 @@ export function spanY(figure: Figure, panel: Panel, x: Span, hidden: Set<string>
   const series = panel.series.filter((one) => !hidden.has(one.name));
   const { from, to } = shown(series.map(of).reduce(joined, EMPTY), panel.y.log ?? false);
   if (panel.y.log) return { from: from / 1.2, to: to * 1.2 };
-  const margin = 0.05 * (to - from);
-  return { from: from - margin, to: to + margin };
+  const height = to - from;
+  const margin = 0.05 * height;
+  // Limits that are near are shown with their labels.
+  const near = (panel.levels ?? []).map(({ at }) => at).filter((at) => at > from - 0.25 * height && at < to + 0.25 * height);
+  const room = 0.12 * height;
+  return {
+    from: Math.min(from - margin, ...near.map((at) => at - room)),
+    to: Math.max(to + margin, ...near.map((at) => at + room)),
+  };
 }

@@ -25,7 +25,10 @@ function decades(from: number, to: number, count: number): number[] {
     return found;
   };
   const choices = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 5], [1, 3], [1]].map(all);
-  return choices.find((found) => found.length <= count + 2) ?? choices.at(-1)!;
+  const powers = choices.at(-1)!;
+  // Over many decades, only every second, third or further one is marked.
+  const every = Math.ceil(powers.length / (count + 2));
+  return choices.find((found) => found.length <= count + 2) ?? powers.filter((_, k) => k % every === 0);
 }
 
 const MINUS = "\u2212";

@@ -1,3 +1,128 @@
-export function ControlView() {
-  return <p class="missing">Not built yet.</p>;
+// Control: schemes of feed-forward and feedback along references, on a simulated plant.
+
+import { useMemo } from "preact/hooks";
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import type { Answer } from "../packet.ts";
+import { short } from "../plot/ticks.ts";
+import { ReferenceForm, useReference } from "../reference.tsx";
+import { runsFigure, type Scheme, type Wanted } from "../schemes.ts";
+import { Chart, Choice, Download, Fault, Missing, Notes, Section, Stale, Table, useKept, useModel, useSettings, useShared } from "../ui.tsx";
+
+/** What came of a comparison. */
+interface Compared {
+  answer: Answer;
+  /** Sampling period [s]. */
+  ts: number;
 }
+
+export function ControlView() {
+  const { model } = useShared().workspace.project;
+  if (!model) return <Missing what="Controllers are tuned to a model, and there is none yet." view="identify" title="Identify" />;
+  return <Comparison key={model} model={model} />;
+}
+
+function Comparison({ model }: { model: string }) {
+  const { workspace, lists } = useShared();
+  const [options, change] = useSettings("control");
+  const document = useModel();
+  const ts: number = document.value?.ts ?? 5e-4;
+  const start = { kind: "triangle", unit: document.value?.units?.y ?? "um", frequency: 5, duration: 1, ts };
+  const reference = useReference("control", start);
+  const made = useKept<Compared>(`control ${model}`, [options, reference.key]);
+  const compare = async (): Promise<Compared> => {
+    const files = await reference.files();
+    const request = { call: "control", options, files: { model: [model], reference: files.map((file) => file.name) } };
+    const answer = await workspace.run({ name: "control", request, files: [await workspace.file(model), ...files] });
+    return { answer, ts };
+  };
+  const feeds = lists.controllers.filter(({ name }) => name === "feed-forward" || name === "learning");
+  const both = lists.controllers.slice(3).filter(({ name }) => name !== "predictive");
+  const pairs = both.map(({ name, summary }) => ({ name: `feed-forward+${name}`, summary: `the inverse of the model, and: ${summary}` }));
+  return (
+    <>
+      <Section title="Comparison" help={`Schemes are tuned to the model ${model}, and drive a plant that is simulated.`} wide>
+        <Form rows={optionsOf(lists, "control")} values={options} change={change}
+          names={{
+            plant: lists.plants, driver: lists.drivers, controller: [...feeds, ...both, ...pairs],
+            reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),
+          }}
+          first={["plant", "controller", "reference", "amplitude", "noise"]} />
+        <ReferenceForm reference={reference} label="One more reference" none="none" />
+        <div class="row">
+          <button type="button" class="main" disabled={made.busy || !document.value} onClick={() => made.start(compare)}>Compare</button>
+        </div>
+        <Fault text={made.error ?? document.error} />
+      </Section>
+      {made.value && <Result {...made.value} stale={made.stale} />}
+    </>
+  );
+}
+
+function Result({ answer, ts, stale }: Compared & { stale: boolean }) {
+  const { result, files } = answer;
+  const [{ reference }, choose] = useSettings("control-shown");
+  const references: Wanted[] = result.references;
+  const schemes: Scheme[] = result.schemes;
+  const fed = schemes.filter((one) => one.margins);
+  const at = Math.max(0, references.findIndex((one) => one.name === reference));
+  const wanted = references[at]!;
+  const figure = useMemo(() => runsFigure(answer, at, ts), [answer, at]);
+  const notes = schemes.flatMap(({ scheme, tracking }) => (tracking[at]?.notes ?? []).map((note) => `${scheme}: ${note}`));
+  return (
+    <>
+      <Section title="Errors" wide help="Root mean square of the error, in % of the height of the reference. The smallest of each column is bold; a dash marks what was refused.">
+        <Stale stale={stale} />
+        <Table caption="Errors by scheme and reference" head={["Scheme", ...references.map(({ name }) => name)]} rows={errors(schemes)} />
+        <Notes title="Remarks" notes={result.remarks ?? []} />
+        <div class="row"><Download files={files} title="Download control.html" /></div>
+      </Section>
+      {fed.length > 0 && (
+        <Section title="Margins" wide help="Of the schemes with feedback, as they are tuned to the model.">
+          <Table caption="Margins by scheme" head={["Scheme", "Gain margin", "Phase margin", "Peak", "Bandwidth", "Least bandwidth"]} rows={margins(fed)} />
+        </Section>
+      )}
+      {schemes.some((one) => one.tolerance) && (
+        <Section title="Random plants" wide help="Errors on plants whose parameters differ from those of the plant, along the first reference.">
+          <Table caption="Errors on random plants" head={["Scheme", "Plants", "Unstable", "Median error", "Largest error"]} rows={spreads(schemes)} />
+        </Section>
+      )}
+      <Section title="Along a reference" wide>
+        <Choice label="Reference that is shown" names={references.map(({ name }) => name)} chosen={wanted.name} choose={(name) => choose({ reference: name })} />
+        <Chart figure={figure} height={640} />
+        <p class="help">The error counts in the shaded part. Where lines coincide, the later one is dashed.</p>
+        <Notes title={`Notes on ${wanted.name}`} notes={notes} />
+      </Section>
+    </>
+  );
+}
+
+/** Percents of the stroke, the smallest of each reference bold. */
+function errors(schemes: Scheme[]) {
+  const least = schemes[0]?.tracking.map((_, j) =>
+    Math.min(...schemes.map(({ tracking }) => tracking[j]?.percent_of_stroke ?? Infinity)));
+  return schemes.map(({ scheme, tracking }) => [
+    scheme,
+    ...tracking.map(({ percent_of_stroke: percent, refused }, j) => {
+      if (percent === undefined) return <span title={refused}>{"\u2013"}</span>;
+      const text = short(Number(percent.toPrecision(3)));
+      return percent === least?.[j] ? <strong>{text}</strong> : text;
+    }),
+  ]);
+}
+
+const given = (value: number | null | undefined, of = ""): string => (value == null ? "\u2013" : short(value) + of);
+
+const margins = (schemes: Scheme[]) =>
+  schemes.map(({ scheme, margins: m, least_bandwidth_hz: least }) => [
+    m && !m.stable ? `${scheme} (unstable)` : scheme,
+    given(m?.gain_db, " dB"), given(m?.phase_deg, "\u00b0"), given(m?.peak), given(m?.bandwidth_hz, " Hz"), given(least, " Hz"),
+  ]);
+
+const spreads = (schemes: Scheme[]) =>
+  schemes.flatMap(({ scheme, tolerance }) => {
+    if (!tolerance) return [];
+    const sorted = [...tolerance.percent_of_stroke].sort((a, b) => a - b);
+    const median = sorted[sorted.length >> 1];
+    return [[scheme, String(tolerance.draws), given(tolerance.unstable), given(median, " %"), given(sorted.at(-1), " %")]];
+  });

@@ -1,3 +1,172 @@
+// Experiment: the drives of an identification within the limits of a driver, tried on a twin; and single signals.
+
+import { useMemo } from "preact/hooks";
+import { type Signal, spectrumFigure, timeFigure, type Usage, type Use } from "../drive.ts";
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import type { Answer } from "../packet.ts";
+import { short, si, unit } from "../plot/ticks.ts";
+import type { Options } from "../project.ts";
+import { SignalForm, useSignal } from "../signal.tsx";
+import { Chart, Download, Fault, Notes, Section, Stale, Table, TextFile, useKept, useSettings, useShared, Verdict } from "../ui.tsx";
+import { Twin } from "./twin.tsx";
+
+/** A drive of the plan. */
+interface Drive {
+  name: string;
+  file: string;
+  purpose: string;
+  duration: number;
+  percent: number;
+  usage: Usage;
+}
+
+/** Where the forms begin: the bender of the examples. */
+const PLAN: Options = { actuator: "pl140", bandwidth: 80, driver: "pl140" };
+const SIGNAL: Options = { kind: "sine", amplitude: 10, frequency: 10, ts: 5e-4, duration: 0.5 };
+
 export function ExperimentView() {
-  return <p class="missing">Not built yet.</p>;
+  const { workspace, lists } = useShared();
+  const { settings, model } = workspace.project;
+  const [, change] = useSettings("plan");
+  const [{ advise = true, drive }, choose] = useSettings("experiment");
+  const options = settings["plan"] ?? PLAN;
+  const advised = model !== undefined && advise === true;
+  const request = { call: "plan", options, ...(advised && { files: { model: [model] } }) };
+  const made = useKept<Answer>("plan", request);
+  const plan = async () => workspace.run({ name: "plan", request, files: advised ? [await workspace.file(model)] : [] });
+  return (
+    <>
+      <Section title="Plan" wide help="The records that an identification needs, as drives that the driver can follow.">
+        <Form rows={optionsOf(lists, "plan")} values={options} change={change}
+          names={{ driver: lists.drivers, actuator: lists.actuators }} first={["actuator", "range", "bandwidth", "driver"]} />
+        {model && (
+          <div class="row"><label>
+            <input type="checkbox" checked={advised} onChange={(event) => choose({ ...settings["experiment"], advise: event.currentTarget.checked })} />
+            Advise what to measure next for the model {model}
+          </label></div>
+        )}
+        <div class="row">
+          <button type="button" class="main" disabled={made.busy} onClick={() => made.start(plan)}>Plan</button>
+        </div>
+        <Fault text={made.error} />
+      </Section>
+      {made.value && (
+        <Drives answer={made.value} stale={made.stale} bandwidth={Number(options["bandwidth"])} chosen={String(drive ?? "")}
+          choose={(name) => choose({ ...settings["experiment"], drive: name })} />
+      )}
+      <OneSignal />
+    </>
+  );
+}
+
+interface DrivesProps {
+  answer: Answer;
+  stale: boolean;
+  bandwidth: number;
+  chosen: string;
+  choose(name: string): void;
+}
+
+function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
+  const { result, series, files } = answer;
+  const drives: Drive[] = result.drives;
+  const shown = drives.find((drive) => drive.name === chosen) ?? drives[0];
+  const [time, spectrum] = useMemo(() => {
+    if (!shown) return [];
+    const signal: Signal = { name: shown.name, u: series.get(shown.name)!, ts: result.ts, unit: "V", usage: shown.usage };
+    return [timeFigure(signal), spectrumFigure(signal, bandwidth)];
+  }, [answer, shown, bandwidth]);
+  const rows = drives.map((drive) => [
+    <button type="button" class="link" aria-pressed={drive === shown} onClick={() => choose(drive.name)}>{drive.name}</button>,
+    drive.purpose,
+    si(drive.duration, "s"),
+    `${short(drive.percent)} %`,
+    <Voltage usage={drive.usage} />,
+    <Share use={drive.usage.slew} />,
+    <Share use={drive.usage.current} />,
+    <Download files={files.filter((file) => file.name === drive.file)} />,
+  ]);
+  const page = files.find((file) => file.name === "plan.md");
+  return (
+    <>
+      <Section title="Drives" wide help={`Sampled every ${si(result.ts, "s")}. The bars are shares of the limits of the driver.`}>
+        <Stale stale={stale} />
+        <Verdict text={result.advice} />
+        <Table caption="Drives of the plan" head={["Drive", "For", "Length", "Stroke", "Voltage", "Slew", "Current", "File"]}
+          rows={rows} marked={shown ? drives.indexOf(shown) : -1} />
+        <div class="row">
+          <Download files={files} archive="plan.zip" title="Download all as zip" />
+          {page && <Download files={[page]} title="Download plan.md" />}
+        </div>
+        <Notes title="Notes" notes={result.notes ?? []} />
+        {page && <details><summary>The plan in words</summary><TextFile file={page} /></details>}
+      </Section>
+      {time && spectrum && (
+        <Section title={`Drive ${shown?.name}`} wide>
+          <div class="pair"><Chart figure={time} /><Chart figure={spectrum} /></div>
+        </Section>
+      )}
+      <Twin drives={drives} files={files} />
+    </>
+  );
+}
+
+/** A part of a limit that is used, as words and as a bar. */
+function Share({ use }: { use: Use | null }) {
+  if (!use) return <>{"\u2013"}</>;
+  return (
+    <span class="share">
+      {si(use.value, use.unit)}
+      {use.share === null ? <small>no limit</small> : <Bar share={use.share} />}
+    </span>
+  );
+}
+
+/** The span of a voltage, and the larger of its two shares. */
+function Voltage({ usage: { lowest, highest } }: { usage: Usage }) {
+  const shares = [lowest.share, highest.share].filter((share) => share !== null);
+  return (
+    <span class="share">
+      {short(lowest.value)} to {short(highest.value)} {unit(highest.unit)}
+      {shares.length === 0 ? <small>no limit</small> : <Bar share={Math.max(...shares)} />}
+    </span>
+  );
+}
+
+const Bar = ({ share }: { share: number }) => (
+  <small>
+    <i class={share > 1 ? "gauge over" : "gauge"} aria-hidden="true" style={{ "--share": String(Math.min(1, Math.max(0, share))) }} />
+    {short(Number((100 * share).toPrecision(2)))} %
+  </small>
+);
+
+function OneSignal() {
+  const { workspace } = useShared();
+  const [, change] = useSettings("excite");
+  const values = workspace.project.settings["excite"] ?? SIGNAL;
+  const made = useSignal(values);
+  const [time, spectrum] = useMemo(() => {
+    if (!made.value) return [];
+    const { result, series } = made.value;
+    const signal: Signal = { name: String(values["kind"] ?? "sine"), u: series.get("u")!, ...result };
+    return [timeFigure(signal), spectrumFigure(signal)];
+  }, [made.value]);
+  const { clipped, usage } = made.value?.result ?? {};
+  return (
+    <Section title="A single signal" wide help="A drive signal, or with another unit than V a reference.">
+      <SignalForm values={values} change={change} />
+      <Fault text={made.error} />
+      {made.lacks.length > 0 && <p class="missing">Give {made.lacks.join(", ")}.</p>}
+      {time && spectrum && made.lacks.length === 0 && (
+        <div class="pair"><Chart figure={time} height={240} /><Chart figure={spectrum} height={240} /></div>
+      )}
+      {usage && (
+        <Table caption="What the signal uses of the limits" head={["Voltage", "Slew", "Current"]}
+          rows={[[<Voltage usage={usage} />, <Share use={usage.slew} />, <Share use={usage.current} />]]} />
+      )}
+      {clipped > 0 && <p>{clipped} samples are clipped to the limits.</p>}
+      {made.value && made.lacks.length === 0 && <div class="row"><Download files={made.value.files} title="Download signal.csv" /></div>}
+    </Section>
+  );
 }

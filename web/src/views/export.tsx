@@ -1,3 +1,106 @@
+// Export: the model, its feed-forward and its controller for another machine.
+
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import type { Answer } from "../packet.ts";
+import { short } from "../plot/ticks.ts";
+import { ReferenceForm, useReference } from "../reference.tsx";
+import { Download, Fault, Missing, Notes, Section, size, Stale, Table, TextFile, useKept, useModel, useSettings, useShared } from "../ui.tsx";
+
 export function ExportView() {
-  return <p class="missing">Not built yet.</p>;
+  const { model } = useShared().workspace.project;
+  if (!model) return <Missing what="A model is exported, and there is none yet." view="identify" title="Identify" />;
+  return <Exports key={model} model={model} />;
+}
+
+function Exports({ model }: { model: string }) {
+  const { workspace, lists } = useShared();
+  const [{ target, ...options }, change] = useSettings("export");
+  const document = useModel();
+  const operator = String(document.value?.hysteresis?.operator ?? "");
+  const chosen = lists.targets.find(({ name }) => name === target) ?? lists.targets[0]!;
+  const start = { kind: "sine", unit: document.value?.units?.y ?? "um", frequency: 10, duration: 0.1, ts: document.value?.ts ?? 5e-4 };
+  const reference = useReference("export", start);
+  const made = useKept<Answer>(`export ${model}`, [chosen.name, options, reference.key]);
+  const write = async () => {
+    const files = await reference.files();
+    const named = { model: [model], reference: files.map((file) => file.name) };
+    const request = { call: "export", options: { target: chosen.name, ...options }, files: named };
+    return workspace.run({ name: "export", request, files: [await workspace.file(model), ...files] });
+  };
+  return (
+    <>
+      <Section title="Target" wide help={`What is made of the model ${model}${operator && `, whose operator is ${operator}`}.`}>
+        <div class="cards" role="group" aria-label="Target">
+          {lists.targets.map(({ name, summary, operators }) => {
+            const makes = operators[operator] ?? [];
+            return (
+              <button key={name} type="button" class="card choice" aria-pressed={name === chosen.name} disabled={!!operator && makes.length === 0}
+                onClick={() => change({ ...options, target: name })}>
+                <b>{name}</b>
+                <span>{summary}</span>
+                {operator && <small>{makes.length > 0 ? `makes ${makes.join(" and ")}` : `does not serve ${operator}`}</small>}
+              </button>
+            );
+          })}
+        </div>
+        <Fault text={document.error} />
+      </Section>
+      <Section title="Options">
+        <Form rows={optionsOf(lists, "export").filter((row) => row.name !== "target")} values={options}
+          change={(values) => change({ ...values, ...(target !== undefined && { target }) })}
+          names={{ controller: lists.controllers, driver: lists.drivers }} first={["name", "float", "controller", "preview"]} />
+        <ReferenceForm reference={reference} label="Reference" none={chosen.name === "waveform" ? "none: a waveform needs one" : "none"} />
+        <p class="help">One period of the requested displacement, for targets that repeat a waveform.</p>
+        <div class="row">
+          <button type="button" class="main" disabled={made.busy} onClick={() => made.start(write)}>Export as {chosen.name}</button>
+        </div>
+        <Fault text={made.error} />
+      </Section>
+      {made.value && <Result answer={made.value} stale={made.stale} />}
+    </>
+  );
+}
+
+/** A function of the exported code, with the operations of a sample. */
+interface Written {
+  function: string;
+  about: string;
+  operations: { mean: Record<string, number>; most_seen: number; bound: number | null };
+}
+
+function Result({ answer, stale }: { answer: Answer; stale: boolean }) {
+  const { result, files } = answer;
+  const [{ file: name }, choose] = useSettings("export-shown");
+  const shown = files.find((file) => file.name === name) ?? files[0];
+  const functions: Written[] = result.functions ?? [];
+  const rows = files.map((file) => [
+    <button type="button" class="link" aria-pressed={file === shown} onClick={() => choose({ file: file.name })}>{file.name}</button>,
+    size(file.bytes.length),
+    <Download files={[file]} />,
+  ]);
+  const counted = functions.map(({ function: called, about, operations: { mean, most_seen, bound } }) => [
+    called,
+    about,
+    ...["additions", "multiplications", "divisions", "comparisons"].map((kind) => short(mean[kind] ?? NaN)),
+    short(most_seen),
+    bound === null ? "\u2013" : short(bound),
+  ]);
+  const head = ["Function", "What it does", "Additions", "Multiplications", "Divisions", "Comparisons", "Most seen", "Bound"];
+  return (
+    <>
+      <Section title="Files">
+        <Stale stale={stale} />
+        <Table caption="Exported files" head={["File", "Size", "Download"]} rows={rows} marked={shown ? files.indexOf(shown) : -1} />
+        <div class="row"><Download files={files} archive="piezoid-export.zip" title="Download all as zip" /></div>
+        <Notes title="Notes" notes={result.notes ?? []} />
+      </Section>
+      {counted.length > 0 && (
+        <Section title="Work of a sample" wide help="Operations of one call: the mean along a test, the most that was seen, and what is never exceeded.">
+          <Table caption="Operations of each function" head={head} rows={counted} />
+        </Section>
+      )}
+      {shown && <Section title={shown.name} wide><TextFile file={shown} /></Section>}
+    </>
+  );
 }

@@ -1,0 +1,64 @@
+// Figures of drive signals: against time with the limits of the driver, and the amplitude spectrum.
+
+import type { Figure } from "./plot/figure.ts";
+import { short, unit } from "./plot/ticks.ts";
+import { spectrum } from "./spectrum.ts";
+
+/** What a drive uses of one limit of the driver. */
+export interface Use {
+  unit: string;
+  value: number;
+  limit: number | null;
+  share: number | null;
+}
+
+/** What a drive uses of all limits of the driver. */
+export interface Usage {
+  lowest: Use;
+  highest: Use;
+  slew: Use;
+  current: Use | null;
+}
+
+/** A drive signal: samples `ts` seconds apart. */
+export interface Signal {
+  name: string;
+  u: Float64Array;
+  ts: number;
+  unit: string;
+  usage: Usage | null;
+}
+
+/** The signal against time, with its limits. */
+export function timeFigure({ name, u, ts, unit: of, usage }: Signal): Figure {
+  const limits = usage ? [usage.highest, usage.lowest].flatMap(({ limit }) => (limit === null ? [] : [limit])) : [];
+  return {
+    title: `Drive ${name}`,
+    x: { label: "Time", unit: "s" },
+    panels: [
+      {
+        y: { label: of === "V" ? "Voltage" : "Displacement", unit: of },
+        series: [{ name: "", y: u, step: ts, colour: 1 }],
+        levels: limits.map((at) => ({ at, label: `limit ${short(at)} ${unit(of)}` })),
+      },
+    ],
+  };
+}
+
+/** Share of the largest amplitude below which nothing is told apart from rounding. */
+const FLOOR = 1e-6;
+
+/** The amplitude spectrum of the signal, with the band of the application. */
+export function spectrumFigure({ name, u, ts, unit: of }: Signal, bandwidth?: number): Figure {
+  const { hz, amplitude } = spectrum(u, ts);
+  const highest = amplitude.reduce((most, value) => Math.max(most, value), 0);
+  const y = amplitude.map((value) => Math.max(value, FLOOR * highest));
+  const [lowest, last] = [hz[0] ?? 0, hz.at(-1) ?? 0];
+  const marked = bandwidth !== undefined && bandwidth > lowest;
+  return {
+    title: `Spectrum of ${name}${marked ? `; shaded: up to the bandwidth, ${short(bandwidth)} Hz` : ""}`,
+    x: { label: "Frequency", unit: "Hz", log: true },
+    panels: [{ y: { label: "Amplitude", unit: of, log: true }, series: [{ name: "", y, x: hz, colour: 1 }] }],
+    ...(marked && { span: { from: lowest, to: Math.min(bandwidth, last) } }),
+  };
+}

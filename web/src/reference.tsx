@@ -1,0 +1,83 @@
+// A requested displacement: that of a record, a path drawn by hand, or a signal.
+
+import { useId } from "preact/hooks";
+import type { File } from "./packet.ts";
+import { csv, drawn } from "./path.ts";
+import type { Options } from "./project.ts";
+import { SignalForm, useSignal } from "./signal.tsx";
+import { Fault, useSettings, useShared } from "./ui.tsx";
+
+/** Stands for a signal among the names of records, which have an ending. */
+const SIGNAL = "signal";
+/** Stands for the path that was drawn in the view Compensate. */
+const DRAWN = "drawn";
+
+/** The choice of a view, and the file that it stands for; of no choice none. */
+export interface Reference {
+  chosen: string;
+  values: Options;
+  change(values: Options): void;
+  /** Tells one choice from another. */
+  key: unknown;
+  /** Of a signal: what is wrong with it. */
+  error: string | undefined;
+  lacks: string[];
+  files(): Promise<File[]>;
+}
+
+/** The reference that a view has chosen. `start` is the signal at first. */
+export function useReference(view: string, start: Options): Reference {
+  const { workspace } = useShared();
+  const [{ from, signal }, set] = useSettings(`${view}-reference`);
+  const values: Options = { ...((signal as Options | undefined) ?? start), unit: start["unit"] };
+  const chosen = String(from ?? "");
+  const made = useSignal(chosen === SIGNAL ? values : undefined);
+  const files = async (): Promise<File[]> => {
+    if (chosen === "") return [];
+    if (chosen === DRAWN) return [path()];
+    if (chosen !== SIGNAL) return [await displacement(chosen)];
+    if (made.lacks.length > 0) throw new Error(`the signal of the reference lacks its ${made.lacks.join(", ")}`);
+    if (!made.value) throw new Error(made.error ?? "the signal of the reference is not ready yet: try again");
+    return [{ name: "signal.csv", bytes: made.value.files[0]!.bytes }];
+  };
+  const path = (): File => {
+    const { points, duration = 0.5 } = (workspace.project.settings["compensate"] ?? {}) as { points?: number[]; duration?: number };
+    if (!points) throw new Error("no path is drawn in Compensate: choose another reference");
+    const [ts, of] = [Number(start["ts"]), String(start["unit"])];
+    return csv("path.csv", of, ts, drawn(points, duration, ts));
+  };
+  /** The displacement of a record, without its voltage. */
+  const displacement = async (name: string): Promise<File> => {
+    const entry = workspace.project.records.find((one) => one.file === name);
+    if (!entry) throw new Error(`there is no record ${name}: choose another reference`);
+    const { result, series } = await workspace.prepared(entry);
+    const { ts, units } = result.record;
+    return csv(`${name.replace(/\.\w+$/, "")}.csv`, units.y, ts, series.get("y")!);
+  };
+  const change = (next: Options) => set({ from: next["from"] ?? chosen, signal: next["signal"] ?? values });
+  const key = chosen === SIGNAL ? values : chosen === DRAWN ? workspace.project.settings["compensate"] : chosen;
+  return { chosen, values, change, key, error: made.error, lacks: made.lacks, files };
+}
+
+/** The fields of a reference. */
+export function ReferenceForm({ reference, label, none }: { reference: Reference; label: string; none: string }) {
+  const { workspace } = useShared();
+  const { chosen, values, change, error, lacks } = reference;
+  const id = useId();
+  return (
+    <>
+      <div class="row">
+        <label for={id}>{label}</label>
+        <select id={id} value={chosen} onChange={(event) => change({ from: event.currentTarget.value })}>
+          <option value="">{none}</option>
+          <option value={SIGNAL}>a signal</option>
+          {workspace.project.settings["compensate"]?.["points"] !== undefined && <option value={DRAWN}>the path drawn in Compensate</option>}
+          {workspace.project.records.map(({ file }) => <option key={file} value={file}>displacement of {file}</option>)}
+        </select>
+      </div>
+      {chosen === SIGNAL && <SignalForm values={values} change={(signal) => change({ signal })} of={String(values["unit"])} />}
+      <Fault text={error} />
+      {lacks.length > 0 && <p class="missing">Give {lacks.join(", ")}.</p>}
+    </>
+  );
+}

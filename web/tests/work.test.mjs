@@ -1,0 +1,121 @@
+// Drives, controllers, exports and the study in a real browser, as users reach them.
+import assert from "node:assert/strict";
+import { after, before, test } from "node:test";
+import { unzipSync } from "fflate";
+import { csv, download, isThere, launched, library, measured, opened, served } from "./browser.mjs";
+
+const skip = isThere ? false : "no Chromium";
+let server, browser, model;
+
+before(async () => {
+  if (skip) return;
+  [server, browser] = await Promise.all([served(), launched()]);
+  const call = await library();
+  const record = { name: "r.csv", bytes: csv(measured(call, 5)) };
+  model = call({ call: "identify", options: { operator: "pi" }, files: { large_signal: ["r.csv"] } }, [record]).files[0];
+});
+after(async () => {
+  await browser?.close();
+  server?.close();
+});
+
+/** A page at a view, with the model in the project if that is wanted. */
+async function at(view, withModel = true) {
+  const { page, faults, context } = await opened(browser, server.url);
+  if (withModel) {
+    await page.getByLabel("Data files").setInputFiles([{ name: "model.json", mimeType: "application/json", buffer: Buffer.from(model.bytes) }]);
+    await page.waitForTimeout(300);
+  }
+  await page.goto(`${server.url}#${view.toLowerCase()}`);
+  await page.getByRole("heading", { name: view, level: 1 }).waitFor();
+  const button = (name) => page.getByRole("button", { name, exact: true });
+  const field = async (name, text) => {
+    await page.getByLabel(name, { exact: true }).fill(text);
+    await page.getByLabel(name, { exact: true }).blur();
+  };
+  return { page, faults, button, field, close: () => context.close() };
+}
+
+test("drives are planned, tried on a twin, and become records with their uses", { skip }, async () => {
+  const { page, faults, button, field, close } = await at("Experiment", false);
+  await field("Bandwidth [Hz] *", "40");
+  await button("Plan").click();
+  const files = unzipSync(await download(page, () => button("Download all as zip").click()));
+  assert.ok(["small_u.csv", "path_u.csv", "plan.md"].every((name) => files[name]?.length > 100), Object.keys(files).join());
+  await button("rise1").click();
+  await page.getByRole("img", { name: /^Spectrum of rise1; shaded: up to the bandwidth, 40 Hz/ }).waitFor();
+  await button("Measure the twin").click();
+  await page.getByText("records of the twin pl140").waitFor({ timeout: 120_000 });
+  await page.getByRole("link", { name: "Data", exact: true }).first().click();
+  assert.equal(await page.getByLabel("Use of pl140-small.csv").inputValue(), "small-signal");
+  assert.equal(await page.getByLabel("Use of pl140-rise1.csv").inputValue(), "training");
+  assert.equal(await page.getByLabel("Use of pl140-path.csv").inputValue(), "validation");
+  await page.getByRole("link", { name: "Experiment", exact: true }).click();
+  assert.ok(await button("Download all as zip").isVisible(), "the plan is gone");
+  await field("Bandwidth [Hz] *", "60");
+  await page.getByText("The form has changed since").waitFor();
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("a single signal follows its form, survives a reload, and says what it lacks", { skip }, async () => {
+  const { page, faults, close } = await at("Experiment", false);
+  await page.getByLabel("Kind").selectOption("triangle");
+  await page.getByRole("img", { name: /^Drive triangle/ }).waitFor();
+  await page.waitForTimeout(500);
+  await page.reload();
+  await page.getByRole("img", { name: /^Drive triangle/ }).waitFor();
+  await page.getByLabel("Kind").selectOption("multisine");
+  await page.getByText("Give frequency_low, frequency_high.").waitFor();
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("controllers are compared along a reference, each with its error", { skip }, async () => {
+  const { page, faults, button, field, close } = await at("Control");
+  await field("Controller", "gain, feed-forward");
+  await field("Reference", "sine:1");
+  await button("Compare").click();
+  const table = page.getByRole("region", { name: "Errors by scheme and reference" });
+  await table.waitFor({ timeout: 120_000 });
+  const [gain, feed] = await table.locator("tbody td").allInnerTexts();
+  assert.ok(Number(feed) < Number(gain) / 2, `${feed} % with the inverse, ${gain} % without`);
+  assert.equal(await table.locator("strong").innerText(), feed);
+  await page.getByRole("img", { name: /^sine 1 Hz on the plant pl140.*requested, gain, feed-forward/ }).waitFor();
+  assert.match((await download(page, () => button("Download control.html").click())).toString(), /<html/);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("a model is exported for a target; files are read and downloaded", { skip }, async () => {
+  const { page, faults, button, close } = await at("Export");
+  await button("Export as c").click();
+  await button("piezo_model.c").click();
+  const shown = await page.getByRole("region", { name: "Text of piezo_model.c" }).innerText();
+  const saved = (await download(page, () => button("Download piezo_model.c").click())).toString();
+  assert.equal(shown.trim(), saved.trim());
+  await page.getByRole("button", { name: /^waveform/ }).click();
+  await page.getByText("The form has changed since").waitFor();
+  await button("Export as waveform").click();
+  await page.getByRole("alert").getByText("one period of the requested displacement").waitFor();
+  await page.getByLabel("Reference", { exact: true }).selectOption("a signal");
+  await page.getByLabel("Amplitude [\u00b5m] *", { exact: true }).fill("200");
+  await page.getByLabel("Amplitude [\u00b5m] *", { exact: true }).blur();
+  await page.waitForTimeout(500);
+  await button("Export as waveform").click();
+  await button("piezo_model.csv").waitFor();
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("without a model, Control and Export lead to Identify; Study explains the paper", { skip }, async () => {
+  const { page, faults, close } = await at("Control", false);
+  for (const view of ["control", "export"]) {
+    await page.goto(`${server.url}#${view}`);
+    assert.equal(await page.locator("main").getByRole("link", { name: "Identify" }).getAttribute("href"), "#identify");
+  }
+  await page.goto(`${server.url}#study`);
+  assert.equal(await page.locator(".steps li").count(), 6);
+  assert.deepEqual(faults, []);
+  await close();
+});
