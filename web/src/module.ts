@@ -9,7 +9,6 @@ interface Exports {
   release(address: number, length: number): void;
   answer(address: number, length: number): number;
   length(): number;
-  lists(): number;
 }
 
 /** The library in this thread. */
@@ -40,11 +39,6 @@ export class Module {
     new Uint8Array(memory.buffer).set(request, address);
     this.#progress = progress;
     return this.#taken(answer(address, request.length));
-  }
-
-  /** The lists for menus and forms. */
-  lists(): any {
-    return JSON.parse(new TextDecoder().decode(this.#taken(this.#exports.lists())));
   }
 
   /** A copy of what stands at an address, which is released. */

@@ -65,12 +65,6 @@ pub(crate) extern "C" fn length() -> usize {
     LENGTH.get()
 }
 
-/// The lists for menus and forms, as JSON at an address as those of `answer`.
-#[unsafe(no_mangle)]
-pub(crate) extern "C" fn lists() -> *mut u8 {
-    given(piezoid_calls::lists().to_string().as_bytes())
-}
-
 fn given(bytes: &[u8]) -> *mut u8 {
     LENGTH.set(bytes.len());
     let address = reserve(bytes.len());
