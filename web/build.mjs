@@ -8,7 +8,6 @@ await build({
   ...common,
   entryPoints: {
     main: "src/main.tsx",
-    worker: "src/worker.ts",
     // For the tests.
     library: "src/library.ts",
     module: "src/module.ts",
@@ -20,5 +19,7 @@ await build({
   jsx: "automatic",
   jsxImportSource: "preact",
 });
+// A worker of the old kind: one file.
+await build({ ...common, format: "iife", entryPoints: { worker: "src/worker.ts" } });
 mkdirSync("dist", { recursive: true });
 for (const file of ["index.html", "style.css", "icon.svg"]) copyFileSync(file, `dist/${file}`);

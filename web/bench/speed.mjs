@@ -4,9 +4,9 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
 import { readdirSync, readFileSync } from "node:fs";
-import { csv, launched, library, measured, opened, served } from "../tests/browser.mjs";
+import { csv, launched, measured, opened, served } from "../tests/browser.mjs";
 
-const [server, browser, call] = await Promise.all([served(), launched(), library()]);
+const [server, browser] = await Promise.all([served(), launched()]);
 const row = (what, value) => console.log(`${what.padEnd(58)} ${value}`);
 const ms = (start) => `${Math.round(performance.now() - start)} ms`;
 
@@ -58,7 +58,7 @@ for (const [what, zooms] of [["whole", 0], ["a tenth", 10]]) {
 }
 await big.context.close();
 
-const ten = { name: "ten.csv", mimeType: "text/csv", buffer: csv(measured(call, 5, 28, 10)) };
+const ten = { name: "ten.csv", mimeType: "text/csv", buffer: csv(measured(5, 28, 10)) };
 const work = await opened(browser, server.url);
 await work.page.getByLabel("Data files").setInputFiles([ten]);
 await work.page.getByText(/20,000 samples/).waitFor();

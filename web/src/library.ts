@@ -1,93 +1,70 @@
 // The library as the page sees it: requests in, answers out, wherever they are computed.
 
-import { type Answer, Cancelled, type File, packed, Refused, type Request, unpacked } from "./packet.ts";
 import type { Progress } from "./module.ts";
-import type { Got, Sent } from "./worker.ts";
+import { type Answer, type File, packed, Refused, type Request, unpacked } from "./packet.ts";
+import { Thread } from "./thread.ts";
 
-/** Answers requests, one after the other. */
+export { Cancelled, Refused } from "./packet.ts";
+
+/** Answers requests. */
 export interface Library {
   /** The lists for menus and forms. */
   lists(): Promise<any>;
-  /** The answer to a request with these files. */
-  call(request: Request, files: File[], progress?: Progress): Promise<Answer>;
-  /** Ends all work; calls that have no answer yet are refused with `Cancelled`. */
-  cancel(): void;
+  /** The answer to a request with these files. A signal ends the work: the call is then refused with `Cancelled`. */
+  call(request: Request, files: File[], progress?: Progress, signal?: AbortSignal): Promise<Answer>;
 }
 
-interface Waiting {
-  request: Uint8Array;
-  progress: Progress;
-  resolve(answer: Answer): void;
-  reject(error: Error): void;
-}
-
-/** The library in a worker of this browser. A worker that is ended is replaced from the compiled module. */
+/** The library in workers of this browser, one for each module: calls of one module wait for each other. */
 export class LocalLibrary implements Library {
-  #module: Promise<WebAssembly.Module>;
+  #base: URL;
   #spawn: () => Worker;
-  #worker: Worker | undefined;
   #lists: Promise<any> | undefined;
-  #waiting = new Map<number, Waiting>();
-  #last = 0;
+  #threads = new Map<string, Thread>();
 
-  constructor(module: Promise<WebAssembly.Module>, spawn: () => Worker) {
-    this.#module = module;
+  /** The folder with the modules, the lists and the worker, which ends with a slash. */
+  constructor(base: URL, spawn = () => new Worker(new URL("worker.js", base))) {
+    this.#base = base;
     this.#spawn = spawn;
   }
 
   lists(): Promise<any> {
-    this.#lists ??= this.#begin();
+    this.#lists ??= fetched(new URL("lists.json", this.#base))
+      .then((response) => response.json())
+      .catch((error) => {
+        // The next call loads again.
+        this.#lists = undefined;
+        throw error;
+      });
     return this.#lists;
   }
 
-  async call(request: Request, files: File[], progress: Progress = () => {}): Promise<Answer> {
-    const id = ++this.#last;
-    const answer = new Promise<Answer>((resolve, reject) => {
-      this.#waiting.set(id, { request: packed(request, files), progress, resolve, reject });
-    });
-    // The call may be cancelled while the worker begins.
-    void this.lists().then(() => this.#send(id), (error) => this.#settle(id)?.reject(error));
-    return answer;
-  }
-
-  cancel(): void {
-    this.#worker?.terminate();
-    this.#worker = this.#lists = undefined;
-    for (const id of [...this.#waiting.keys()]) this.#settle(id)?.reject(new Cancelled("cancelled"));
-  }
-
-  #send(id: number): void {
-    const waiting = this.#waiting.get(id);
-    if (waiting) this.#worker?.postMessage({ id, request: waiting.request } satisfies Sent, [waiting.request.buffer]);
-  }
-
-  #settle(id: number): Waiting | undefined {
-    const waiting = this.#waiting.get(id);
-    this.#waiting.delete(id);
-    return waiting;
-  }
-
-  async #begin(): Promise<any> {
-    const module = await this.#module;
-    const worker = (this.#worker = this.#spawn());
-    return new Promise((resolve, reject) => {
-      worker.onerror = (event) => reject(new Error(event.message));
-      worker.onmessage = ({ data }: MessageEvent<Got>) => {
-        if ("lists" in data) resolve(data.lists);
-        else if ("answer" in data) this.#answered(data.id, data.answer);
-        else if ("failed" in data) this.#settle(data.id)?.reject(new Refused(data.failed));
-        else this.#waiting.get(data.id)?.progress(data.what, data.done, data.total);
-      };
-      worker.postMessage({ module } satisfies Sent);
-    });
-  }
-
-  #answered(id: number, answer: Uint8Array): void {
-    const waiting = this.#settle(id);
-    try {
-      waiting?.resolve(unpacked(answer));
-    } catch (error) {
-      waiting?.reject(error as Error);
+  async call(
+    request: Request,
+    files: File[],
+    progress: Progress = () => {},
+    signal?: AbortSignal,
+  ): Promise<Answer> {
+    const { calls } = await this.lists();
+    const name = calls.find((call: { name: string }) => call.name === request.call)?.module;
+    if (name === undefined) throw new Refused(`there is no call called \`${request.call}\``);
+    let thread = this.#threads.get(name);
+    if (!thread) {
+      thread = new Thread(() => compiled(new URL(`${name}.wasm`, this.#base)), this.#spawn);
+      this.#threads.set(name, thread);
     }
+    return unpacked(await thread.answer(packed(request, files), progress, signal));
   }
+}
+
+async function fetched(url: URL): Promise<Response> {
+  const response = await fetch(url);
+  if (!response.ok) throw new Error(`${url.pathname} cannot be loaded: ${response.status} ${response.statusText}`);
+  return response;
+}
+
+/** The module there. It is compiled while it loads if the server tells its type, as browsers demand. */
+async function compiled(url: URL): Promise<WebAssembly.Module> {
+  const response = await fetched(url);
+  const told = response.headers.get("content-type") === "application/wasm";
+  return told ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
 }

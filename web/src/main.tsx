@@ -8,7 +8,7 @@ import { Workspace } from "./workspace.ts";
 
 const served = document.documentElement.dataset["library"] === "server";
 const { ServerLibrary, ServerStore } = served ? await import("./server.ts") : ({} as typeof import("./server.ts"));
-const library = served ? new ServerLibrary() : local();
+const library = served ? new ServerLibrary() : new LocalLibrary(new URL("./", document.baseURI));
 const store = served ? new ServerStore() : new BrowserStore();
 const workspace = new Workspace(library, store);
 
@@ -16,15 +16,3 @@ const page = document.getElementById("page")!;
 page.replaceChildren();
 render(<App workspace={workspace} served={served} />, page);
 addEventListener("pagehide", () => void workspace.flush());
-
-function local(): any {
-  const module = fetch("piezoid.wasm").then(async (r) => WebAssembly.compile(await r.arrayBuffer()));
-  const inner = new LocalLibrary(module, () => new Worker("worker.js", { type: "module" }));
-  return {
-    lists: () => inner.lists(),
-    call: (request: any, files: any, progress: any, signal?: AbortSignal) => {
-      signal?.addEventListener("abort", () => inner.cancel());
-      return inner.call(request, files, progress);
-    },
-  };
-}

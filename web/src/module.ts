@@ -1,7 +1,16 @@
 // The library as a WebAssembly module: crates/piezoid-wasm tells its functions.
 
-/** What is told of long work: the task, the steps done and all steps. */
-export type Progress = (what: string, done: number, total: number) => void;
+/** How far long work is. */
+export interface Stage {
+  what: string;
+  done: number;
+  total: number;
+  /** What was found last, by name; null for what is no number. */
+  figures: [string, number | null][];
+}
+
+/** What is told of long work. */
+export type Progress = (stage: Stage) => void;
 
 interface Exports {
   memory: WebAssembly.Memory;
@@ -9,7 +18,6 @@ interface Exports {
   release(address: number, length: number): void;
   answer(address: number, length: number): number;
   length(): number;
-  lists(): number;
 }
 
 /** The library in this thread. */
@@ -19,9 +27,8 @@ export class Module {
 
   private constructor(instance: (imports: WebAssembly.Imports) => WebAssembly.Instance) {
     const text = new TextDecoder();
-    const progress = (address: number, length: number, done: number, total: number) => {
-      const what = text.decode(new Uint8Array(this.#exports.memory.buffer, address, length));
-      this.#progress(what, done, total);
+    const progress = (address: number, length: number) => {
+      this.#progress(JSON.parse(text.decode(new Uint8Array(this.#exports.memory.buffer, address, length))));
       return 1;
     };
     this.#exports = instance({ env: { progress } }).exports as unknown as Exports;
@@ -40,11 +47,6 @@ export class Module {
     new Uint8Array(memory.buffer).set(request, address);
     this.#progress = progress;
     return this.#taken(answer(address, request.length));
-  }
-
-  /** The lists for menus and forms. */
-  lists(): any {
-    return JSON.parse(new TextDecoder().decode(this.#taken(this.#exports.lists())));
   }
 
   /** A copy of what stands at an address, which is released. */

@@ -1,16 +1,12 @@
 // The library in a thread of its own, so that the page goes on answering.
 
-import { Module } from "./module.ts";
+import { Module, type Stage } from "./module.ts";
 
-/** What the page sends: first the module, then requests. */
-export type Sent = { module: WebAssembly.Module } | { id: number; request: Uint8Array };
+/** What the page sends: first the module, then requests, each after the answer to the last. */
+export type Sent = { module: WebAssembly.Module } | { request: Uint8Array };
 
 /** What the page gets. */
-export type Got =
-  | { lists: unknown }
-  | { id: number; answer: Uint8Array }
-  | { id: number; failed: string }
-  | { id: number; what: string; done: number; total: number };
+export type Got = { answer: Uint8Array } | { failed: string } | { stage: Stage };
 
 /** The part of a worker's scope that is used; the types of pages and workers exclude each other. */
 interface Scope {
@@ -22,19 +18,16 @@ const scope = self as unknown as Scope;
 let library: Module | undefined;
 
 scope.onmessage = ({ data }: MessageEvent<Sent>) => {
-  if ("module" in data) {
-    library = Module.of(data.module);
-    scope.postMessage({ lists: library.lists() });
-    return;
-  }
-  const { id, request } = data;
-  const tell = (what: string, done: number, total: number) =>
-    scope.postMessage({ id, what, done, total });
+  const tell = (stage: Stage) => scope.postMessage({ stage });
   try {
+    if ("module" in data) {
+      library = Module.of(data.module);
+      return;
+    }
     if (!library) throw new Error("the library is not loaded yet");
-    const answer = library.answer(request, tell);
-    scope.postMessage({ id, answer }, [answer.buffer]);
+    const answer = library.answer(data.request, tell);
+    scope.postMessage({ answer }, [answer.buffer]);
   } catch (error) {
-    scope.postMessage({ id, failed: error instanceof Error ? error.message : String(error) });
+    scope.postMessage({ failed: `the library stopped: ${error instanceof Error ? error.message : String(error)}` });
   }
 };

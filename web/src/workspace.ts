@@ -2,6 +2,7 @@
 
 import { PROJECT, packedProject, unpackedProject } from "./archive.ts";
 import type { Library } from "./library.ts";
+import type { Stage } from "./module.ts";
 import { type Answer, Cancelled, type File, type Request } from "./packet.ts";
 import { EMPTY, filesOf, free, History, type ModelEntry, type Project, read, type RecordEntry, withRecord, written } from "./project.ts";
 import type { Store } from "./store.ts";
@@ -16,9 +17,6 @@ export interface Job {
   total: number;
   cancel(): void;
 }
-
-/** What long work has told so far: the last figures of each step, by its name. */
-export type Figures = Map<string, Record<string, number>>;
 
 /** What is asked of the library, and how it is shown. */
 export interface Task {
@@ -194,9 +192,9 @@ export class Workspace {
     if (!quiet) this.jobs = [...this.jobs, job];
     this.changed();
     try {
-      const progress = (what: string, done: number, total: number, figures: Record<string, number> = {}) => {
+      const progress = ({ what, done, total, figures }: Stage) => {
         Object.assign(job, { what, done, total });
-        told?.(what, figures);
+        told?.(what, Object.fromEntries(figures.filter(([, value]) => value !== null)) as Record<string, number>);
         if (!quiet) this.changed();
       };
       return await this.library.call(request, files, progress, stop.signal);

@@ -3,10 +3,8 @@ import { createServer } from "node:http";
 import { existsSync, readFileSync } from "node:fs";
 import { extname } from "node:path";
 import { chromium } from "playwright-core";
-import { Module } from "../dist/module.js";
-import { packed, unpacked } from "../dist/packet.js";
+import { call, DIST } from "./modules.mjs";
 
-const DIST = new URL("../dist/", import.meta.url);
 const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml", ".wasm": "application/wasm", ".json": "application/json" };
 
 /** The browser of the tests; `CHROMIUM` names another than Debian's. */
@@ -47,15 +45,8 @@ export async function opened(browser, url, options = {}) {
   return { page, faults, context };
 }
 
-/** The library beside the page, to make records. */
-export async function library() {
-  const modules = ["piezoid.wasm"].map((name) => new URL(name, DIST)).filter(existsSync);
-  const module = Module.of(new WebAssembly.Module(readFileSync(modules[0])));
-  return (request, files = []) => unpacked(module.answer(packed(request, files), () => {}));
-}
-
 /** A record of the simulated bender for a rising sine: input and output. */
-export function measured(call, frequency, amplitude = 28, duration = 2) {
+export function measured(frequency, amplitude = 28, duration = 2) {
   const drive = call({ call: "excite", options: { kind: "rising-sine", frequency, amplitude, ts: 5e-4, duration } }).files;
   const { series } = call({ call: "simulate", options: { plant: "pl140" }, files: { input: ["signal.csv"] } }, drive);
   return { ts: 5e-4, u: series.get("u"), y: series.get("y") };

@@ -1,14 +1,14 @@
 // The page as a user takes it, in a real browser, from a static server.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { csv, download, isThere, launched, library, mat, measured, opened, scope, served } from "./browser.mjs";
+import { csv, download, isThere, launched, mat, measured, opened, scope, served } from "./browser.mjs";
 
 const skip = isThere ? false : "no Chromium";
-let server, browser, call;
+let server, browser;
 
 before(async () => {
   if (skip) return;
-  [server, browser, call] = await Promise.all([served(), launched(), library()]);
+  [server, browser] = await Promise.all([served(), launched()]);
 });
 after(async () => {
   await browser?.close();
@@ -31,8 +31,8 @@ async function identify(page, operator) {
 
 test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a proof and a voltage; all is there after a reload", { skip }, async () => {
   const { page, faults, context } = await opened(browser, server.url);
-  const [slow, fast] = [measured(call, 5), measured(call, 20)];
-  await choose(page, [file("slow.csv", csv(slow)), file("fast.mat", mat(fast)), file("scope.csv", scope(measured(call, 10, 25)))]);
+  const [slow, fast] = [measured(5), measured(20)];
+  await choose(page, [file("slow.csv", csv(slow)), file("fast.mat", mat(fast)), file("scope.csv", scope(measured(10, 25)))]);
   await page.getByRole("heading", { name: "scope.csv" }).waitFor();
 
   await page.getByLabel("Role of CH2").selectOption("output");
@@ -70,7 +70,7 @@ test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a p
 
 test("the separating line is dragged, the branches follow, and undo takes it back", { skip }, async () => {
   const { page, faults, context } = await opened(browser, server.url);
-  await choose(page, [file("loop.csv", csv(measured(call, 5)))]);
+  await choose(page, [file("loop.csv", csv(measured(5)))]);
   await view(page, "Loops");
   const distance = page.getByRole("row", { name: /Distance of the points/ }).getByRole("cell");
   const before = await distance.textContent();
@@ -131,7 +131,7 @@ test("a file that is no record is told, and loses nothing", { skip }, async () =
   const { page, context } = await opened(browser, server.url);
   await choose(page, [file("broken.csv", Buffer.from("nothing here")), file("empty.csv", Buffer.alloc(0))]);
   await page.getByRole("alert").first().waitFor();
-  await choose(page, [file("good.csv", csv(measured(call, 5)))]);
+  await choose(page, [file("good.csv", csv(measured(5)))]);
   await page.getByText(/4,000 samples/).waitFor();
   await page.getByRole("button", { name: "broken.csv", exact: true }).waitFor();
   await context.close();

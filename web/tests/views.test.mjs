@@ -4,7 +4,7 @@ import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { csv, isThere, launched, library, measured, opened, served } from "./browser.mjs";
+import { csv, isThere, launched, measured, opened, served } from "./browser.mjs";
 
 const skip = isThere ? false : "no Chromium";
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -19,8 +19,7 @@ before(async () => {
   const { page, context } = await opened(browser, server.url);
   await page.getByRole("button", { name: "Open the example" }).click();
   await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
-  const call = await library();
-  const { u, y, ts } = measured(call, 5);
+  const { u, y, ts } = measured(5);
   for (const [from, to] of [[900, 903], [2000, 2040]]) y.fill(y[from], from, to);
   await page.getByLabel("Data files").setInputFiles([{ name: "faulty.csv", mimeType: "text/csv", buffer: csv({ u, y, ts }) }]);
   await page.getByRole("heading", { name: "faulty.csv" }).waitFor();

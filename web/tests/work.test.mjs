@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { unzipSync } from "fflate";
-import { csv, download, isThere, launched, library, measured, opened, served } from "./browser.mjs";
+import { csv, download, isThere, launched, measured, opened, served } from "./browser.mjs";
 
 const skip = isThere ? false : "no Chromium";
 let server, browser, model;
@@ -10,8 +10,7 @@ let server, browser, model;
 before(async () => {
   if (skip) return;
   [server, browser] = await Promise.all([served(), launched()]);
-  const call = await library();
-  const record = { name: "r.csv", bytes: csv(measured(call, 5)) };
+  const record = { name: "r.csv", bytes: csv(measured(5)) };
   model = call({ call: "identify", options: { operator: "pi" }, files: { large_signal: ["r.csv"] } }, [record]).files[0];
 });
 after(async () => {

@@ -5,6 +5,7 @@
 
 mod skipped;
 mod tidy;
+mod web;
 
 use skipped::Skipped;
 use std::path::{Path, PathBuf};
@@ -23,7 +24,7 @@ const VERBS: [(&str, &str, Work); 8] = [
     ),
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
     ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
-    ("web", "the library as a module for browsers in web/dist, and its tests (Node.js)", web),
+    ("web", "the library as modules for browsers in web/dist, and its tests (Node.js)", web::web),
     ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
     ("fuzz", "damaged files of every format for a minute each (cargo-fuzz)", fuzz),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
@@ -75,24 +76,6 @@ fn fuzz() -> Result<(), String> {
 /// The target for web browsers.
 const WEB: &str = "wasm32-unknown-unknown";
 
-/// Builds the module of the page and its scripts into web/dist, and tests them.
-fn web() -> Result<(), String> {
-    let built = root().join("target").join(WEB).join("page/piezoid_wasm.wasm");
-    let mut build = cargo(&["build", "--profile", "page", "--package", "piezoid-wasm", "--target", WEB]);
-    step(build.env("RUSTFLAGS", "-C target-feature=+simd128"))?;
-    let run = |arguments: &[&str]| {
-        let mut npm = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
-        step(npm.args(["--prefix", "web"]).args(arguments))
-    };
-    run(&["ci", "--no-audit", "--no-fund"])?;
-    for script in ["check", "build"] {
-        run(&["run", script])?;
-    }
-    let module = root().join("web/dist/piezoid.wasm");
-    std::fs::copy(&built, &module).map_err(|e| format!("{}: {e}", module.display()))?;
-    run(&["test"])
-}
-
 fn test() -> Result<(), String> {
     for (component, arguments) in [("rustfmt", ["fmt", "--version"]), ("clippy", ["clippy", "--version"])] {
         let there = cargo(&arguments).output().is_ok_and(|o| o.status.success());
@@ -126,7 +109,7 @@ fn core_alone(skipped: &mut Skipped) -> Result<(), String> {
         skipped.add("the core for the web", &format!("no target {WEB}: rustup target add {WEB}"));
         return Ok(());
     }
-    for package in [&bare[..], &["check", "--package", "piezoid-wasm"]] {
+    for package in [&bare[..], &["check", "--package", "piezoid-wasm", "--all-features"]] {
         step(cargo(package).args(["--target", WEB]))?;
     }
     Ok(())

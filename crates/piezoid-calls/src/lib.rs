@@ -15,21 +15,26 @@
 //! # Ok::<(), piezoid::Error>(())
 //! ```
 
+// A module of the page uses a part of what its verbs share.
+#![cfg_attr(not(feature = "lists"), allow(dead_code))]
+
+#[cfg(feature = "lists")]
 mod lists;
 mod packet;
 mod request;
 mod verbs;
 
+#[cfg(feature = "lists")]
 pub use lists::lists;
 pub use packet::answered;
 pub use request::Request;
-pub use verbs::CALLS;
+pub use verbs::{MODULES, Module};
 
 use piezoid::progress::Progress;
 use piezoid::{Error, File, OptionRow};
 use serde_json::Value;
 
-/// One verb: a row of [`CALLS`].
+/// One verb: a row of a [`Module`].
 #[derive(Debug, Clone, Copy)]
 pub struct Call {
     /// Its name.
@@ -76,8 +81,9 @@ struct Given<'a> {
 /// # Errors
 /// Returns an error for an unknown verb, for missing or unknown files and options, and the errors of the verb.
 pub fn call(request: &Request, files: &[File], progress: &mut Progress) -> Result<Answer, Error> {
-    let known = || Error::unknown("call", &request.call, CALLS.iter().map(|call| call.name));
-    let call = CALLS.iter().find(|call| call.name == request.call).ok_or_else(known)?;
+    let calls = || MODULES.iter().flat_map(|module| module.calls);
+    let known = || Error::unknown("call", &request.call, calls().map(|call| call.name));
+    let call = calls().find(|call| call.name == request.call).ok_or_else(known)?;
     request.fit(call.roles)?;
     (call.run)(&Given { request, files }, progress)
 }

@@ -1,6 +1,6 @@
 //! The lists of the library as documents, for menus and forms.
 
-use crate::CALLS;
+use crate::MODULES;
 use piezoid::OptionKind;
 use piezoid::OptionRow;
 use piezoid::Options;
@@ -13,8 +13,8 @@ use piezoid::plant::PLANTS;
 use piezoid_export::TARGETS;
 use serde_json::{Value, json};
 
-/// All lists by name; each row has a name and a summary. `calls` also has the options and the roles of files of each
-/// verb, `excitations` the options of each signal, and `targets` what is exported of each operator.
+/// All lists by name; each row has a name and a summary. `calls` also has the module, the options and the roles of
+/// files of each verb, `excitations` the options of each signal, and `targets` what is exported of each operator.
 ///
 /// ```
 /// let lists = piezoid_calls::lists();
@@ -27,10 +27,15 @@ pub fn lists() -> Value {
         row[what] = more;
         row
     };
-    let calls = CALLS.iter().map(|call| {
-        let roles: Vec<_> =
-            call.roles.iter().map(|r| json!({"name": r.name, "least": r.least, "many": r.most > 1})).collect();
-        with(with(row(call.name, call.summary), "options", rows((call.rows)())), "roles", json!(roles))
+    let calls = MODULES.iter().flat_map(|module| {
+        module.calls.iter().map(move |call| {
+            let roles: Vec<_> =
+                call.roles.iter().map(|r| json!({"name": r.name, "least": r.least, "many": r.most > 1})).collect();
+            json!({
+                "name": call.name, "summary": call.summary, "module": module.name, "options": rows((call.rows)()),
+                "roles": roles,
+            })
+        })
     });
     let excitations = EXCITATIONS.iter().map(|e| with(row(e.name, e.summary), "options", rows((e.rows)())));
     let targets = TARGETS.iter().map(|t| {

@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
-    /// Name of the verb: a row of [`CALLS`](crate::CALLS).
+    /// Name of the verb: one of [`MODULES`](crate::MODULES).
     pub call: String,
     /// Its options by name.
     #[serde(default)]

@@ -4,7 +4,7 @@
 
 use piezoid::progress::Stage;
 use piezoid::{Error, File};
-use piezoid_calls::{Answer, CALLS, Request, call, lists};
+use piezoid_calls::{Answer, MODULES, Request, call, lists};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 
@@ -90,11 +90,10 @@ fn a_plan_and_a_prepared_record_come_as_files() {
 #[test]
 fn forms_can_be_made_of_the_lists() {
     let lists = lists();
-    for (row, known) in lists["calls"].as_array().unwrap().iter().zip(CALLS) {
-        assert_eq!(
-            (row["name"].as_str(), row["options"].as_array().map(Vec::len)),
-            (Some(known.name), Some((known.rows)().len()))
-        );
+    let known = MODULES.iter().flat_map(|module| module.calls.iter().map(move |call| (module, call)));
+    for (row, (module, call)) in lists["calls"].as_array().unwrap().iter().zip(known) {
+        assert_eq!((row["name"].as_str(), row["module"].as_str()), (Some(call.name), Some(module.name)));
+        assert_eq!(row["options"].as_array().map(Vec::len), Some((call.rows)().len()));
     }
     let kind = |call: &str, option: &str| {
         let row = lists["calls"].as_array().unwrap().iter().find(|row| row["name"] == call).unwrap();

@@ -1,6 +1,7 @@
 //! The functions that JavaScript calls. An address is one that `reserve` or `answer` gave, with its length.
 
 use piezoid::progress::Stage;
+use serde_json::json;
 use std::alloc::{Layout, alloc, dealloc};
 use std::cell::Cell;
 use std::ops::ControlFlow;
@@ -9,7 +10,7 @@ use std::ops::ControlFlow;
 const ALIGN: usize = 8;
 
 unsafe extern "C" {
-    fn progress(text: *const u8, length: usize, done: f64, total: f64) -> i32;
+    fn progress(stage: *const u8, length: usize) -> i32;
 }
 
 thread_local! {
@@ -49,8 +50,9 @@ pub(crate) unsafe extern "C" fn answer(address: *mut u8, length: usize) -> *mut 
     // SAFETY: the caller promises that this memory was reserved and written.
     let request = unsafe { std::slice::from_raw_parts(address, length) };
     let mut tell = |stage: Stage| {
+        let stage = json!(stage).to_string();
         // SAFETY: JavaScript reads the text during the call alone.
-        let goes_on = unsafe { progress(stage.what.as_ptr(), stage.what.len(), stage.done as f64, stage.total as f64) };
+        let goes_on = unsafe { progress(stage.as_ptr(), stage.len()) };
         if goes_on == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let answer = piezoid_calls::answered(request, &mut tell);
@@ -63,12 +65,6 @@ pub(crate) unsafe extern "C" fn answer(address: *mut u8, length: usize) -> *mut 
 #[unsafe(no_mangle)]
 pub(crate) extern "C" fn length() -> usize {
     LENGTH.get()
-}
-
-/// The lists for menus and forms, as JSON at an address as those of `answer`.
-#[unsafe(no_mangle)]
-pub(crate) extern "C" fn lists() -> *mut u8 {
-    given(piezoid_calls::lists().to_string().as_bytes())
 }
 
 fn given(bytes: &[u8]) -> *mut u8 {

@@ -5,7 +5,7 @@
 //! address = answer(address, length)    takes the request; the answer has `length()` bytes at this address
 //! release(address, length)             when the answer is read
 //! ```
-//! The module imports one function, `progress(text, length, done, total)`: it returns 0 to cancel.
+//! The module imports one function, `progress(stage, length)`: a stage as JSON; it returns 0 to cancel.
 #![cfg_attr(target_family = "wasm", allow(unsafe_code))]
 
 #[cfg(target_family = "wasm")]

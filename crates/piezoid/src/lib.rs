@@ -25,8 +25,8 @@
 //! # Ok::<(), piezoid::Error>(())
 //! ```
 //!
-//! Without the feature `clarabel`, which is on by default, there is no estimator `least-absolute` and no
-//! `Solver::InteriorPoint`.
+//! Both features are on by default. Without `clarabel` there is no estimator `least-absolute` and no
+//! `Solver::InteriorPoint`; without `foreign` the only formats of files are text.
 //!
 //! The library does no input or output: no files, clock, printing or threads it was not asked for. Seeds are
 //! parameters, and the same input gives the same bytes.

@@ -40,29 +40,33 @@ fn iterations(n: usize) -> Vec<f64> {
 pub(super) fn convergence(study: &Study) -> Figure {
     let best = &study.convergence;
     let printed = &study.convergence_as_printed;
-    let above = |history: &[f64]| (history.last().copied().unwrap_or(f64::NAN) / study.optimum - 1.0).max(1e-12);
     let caption = format!(
-        "The best sum of absolute errors falls from {:.3} to {:.6} mm in {} iterations. The exact minimum of a block \
-        of this form is {:.6} mm (linear programming); the result of the swarm is larger by a relative {:.0e}. All particles \
-        are attracted to the best position found so far, as is customary. With the best of the current positions, as \
-        the paper prints equation (4), their result is larger by a relative {:.0e}.",
+        "The best sum of absolute errors falls from {:.3} to {:.6} mm in {} iterations.",
         best[0],
         best[best.len() - 1],
         best.len() - 1,
-        study.optimum,
-        above(best),
-        above(printed)
     );
-    Figure::new("Swarm convergence", caption).panel(
-        Axes::new("iteration", Axis::log("sum of absolute errors [mm]"))
-            .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("g_best: the best so far"))
-            .with(
-                Series::dashed(&iterations(printed.len()), printed)
-                    .role(Role::Residual)
-                    .named("of the current positions"),
-            )
-            .at_y(study.optimum, "exact optimum"),
-    )
+    let compared = study.optimum.map_or(String::new(), |optimum| {
+        let above = |history: &[f64]| (history.last().copied().unwrap_or(f64::NAN) / optimum - 1.0).max(1e-12);
+        format!(
+            " The exact minimum of a block of this form is {optimum:.6} mm (linear programming); the result of the \
+            swarm is larger by a relative {:.0e}. All particles are attracted to the best position found so far, as is \
+            customary. With the best of the current positions, as the paper prints equation (4), their result is \
+            larger by a relative {:.0e}.",
+            above(best),
+            above(printed)
+        )
+    });
+    let axes = Axes::new("iteration", Axis::log("sum of absolute errors [mm]"))
+        .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("g_best: the best so far"))
+        .with(
+            Series::dashed(&iterations(printed.len()), printed).role(Role::Residual).named("of the current positions"),
+        );
+    let axes = match study.optimum {
+        Some(optimum) => axes.at_y(optimum, "exact optimum"),
+        None => axes,
+    };
+    Figure::new("Swarm convergence", caption + &compared).panel(axes)
 }
 
 /// The history of each coefficient: Fig 3, as the paper draws it.

@@ -72,12 +72,18 @@ fn linear_block(study: &Study) -> Section {
             1e-3 * gain
         ));
     }
-    section = section.text(
+    let compared = match study.optimum {
+        Some(_) => " The next figure compares the result with the exact minimum.",
+        None => "",
+    };
+    section = section.text(format!(
         "Equation (1) has no constant, but a sensor has an offset: one per record is estimated by least squares and \
         removed before the swarm starts. The paper does not state the search range of the swarm, the number of \
-        particles, their inertia or their largest velocity. Here a1 and a2 are searched within ±2 and ±1, the bounds of a stable block, and each b within ± the largest output divided by the largest input. 50 particles, an inertia from 0.9 to 0.4, and a largest velocity of a fifth of the range per iteration are customary. The next figure compares the result with the exact \
-        minimum.",
-    );
+        particles, their inertia or their largest velocity. Here a1 and a2 are searched within ±2 and ±1, the bounds of a stable \
+        block, and each b within ± the largest output divided by the largest input. 50 particles, an inertia from 0.9 \
+        to 0.4, and a largest velocity of a fifth of the range per iteration \
+        are customary.{compared}"
+    ));
     section.figure(figures::convergence(study)).figure(figures::courses(study)).figure(figures::response(study))
 }
 

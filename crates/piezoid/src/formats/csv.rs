@@ -58,7 +58,7 @@ impl Table {
     /// Returns an error if the file is not text, has no rows, or has a row that is shorter or longer than the others. A
     /// cell that is not a number is an error only if its column is used.
     pub fn parse(bytes: &[u8]) -> Result<Table, Error> {
-        let text = encoding::decode(bytes)?;
+        let text = decode(bytes)?;
         let (steps, start) = history::before(&text);
         let dialect = Dialect::of(&text[start..]).ok_or_else(|| without_numbers(&text))?;
         let mut lines = encoding::lines(&text).skip(steps.len()).peekable();

@@ -7,24 +7,32 @@
 //! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
 //! its name. [`Table::write`] writes CSV, `.npz` or `.mat`, by the extension of the name.
 
+#[cfg_attr(not(feature = "foreign"), allow(dead_code))]
 mod bytes;
 mod channel;
 mod column;
 mod csv;
 mod gcs;
+#[cfg(feature = "foreign")]
 mod hdf5;
 mod history;
+#[cfg(feature = "foreign")]
 mod igor;
+#[cfg(feature = "foreign")]
 mod matlab;
+#[cfg_attr(not(feature = "foreign"), allow(dead_code))]
 mod numpy;
 mod quote;
 mod roles;
 mod selection;
 mod table;
+#[cfg(feature = "foreign")]
 mod tdms;
 mod time;
+#[cfg_attr(not(feature = "foreign"), allow(dead_code))]
 mod tree;
 mod units;
+#[cfg(feature = "foreign")]
 mod wav;
 mod words;
 mod write;
@@ -60,8 +68,22 @@ pub struct Format {
 type Write = fn(ts: f64, columns: &[(&str, &[f64])], history: &[String]) -> Result<Vec<u8>, Error>;
 
 /// The formats that are read. Later rows are more specific: the last one that matches reads a file.
-pub static FORMATS: &[Format] =
-    &[csv::ROW, gcs::ROW, igor::ROW, numpy::ROW, matlab::ROW, hdf5::ROW, tdms::ROW, wav::ROW];
+pub static FORMATS: &[Format] = &[
+    csv::ROW,
+    gcs::ROW,
+    #[cfg(feature = "foreign")]
+    igor::ROW,
+    #[cfg(feature = "foreign")]
+    numpy::ROW,
+    #[cfg(feature = "foreign")]
+    matlab::ROW,
+    #[cfg(feature = "foreign")]
+    hdf5::ROW,
+    #[cfg(feature = "foreign")]
+    tdms::ROW,
+    #[cfg(feature = "foreign")]
+    wav::ROW,
+];
 
 impl Format {
     /// The format that a file begins like: text if it begins like no other.

@@ -4,7 +4,6 @@
 //! apart by the byte-order mark, the zeros between letters, and the bytes that UTF-8 does not allow.
 
 use crate::Error;
-use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 use std::borrow::Cow;
 
 /// Signatures of files that are taken for CSV by mistake, and what to do with them.
@@ -27,15 +26,69 @@ const OTHERS: &[(&[u8], &str)] = &[
     (b"version https://git-lfs", "a pointer of Git LFS, not the data: fetch them with `git lfs pull`"),
 ];
 
+/// How bytes stand for letters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Encoding {
+    Utf8,
+    Utf16Le,
+    Utf16Be,
+    Windows1252,
+}
+
+/// The letters of the bytes 0x80 to 0x9f in Windows-1252. All others are the first letters of Unicode.
+const WINDOWS_1252: [char; 32] = [
+    '\u{20ac}', '\u{81}', '\u{201a}', '\u{192}', '\u{201e}', '\u{2026}', '\u{2020}', '\u{2021}', //
+    '\u{2c6}', '\u{2030}', '\u{160}', '\u{2039}', '\u{152}', '\u{8d}', '\u{17d}', '\u{8f}', //
+    '\u{90}', '\u{2018}', '\u{2019}', '\u{201c}', '\u{201d}', '\u{2022}', '\u{2013}', '\u{2014}', //
+    '\u{2dc}', '\u{2122}', '\u{161}', '\u{203a}', '\u{153}', '\u{9d}', '\u{17e}', '\u{178}',
+];
+
+impl Encoding {
+    /// The encoding that the byte-order mark tells, or else the bytes, and the length of the mark.
+    fn of(bytes: &[u8]) -> (Encoding, usize) {
+        match bytes {
+            [0xef, 0xbb, 0xbf, ..] => (Encoding::Utf8, 3),
+            [0xff, 0xfe, ..] => (Encoding::Utf16Le, 2),
+            [0xfe, 0xff, ..] => (Encoding::Utf16Be, 2),
+            [a, 0, b, 0, ..] if *a > 0 && *b > 0 => (Encoding::Utf16Le, 0),
+            [0, a, 0, b, ..] if *a > 0 && *b > 0 => (Encoding::Utf16Be, 0),
+            _ if std::str::from_utf8(bytes).is_ok() => (Encoding::Utf8, 0),
+            _ => (Encoding::Windows1252, 0),
+        }
+    }
+
+    /// The text; what stands for no letter becomes U+FFFD.
+    fn text(self, bytes: &[u8]) -> Cow<'_, str> {
+        match self {
+            Encoding::Utf8 => String::from_utf8_lossy(bytes),
+            Encoding::Utf16Le => utf16(bytes, u16::from_le_bytes).into(),
+            Encoding::Utf16Be => utf16(bytes, u16::from_be_bytes).into(),
+            Encoding::Windows1252 => bytes.iter().map(|byte| windows_1252(*byte)).collect::<String>().into(),
+        }
+    }
+}
+
+fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    let letters = char::decode_utf16(pairs.iter().map(|pair| unit(*pair)));
+    let cut = (!rest.is_empty()).then_some(char::REPLACEMENT_CHARACTER);
+    letters.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).chain(cut).collect()
+}
+
+fn windows_1252(byte: u8) -> char {
+    let special = byte.checked_sub(0x80).and_then(|at| WINDOWS_1252.get(usize::from(at)));
+    special.copied().unwrap_or(char::from(byte))
+}
+
 /// The text, without its byte-order mark.
 pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
-    let (encoding, mark) = Encoding::for_bom(bytes).unwrap_or((bare(bytes), 0));
+    let (encoding, mark) = Encoding::of(bytes);
     let bytes = &bytes[mark..];
     if let Some((_, kind)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
         return Err(Error::Content(format!("this is not text with columns but {kind}")));
     }
     let control = |b: &u8| *b < b' ' && !b"\t\n\r\x0c\x1a".contains(b);
-    if encoding == WINDOWS_1252 && bytes.iter().take(4096).any(control) {
+    if encoding == Encoding::Windows1252 && bytes.iter().take(4096).any(control) {
         let at = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), |_| 0);
         return Err(Error::Content(format!(
             "this is not text with columns: byte 0x{:02x} on line {} is not text; if it is another format, give it the \
@@ -44,7 +97,7 @@ pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
             line_at(bytes, at)
         )));
     }
-    let (text, _) = encoding.decode_without_bom_handling(bytes);
+    let text = encoding.text(bytes);
     match text.find('\0') {
         None => Ok(text),
         Some(at) => Err(Error::Line {
@@ -54,16 +107,6 @@ pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
                       completely?)"
                 .into(),
         }),
-    }
-}
-
-/// The encoding of text without a byte-order mark.
-fn bare(bytes: &[u8]) -> &'static Encoding {
-    match bytes {
-        [a, 0, b, 0, ..] if *a > 0 && *b > 0 => UTF_16LE,
-        [0, a, 0, b, ..] if *a > 0 && *b > 0 => UTF_16BE,
-        _ if std::str::from_utf8(bytes).is_ok() => UTF_8,
-        _ => WINDOWS_1252,
     }
 }
 
@@ -105,6 +148,25 @@ mod tests {
             latin,
         ] {
             assert_eq!(decode(&bytes).unwrap(), text, "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn older_programs_write_signs_that_unicode_has_elsewhere() {
+        let bytes = b"\x80 \x81 \x8c \x96 \x9f \xa0 \xb5 \xff\n";
+        let signs = "\u{20ac} \u{81} \u{152} \u{2013} \u{178} \u{a0} \u{b5} \u{ff}\n";
+        assert_eq!(decode(bytes).unwrap(), signs);
+    }
+
+    #[test]
+    fn damaged_letters_are_replaced() {
+        let cases: [(&[u8], &str); 3] = [
+            (b"\xEF\xBB\xBFa\xB5b", "a\u{fffd}b"),
+            (b"\xFF\xFEa\0\x00\xD8b\0", "a\u{fffd}b"),
+            (b"\xFE\xFF\0ab", "a\u{fffd}"),
+        ];
+        for (bytes, text) in cases {
+            assert_eq!(decode(bytes).unwrap(), text, "{bytes:?}");
         }
     }
 

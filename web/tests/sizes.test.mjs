@@ -1,0 +1,17 @@
+// What a browser loads stays small.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { test } from "node:test";
+import { gzipSync } from "node:zlib";
+import { DIST } from "./modules.mjs";
+
+/** The largest sizes [bytes, gzipped]: just above those that were reached. */
+const LARGEST = { "files.wasm": 1, "models.wasm": 1, "reports.wasm": 1, "exports.wasm": 1, "lists.json": 1 };
+
+for (const [name, largest] of Object.entries(LARGEST)) {
+  test(`the size of ${name}`, (told) => {
+    const size = gzipSync(readFileSync(new URL(name, DIST)), { level: 9 }).length;
+    told.diagnostic(`${name}: ${size} bytes gzipped, ${largest} at most`);
+    assert.ok(size <= largest, `${name} has ${size} bytes gzipped, but ${largest} at most are loaded quickly`);
+  });
+}

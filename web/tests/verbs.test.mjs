@@ -1,0 +1,95 @@
+// Every verb works in its module, with every operator, controller and target.
+import assert from "node:assert/strict";
+import { readdirSync, readFileSync } from "node:fs";
+import { test } from "node:test";
+import { packed, unpacked } from "../dist/packet.js";
+import { call, file, lists, measured, module, renamed } from "./modules.mjs";
+
+const SECONDS = { ts: 1e-3, duration: 1 };
+const record = measured("record.csv", { kind: "rising-sine", frequency: 4, amplitude: 28, ...SECONDS });
+const other = measured("other.csv", { kind: "sine", frequency: 7, amplitude: 20, ...SECONDS });
+const path = renamed(
+  "path.csv",
+  call({ call: "excite", options: { kind: "sine", frequency: 2, amplitude: 3, unit: "um", ...SECONDS } }).files[0],
+);
+
+/** The model of this operator, of the record. */
+function identified(operator) {
+  const stages = [];
+  const request = { call: "identify", options: { operator, order: 2 }, files: { large_signal: [record.name] } };
+  const answer = call(request, [record], (stage) => stages.push(stage));
+  assert.match(answer.result.told, /^good to /);
+  assert.ok(stages.length > 0 && stages.every(({ what, done, total }) => what !== "" && done <= total));
+  return renamed("model.json", answer.files[0]);
+}
+
+const model = identified("prandtl-ishlinskii");
+const along = { model: [model.name], reference: [path.name] };
+
+test("a file is read, and a record is prepared", () => {
+  const files = { data: [record.name] };
+  assert.equal(call({ call: "inspect", files }, [record]).result.record.units.y, "um");
+  const prepared = call({ call: "prepare", options: { decimate: 2 }, files }, [record]);
+  assert.equal(prepared.series.get("u").length, 500);
+});
+
+const FORMATS = new URL("../../crates/piezoid/tests/golden/formats/", import.meta.url);
+
+for (const name of readdirSync(FORMATS)) {
+  test(`${name}, of another program, is read`, () => {
+    const bytes = new Uint8Array(readFileSync(new URL(name, FORMATS)));
+    const { result } = call({ call: "inspect", files: { data: [name] } }, [{ name, bytes }]);
+    assert.notEqual(result.format, "csv");
+    assert.ok(result.columns.length > 0);
+  });
+}
+
+for (const { name } of lists.operators) {
+  test(`${name} is identified`, () => void identified(name));
+}
+
+test("drives are planned", () => {
+  const options = { range: [0, 100], bandwidth: 20, driver: "e-610", capacitance: 1.5e-6 };
+  assert.equal(call({ call: "plan", options }).files.length, 7);
+});
+
+test("a model is proven and reported", () => {
+  const request = { files: { model: [model.name], data: [other.name] } };
+  const { result } = call({ call: "validate", ...request }, [model, other]);
+  assert.match(result.told, /good to/);
+  const page = new TextDecoder().decode(call({ call: "report", ...request }, [model, other]).files[0].bytes);
+  assert.match(page, /^<!DOCTYPE html>/);
+});
+
+test("a displacement becomes a voltage", () => {
+  const answer = call({ call: "compensate", files: along }, [model, path]);
+  assert.equal(answer.series.get("u").length, 1000);
+});
+
+for (const { name } of lists.controllers) {
+  test(`the controller ${name} follows a path`, () => {
+    const answer = call({ call: "control", options: { controller: [name] }, files: along }, [model, path]);
+    assert.equal(answer.series.get("y/0/0")?.length, 1000, JSON.stringify(answer.result));
+  });
+}
+
+for (const { name, operators } of lists.targets) {
+  test(`a model is exported to ${name}`, () => {
+    const of = identified(Object.keys(operators).find((operator) => operators[operator]));
+    const options = { target: name, name: "bender" };
+    assert.ok(call({ call: "export", options, files: along }, [of, path]).files.length > 0);
+  });
+}
+
+test("the paper's experiment says which estimator is missing", () => {
+  const answer = call({ call: "study", options: { plant: "paper" } });
+  const [study] = answer.result.studies;
+  assert.equal(study.optimum, null);
+  assert.ok(study.notes.some((note) => note.includes("least-absolute")));
+});
+
+test("an error is told in the words of the library", () => {
+  assert.throws(() => call({ call: "inspect", files: { data: ["a.csv"] } }, [file("a.csv", "")]), /the file is empty/);
+  const fly = packed({ call: "fly" }, []);
+  assert.throws(() => unpacked(module("files").answer(fly, () => {})), /no call called `fly`/);
+});
