@@ -3,6 +3,7 @@ import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { unzipSync } from "fflate";
 import { csv, download, isThere, launched, measured, opened, served } from "./browser.mjs";
+import { call } from "./modules.mjs";
 
 const skip = isThere ? false : "no Chromium";
 let server, browser, model;
