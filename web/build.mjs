@@ -6,7 +6,7 @@ const common = { bundle: true, format: "esm", target: "es2022", minify: true, ou
 
 await build({
   ...common,
-  entryPoints: { main: "src/main.tsx", worker: "src/worker.ts", library: "src/library.ts", module: "src/module.ts", packet: "src/packet.ts" },
+  entryPoints: { main: "src/main.tsx", worker: "src/worker.ts", library: "src/library.ts", module: "src/module.ts", packet: "src/packet.ts", server: "src/server.ts" },
   splitting: true,
   chunkNames: "[name]-[hash]",
   jsx: "automatic",

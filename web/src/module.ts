@@ -1,7 +1,7 @@
 // The library as a WebAssembly module: crates/piezoid-wasm tells its functions.
 
-/** What is told of long work: the task, the steps done and all steps. */
-export type Progress = (what: string, done: number, total: number) => void;
+/** What is told of long work: the task, the steps done and all steps, and figures that were found last. */
+export type Progress = (what: string, done: number, total: number, figures?: Record<string, number>) => void;
 
 interface Exports {
   memory: WebAssembly.Memory;

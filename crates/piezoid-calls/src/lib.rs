@@ -21,7 +21,7 @@ mod request;
 mod verbs;
 
 pub use lists::lists;
-pub use packet::answered;
+pub use packet::{answered, refused};
 pub use request::Request;
 pub use verbs::CALLS;
 
