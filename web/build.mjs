@@ -1,25 +1,22 @@
-// Bundles the page into dist/: `npm run build`.
-import { copyFileSync, mkdirSync } from "node:fs";
+// Bundles the page into dist/, and what `piezoid serve` needs of it into its crate: `npm run build`.
+import { copyFileSync, mkdirSync, rmSync } from "node:fs";
 import { build } from "esbuild";
 
-const common = { bundle: true, format: "esm", target: "es2022", minify: true, outdir: "dist", logLevel: "warning" };
+const common = {
+  bundle: true, format: "esm", target: "es2022", minify: true, outdir: "dist", logLevel: "warning", charset: "utf8",
+  jsx: "automatic", jsxImportSource: "preact",
+};
+const PAGE = ["index.html", "style.css", "icon.svg"];
+const SERVED = "../crates/piezoid-serve/page";
 
-await build({
-  ...common,
-  entryPoints: {
-    main: "src/main.tsx",
-    // For the tests.
-    library: "src/library.ts",
-    module: "src/module.ts",
-    packet: "src/packet.ts",
-    spectrum: "src/spectrum.ts",
-  },
-  splitting: true,
-  chunkNames: "[name]-[hash]",
-  jsx: "automatic",
-  jsxImportSource: "preact",
-});
+await build({ ...common, entryPoints: { main: "src/main.tsx" } });
 // A worker of the old kind: one file.
 await build({ ...common, format: "iife", entryPoints: { worker: "src/worker.ts" } });
-mkdirSync("dist", { recursive: true });
-for (const file of ["index.html", "style.css", "icon.svg"]) copyFileSync(file, `dist/${file}`);
+// For the tests.
+const parts = ["library", "module", "packet", "server", "spectrum"];
+await build({ ...common, outdir: "dist/parts", minify: false, entryPoints: parts.map((name) => `src/${name}.ts`) });
+for (const file of PAGE) copyFileSync(file, `dist/${file}`);
+
+rmSync(SERVED, { recursive: true, force: true });
+mkdirSync(SERVED);
+for (const file of [...PAGE, "main.js"]) copyFileSync(`dist/${file}`, `${SERVED}/${file}`);

@@ -3,11 +3,11 @@
 import { render } from "preact";
 import { App } from "./app.tsx";
 import { LocalLibrary } from "./library.ts";
+import { ServerLibrary, ServerStore } from "./server.ts";
 import { BrowserStore } from "./store.ts";
 import { Workspace } from "./workspace.ts";
 
 const served = document.documentElement.dataset["library"] === "server";
-const { ServerLibrary, ServerStore } = served ? await import("./server.ts") : ({} as typeof import("./server.ts"));
 const library = served ? new ServerLibrary() : new LocalLibrary(new URL("./", document.baseURI));
 const store = served ? new ServerStore() : new BrowserStore();
 const workspace = new Workspace(library, store);

@@ -6,7 +6,7 @@ export interface Stage {
   done: number;
   total: number;
   /** What was found last, by name; null for what is no number. */
-  figures: [string, number | null][];
+  figures: Record<string, number | null>;
 }
 
 /** What is told of long work. */

@@ -1,1 +1,170 @@
-export class ServerLibrary {} export class ServerStore {}
+// The library and the project folder of `piezoid serve`: crates/piezoid-serve tells its interface.
+
+import type { Library } from "./library.ts";
+import type { Progress } from "./module.ts";
+import { type Answer, Cancelled, type File, packed, Refused, type Request, unpacked } from "./packet.ts";
+import type { Store } from "./store.ts";
+
+const GONE = "piezoid serve does not answer: start it again in the same folder, then try again";
+
+/** Where this browser keeps the key. */
+const KEY = "piezoid-key";
+
+/** Browsers send at most 64 KiB for pages that are closed. */
+const KEPT_ALIVE = 60_000;
+
+const OCTETS = { "content-type": "application/octet-stream" };
+
+/** The server, with the key that it asks for. */
+export class Server {
+  static #here: Server | undefined;
+
+  constructor(
+    readonly root: string,
+    readonly key: string,
+  ) {}
+
+  /** The server of this page. The key is taken out of the address, and kept for when the page is opened without. */
+  static here(): Server {
+    return (Server.#here ??= new Server(location.origin, Server.#opened()));
+  }
+
+  static #opened(): string {
+    const address = new URL(location.href);
+    const given = address.searchParams.get("key");
+    if (given === null) return localStorage.getItem(KEY) ?? "";
+    localStorage.setItem(KEY, given);
+    address.searchParams.delete("key");
+    history.replaceState(history.state, "", address);
+    return given;
+  }
+
+  /** The response to a request; an error in the words of the server if it refuses. */
+  async ask(path: string, init: RequestInit = {}): Promise<Response> {
+    const headers = { ...init.headers, authorization: `Bearer ${this.key}` };
+    const response = await fetch(this.root + path, { ...init, headers, cache: "no-store" }).catch(() => gone(init.signal));
+    if (response.ok) return response;
+    const told = await response.json().catch(() => ({}));
+    throw new Refused(told.error ?? `piezoid serve refuses this: ${response.status} ${response.statusText}`);
+  }
+}
+
+function gone(signal?: AbortSignal | null): never {
+  throw signal?.aborted ? new Cancelled("cancelled") : new Error(GONE);
+}
+
+/** The library in processes of this machine. A signal that is aborted ends the call there too. */
+export class ServerLibrary implements Library {
+  #lists: Promise<any> | undefined;
+
+  constructor(readonly server = Server.here()) {}
+
+  lists(): Promise<any> {
+    this.#lists ??= this.server
+      .ask("/api/lists")
+      .then((response) => response.json())
+      .catch((error) => {
+        this.#lists = undefined;
+        throw error;
+      });
+    return this.#lists;
+  }
+
+  async call(request: Request, files: File[], progress: Progress = () => {}, signal?: AbortSignal): Promise<Answer> {
+    const body = packed(request, files) as BodyInit;
+    const response = await this.server.ask("/api/call", { method: "POST", headers: OCTETS, body, signal });
+    const reader = response.body!.getReader();
+    return unpacked(await answered(() => reader.read().catch(() => gone(signal)), progress));
+  }
+}
+
+/** What follows the lines of progress and the empty line. */
+async function answered(
+  read: () => Promise<ReadableStreamReadResult<Uint8Array>>,
+  progress: Progress,
+): Promise<Uint8Array> {
+  const text = new TextDecoder();
+  let pieces: Uint8Array[] = [];
+  let begun = false;
+  for (let { done, value } = await read(); !done; { done, value } = await read()) {
+    pieces.push(value!);
+    if (begun) continue;
+    let rest = joined(pieces);
+    for (let end = rest.indexOf(0x0a); end >= 0 && !begun; end = rest.indexOf(0x0a)) {
+      begun = end === 0;
+      if (!begun) progress(JSON.parse(text.decode(rest.subarray(0, end))));
+      rest = rest.subarray(end + 1);
+    }
+    pieces = [rest];
+  }
+  if (!begun) gone();
+  return joined(pieces);
+}
+
+/** The pieces one after the other, from the beginning of a buffer. */
+function joined(pieces: Uint8Array[]): Uint8Array {
+  const bytes = new Uint8Array(pieces.reduce((sum, piece) => sum + piece.length, 0));
+  let at = 0;
+  for (const piece of pieces) {
+    bytes.set(piece, at);
+    at += piece.length;
+  }
+  return bytes;
+}
+
+/** The files of the project folder. A file that was changed elsewhere since it was read is not overwritten. */
+export class ServerStore implements Store {
+  /** The folder may hold files of its user too. */
+  readonly own = false;
+  #tags = new Map<string, string>();
+  #last: Promise<unknown> = Promise.resolve();
+
+  constructor(readonly server = Server.here()) {}
+
+  async list(): Promise<{ name: string; size: number }[]> {
+    return (await this.server.ask("/api/files")).json();
+  }
+
+  async read(name: string): Promise<Uint8Array> {
+    const response = await this.server.ask(path(name));
+    const bytes = await response.arrayBuffer().catch(() => gone());
+    this.#known(name, response);
+    return new Uint8Array(bytes);
+  }
+
+  write(name: string, bytes: Uint8Array): Promise<void> {
+    return this.#afterwards(async () => {
+      const headers = { ...OCTETS, ...this.#version(name) };
+      // What is small is written even if the page is closed meanwhile.
+      const init = { method: "PUT", headers, body: bytes as BodyInit, keepalive: bytes.length < KEPT_ALIVE };
+      this.#known(name, await this.server.ask(path(name), init));
+    });
+  }
+
+  remove(name: string): Promise<void> {
+    return this.#afterwards(async () => {
+      const tag = this.#tags.get(name);
+      await this.server.ask(path(name), { method: "DELETE", headers: tag ? { "if-match": tag } : {} });
+      this.#tags.delete(name);
+    });
+  }
+
+  /** Changes are made one after the other, because each needs the version of the one before. */
+  #afterwards(change: () => Promise<void>): Promise<void> {
+    const made = this.#last.then(change);
+    this.#last = made.catch(() => {});
+    return made;
+  }
+
+  /** The version that may be replaced: the one that was read or written here last, else none. */
+  #version(name: string): Record<string, string> {
+    const tag = this.#tags.get(name);
+    return tag ? { "if-match": tag } : { "if-none-match": "*" };
+  }
+
+  #known(name: string, response: Response): void {
+    this.#tags.set(name, response.headers.get("etag") ?? "");
+  }
+}
+
+const path = (name: string) => `/api/files/${encodeURIComponent(name)}`;

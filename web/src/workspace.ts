@@ -194,7 +194,7 @@ export class Workspace {
     try {
       const progress = ({ what, done, total, figures }: Stage) => {
         Object.assign(job, { what, done, total });
-        told?.(what, Object.fromEntries(figures.filter(([, value]) => value !== null)) as Record<string, number>);
+        told?.(what, Object.fromEntries(Object.entries(figures).filter(([, value]) => value !== null)) as Record<string, number>);
         if (!quiet) this.changed();
       };
       return await this.library.call(request, files, progress, stop.signal);

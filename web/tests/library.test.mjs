@@ -4,7 +4,7 @@ import { readFile } from "node:fs/promises";
 import { createServer } from "node:http";
 import { after, before, test } from "node:test";
 import { Worker } from "node:worker_threads";
-import { Cancelled, LocalLibrary, Refused } from "../dist/library.js";
+import { Cancelled, LocalLibrary, Refused } from "../dist/parts/library.js";
 import { DIST, measured } from "./modules.mjs";
 
 const ENDLESS = { call: "study", options: { plant: "paper" } };

@@ -1,7 +1,7 @@
 // The modules in this thread, for tests.
 import { readFileSync } from "node:fs";
-import { Module } from "../dist/module.js";
-import { packed, unpacked } from "../dist/packet.js";
+import { Module } from "../dist/parts/module.js";
+import { packed, unpacked } from "../dist/parts/packet.js";
 
 export const DIST = new URL("../dist/", import.meta.url);
 

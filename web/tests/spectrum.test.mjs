@@ -1,7 +1,7 @@
 // The spectrum that the page draws, against the plain sums of the discrete Fourier transform.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { LONGEST, spectrum, transform } from "../dist/spectrum.js";
+import { LONGEST, spectrum, transform } from "../dist/parts/spectrum.js";
 
 /** Numbers from -1 to 1, always the same. */
 function numbers(count) {

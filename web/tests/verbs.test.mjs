@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
-import { packed, unpacked } from "../dist/packet.js";
+import { packed, unpacked } from "../dist/parts/packet.js";
 import { call, file, lists, measured, module, renamed } from "./modules.mjs";
 
 const SECONDS = { ts: 1e-3, duration: 1 };

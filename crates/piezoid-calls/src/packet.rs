@@ -40,8 +40,13 @@ pub fn answered(request: &[u8], progress: &mut Progress) -> Vec<u8> {
             packed
         }
         Err(Error::Cancelled { .. }) => head(&json!({"error": "cancelled", "cancelled": true})),
-        Err(error) => head(&json!({"error": error.to_string()})),
+        Err(error) => refused(&error.to_string()),
     }
+}
+
+/// An error as a packed answer.
+pub fn refused(error: &str) -> Vec<u8> {
+    head(&json!({"error": error}))
 }
 
 /// The length of a head, and the head.
@@ -60,17 +65,17 @@ fn fill(packed: &mut Vec<u8>, with: u8) {
 
 /// The request in bytes, and its files.
 fn unpacked(packed: &[u8]) -> Result<(Request, Vec<File>), Error> {
-    let refused = |why: &str| Error::Content(format!("this is not a request: {why}"));
-    let (length, rest) = packed.split_first_chunk::<4>().ok_or_else(|| refused("it has fewer than 4 bytes"))?;
+    let no = |why: &str| Error::Content(format!("this is not a request: {why}"));
+    let (length, rest) = packed.split_first_chunk::<4>().ok_or_else(|| no("it has fewer than 4 bytes"))?;
     let length = u32::from_le_bytes(*length) as usize;
-    let head = rest.get(..length).ok_or_else(|| refused("it ends within its head"))?;
-    let mut head: Value = serde_json::from_slice(head).map_err(|e| refused(&format!("its head is not JSON: {e}")))?;
+    let head = rest.get(..length).ok_or_else(|| no("it ends within its head"))?;
+    let mut head: Value = serde_json::from_slice(head).map_err(|e| no(&format!("its head is not JSON: {e}")))?;
     let bytes = head.as_object_mut().and_then(|head| head.remove("bytes")).unwrap_or_default();
-    let names: Option<Vec<(String, usize)>> = serde_json::from_value(bytes).map_err(|e| refused(&e.to_string()))?;
+    let names: Option<Vec<(String, usize)>> = serde_json::from_value(bytes).map_err(|e| no(&e.to_string()))?;
     let mut at = 4 + length;
     let mut file = |(name, length): (String, usize)| {
         let end = at.checked_add(length).filter(|end| *end <= packed.len());
-        let end = end.ok_or_else(|| refused(&format!("it ends within the file `{name}`")))?;
+        let end = end.ok_or_else(|| no(&format!("it ends within the file `{name}`")))?;
         let file = File::new(name, &packed[at..end]);
         at = end.next_multiple_of(ALIGN);
         Ok(file)

@@ -94,7 +94,10 @@ fn unwritable(path: &Path, error: &io::Error) -> Error {
 }
 
 /// A file beside `path`, which is deleted unless it is kept.
-fn beside(path: &Path) -> io::Result<NamedTempFile> {
+///
+/// # Errors
+/// Returns the error of the file system.
+pub fn beside(path: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

@@ -1,9 +1,9 @@
 //! Progress of long tasks, and their cancellation.
 
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use std::ops::ControlFlow;
 
-/// The present progress of a task.
+/// The present progress of a task. As a document, `figures` are an object.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Stage<'a> {
     /// Name of the task as a noun phrase: "linear block by swarm".
@@ -13,6 +13,7 @@ pub struct Stage<'a> {
     /// Number of all steps.
     pub total: usize,
     /// What was found last, by name: the errors of an operator, the cost of a search. Empty most of the time.
+    #[serde(serialize_with = "by_name")]
     pub figures: &'a [(&'a str, f64)],
 }
 
@@ -34,4 +35,8 @@ impl<'a> Stage<'a> {
     pub fn ignore(_: Stage) -> ControlFlow<()> {
         ControlFlow::Continue(())
     }
+}
+
+fn by_name<S: Serializer>(figures: &&[(&str, f64)], serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_map(figures.iter().copied())
 }

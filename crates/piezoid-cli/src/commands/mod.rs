@@ -11,6 +11,7 @@ mod lists;
 mod plan;
 mod prepare;
 mod report;
+mod serve;
 mod shell;
 mod simulate;
 mod study;
@@ -47,6 +48,8 @@ pub(crate) enum Verb {
     Export(export::Export),
     /// Write a self-contained HTML report on a model and how well it predicts records.
     Report(report::Report),
+    /// Serve the page of piezoid on this machine: all of this in a browser, with a project folder.
+    Serve(serve::Serve),
     /// List the hysteresis operators.
     Operators(lists::List),
     /// List the simulated actuators, or show the parameters of one.
@@ -84,6 +87,7 @@ impl Verb {
             Verb::Control(verb) => verb.run(console),
             Verb::Export(verb) => verb.run(console),
             Verb::Report(verb) => verb.run(console),
+            Verb::Serve(verb) => verb.run(console),
             Verb::Operators(verb) => verb.run(&lists::operators(), console),
             Verb::Plants(verb) => verb.run(console),
             Verb::Excitations(verb) => verb.run(&lists::excitations(), console),

@@ -24,6 +24,7 @@ mod prepare;
 mod process;
 mod proof;
 mod quality;
+mod serve;
 mod study;
 mod tour;
 mod twins;

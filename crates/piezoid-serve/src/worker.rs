@@ -1,0 +1,48 @@
+//! The process of one call: request on stdin, lines of progress and the answer on stdout.
+
+use piezoid::progress::Stage;
+use serde_json::json;
+use std::io::{Error, Read, Write, stdin, stdout};
+use std::ops::ControlFlow;
+use std::time::{Duration, Instant};
+
+/// Progress is told so often at most, unless a new task begins or there are figures.
+const PAUSE: Duration = Duration::from_millis(50);
+
+/// Answers one request. On stdin are its length (8 bytes, little-endian) and the request; when stdin ends, nobody waits
+/// for the answer any more, and the process ends. On stdout are lines `{"what": ..., "done": ..., "total": ...,
+/// "figures": {...}}`, an empty line, and the packed answer.
+///
+/// # Errors
+/// Returns the error of stdin or stdout.
+pub fn answer() -> Result<(), Error> {
+    let mut length = [0; 8];
+    stdin().read_exact(&mut length)?;
+    let (length, mut request) = (u64::from_le_bytes(length), Vec::new());
+    stdin().lock().take(length).read_to_end(&mut request)?;
+    if request.len() as u64 != length {
+        return Err(Error::other(format!("the request has {} bytes of {length}", request.len())));
+    }
+    std::thread::spawn(|| {
+        while stdin().read(&mut [0]).is_ok_and(|count| count > 0) {}
+        std::process::exit(1);
+    });
+    let mut told: Option<(String, Instant)> = None;
+    let mut tell = |stage: Stage| {
+        let soon = |(last, at): &(String, Instant)| last == stage.what && at.elapsed() < PAUSE;
+        if stage.figures.is_empty() && told.as_ref().is_some_and(soon) {
+            return ControlFlow::Continue(());
+        }
+        told = Some((stage.what.to_string(), Instant::now()));
+        let line = format!("{}\n", json!(stage));
+        match stdout().lock().write_all(line.as_bytes()).and_then(|()| stdout().flush()) {
+            Ok(()) => ControlFlow::Continue(()),
+            Err(_) => ControlFlow::Break(()),
+        }
+    };
+    let answer = piezoid_calls::answered(&request, &mut tell);
+    let mut out = stdout().lock();
+    out.write_all(b"\n")?;
+    out.write_all(&answer)?;
+    out.flush()
+}

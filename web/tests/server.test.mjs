@@ -1,0 +1,105 @@
+// What the page does with the answers of `piezoid serve`, whose place another server takes here.
+import assert from "node:assert/strict";
+import { createServer } from "node:http";
+import { after, before, test } from "node:test";
+import { setTimeout as pause } from "node:timers/promises";
+import { Server, ServerLibrary, ServerStore } from "../dist/parts/server.js";
+
+const INSPECT = { call: "inspect" };
+
+/** The answer in bytes. */
+function packed(document, samples) {
+  const head = new TextEncoder().encode(JSON.stringify(document).padEnd(100));
+  return Buffer.concat([Buffer.from(new Uint32Array([head.length]).buffer), head, Buffer.from(new Float64Array(samples).buffer)]);
+}
+
+let web, root;
+let answer = () => {};
+
+before(async () => {
+  web = createServer((request, response) => answer(request, response));
+  await new Promise((resolve) => web.listen(0, "127.0.0.1", resolve));
+  root = `http://127.0.0.1:${web.address().port}`;
+});
+after(() => {
+  web.closeAllConnections();
+  web.close();
+});
+
+const library = () => new ServerLibrary(new Server(root, "secret"));
+const store = () => new ServerStore(new Server(root, "secret"));
+
+test("progress is told and the answer read, however they are cut", async () => {
+  const bytes = packed({ result: { a: 1 }, series: [["u", 2]], bytes: [] }, [0.5, 5.25]);
+  const whole = Buffer.concat([Buffer.from('{"what":"x µ","done":1,"total":2,"figures":{"c":0.5}}\n{"what":"y","done":2,"total":2,"figures":{}}\n\n'), bytes]);
+  for (const size of [1, 7, 40, whole.length]) {
+    answer = async (request, response) => {
+      assert.equal(request.headers.authorization, "Bearer secret");
+      assert.equal(request.headers["content-type"], "application/octet-stream");
+      for (let at = 0; at < whole.length; at += size) {
+        response.write(whole.subarray(at, at + size));
+        if (size > 1) await pause(1);
+      }
+      response.end();
+    };
+    const stages = [];
+    const { result, series } = await library().call(INSPECT, [], (...stage) => stages.push(stage));
+    assert.deepEqual([result, Array.from(series.get("u"))], [{ a: 1 }, [0.5, 5.25]]);
+    assert.deepEqual(stages, [["x µ", 1, 2, { c: 0.5 }], ["y", 2, 2, {}]]);
+  }
+});
+
+test("a refusal is told in the words of the server, and one of the library in its words", async () => {
+  answer = (_, response) => response.writeHead(503).end('{"error":"32 calls wait"}');
+  await assert.rejects(library().call(INSPECT, []), { message: "32 calls wait" });
+  await assert.rejects(library().lists(), { message: "32 calls wait" });
+  answer = (_, response) => response.end(Buffer.concat([Buffer.from("\n"), packed({ error: "no such verb" }, [])]));
+  await assert.rejects(library().call(INSPECT, []), { message: "no such verb" });
+});
+
+test("a server that is gone, or goes, is told with what to do", async () => {
+  const told = { message: /^piezoid serve does not answer: start it again in the same folder/ };
+  const nobody = new Server("http://127.0.0.1:9", "secret");
+  await assert.rejects(new ServerLibrary(nobody).call(INSPECT, []), told);
+  await assert.rejects(new ServerStore(nobody).list(), told);
+  for (const start of ["", '{"what":"x","done":1,"total":2}\n', "\nhalf"]) {
+    answer = (_, response) => response.write(start || " ", () => response.destroy());
+    await assert.rejects(library().call(INSPECT, []), told);
+  }
+});
+
+test("a call that is cancelled ends, before and after it begins", async () => {
+  let closed;
+  const ended = new Promise((resolve) => (closed = resolve));
+  answer = (_, response) => {
+    response.on("close", closed);
+    response.write('{"what":"x","done":1,"total":2}\n');
+  };
+  const stop = new AbortController();
+  const call = library().call(INSPECT, [], () => stop.abort(), stop.signal);
+  await assert.rejects(call, { message: "cancelled" });
+  await ended;
+  await assert.rejects(library().call(INSPECT, [], undefined, stop.signal), { message: "cancelled" });
+});
+
+test("a file is written in place of the version that was read, or of none", async () => {
+  const seen = [];
+  answer = (request, response) => {
+    seen.push([request.method, request.url, request.headers["if-match"], request.headers["if-none-match"]]);
+    response.writeHead(200, { etag: `"${seen.length}"` }).end("content");
+  };
+  const files = store();
+  // The second needs the version of the first, though it is asked for at once.
+  await Promise.all([0, 1].map(() => files.write("µ 1/2.csv", new Uint8Array(3))));
+  assert.equal(new TextDecoder().decode(await files.read("b")), "content");
+  await files.write("b", new Uint8Array(3));
+  await files.remove("b");
+  const path = "/api/files/%C2%B5%201%2F2.csv";
+  assert.deepEqual(seen, [
+    ["PUT", path, undefined, "*"],
+    ["PUT", path, '"1"', undefined],
+    ["GET", "/api/files/b", undefined, undefined],
+    ["PUT", "/api/files/b", '"3"', undefined],
+    ["DELETE", "/api/files/b", '"4"', undefined],
+  ]);
+});
