@@ -1,6 +1,7 @@
-// Bundles the page into dist/: `npm run build`.
-import { copyFileSync, mkdirSync } from "node:fs";
+// Bundles the page into dist/, and the plots of reports into the crate that writes them: `npm run build`.
+import { copyFileSync, mkdirSync, writeFileSync } from "node:fs";
 import { build } from "esbuild";
+import { FIGURES, figures } from "./figures.mjs";
 
 const common = { bundle: true, format: "esm", target: "es2022", minify: true, outdir: "dist", logLevel: "warning" };
 
@@ -14,3 +15,4 @@ await build({
 });
 mkdirSync("dist", { recursive: true });
 for (const file of ["index.html", "style.css", "icon.svg"]) copyFileSync(file, `dist/${file}`);
+writeFileSync(FIGURES, await figures());

@@ -198,6 +198,7 @@ mod tests {
         for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
             assert!(plain.contains(said), "{said}");
         }
+        let plain = plain.split("<script>").next().unwrap();
         for absent in ["Creep", "Driver", "image"] {
             assert!(!plain.contains(absent), "{absent}");
         }
