@@ -10,11 +10,11 @@ use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
 use piezoid::waveform::reversals;
 use piezoid::{
-    CompensateOptions, ControlOptions, Error, ExciteOptions, File, IdentifyOptions, OptionKind, OptionRow, Options,
-    PlanOptions, PrepareOptions, SimulateOptions, options,
+    CompareOptions, CompensateOptions, ControlOptions, Error, ExciteOptions, File, IdentifyOptions, OptionKind,
+    OptionRow, Options, PlanOptions, PrepareOptions, SimulateOptions, options,
 };
 use piezoid_export::ExportOptions;
-use piezoid_report::report::{report, tracking};
+use piezoid_report::report::{comparison, identification, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
 use serde_json::{Value, json};
 
@@ -117,6 +117,13 @@ pub const CALLS: &[Call] = &[
         roles: &[MODEL, DATA],
         rows: ValidateOptions::rows,
         run: |given, _| validate(given),
+    },
+    Call {
+        name: "compare",
+        summary: "free runs of several models against the same records",
+        roles: &[role("model", 1, MANY), DATA],
+        rows: CompareOptions::rows,
+        run: |given, _| compare(given),
     },
     Call {
         name: "compensate",
@@ -238,7 +245,9 @@ fn identify(given: &Given, progress: &mut Progress) -> Result<Answer, Error> {
         "model": made.model.to_string(), "verdict": made.model.verdict(), "told": told(&made.model),
         "notes": made.found.notes, "reasons": made.found.reasons, "found": made.to_json(),
     });
-    Ok(Answer { result, files: vec![File::new("model.json", made.model.to_json())], ..Answer::default() })
+    let page = File::new("report.html", identification(&made).html());
+    let files = vec![File::new("model.json", made.model.to_json()), page];
+    Ok(Answer { result, files, ..Answer::default() })
 }
 
 /// The verdict on a model in words.
@@ -262,6 +271,13 @@ fn validate(given: &Given) -> Result<Answer, Error> {
         series.extend(all.map(|(name, samples)| (format!("{name}/{k}"), samples.to_vec())));
     }
     Ok(Answer { result, series, files: Vec::new() })
+}
+
+fn compare(given: &Given) -> Result<Answer, Error> {
+    let options = given.options::<CompareOptions>()?;
+    let made = options.run(&given.all("model")?, &given.all("data")?, &given.columns()?)?;
+    let files = vec![File::new("compare.html", comparison(&made).html())];
+    Ok(Answer { result: made.to_json(), series: Vec::new(), files })
 }
 
 fn compensate(given: &Given) -> Result<Answer, Error> {
