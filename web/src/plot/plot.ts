@@ -381,18 +381,28 @@ export class Plot {
       this.#readout.value = `${name}${short(x)} ${unit(figure.x.unit)}, ${short(y)} ${unit(frame.panel.y.unit)}`;
       return;
     }
+    // At a sample, so that all that is told belongs together.
+    const shown = this.#frames.flatMap(({ panel }) =>
+      panel.series.filter((series) => !this.#hidden.has(series.name)).map((series) => ({ panel, series })),
+    );
+    const samples = (x: number) =>
+      shown.flatMap(({ panel, series }) => {
+        const k = nearest(series, x);
+        return k === undefined ? [] : [{ panel, series, k }];
+      });
+    const under = valueX(figure, frame, at.x);
+    const away = (x: number) => Math.abs(pixelX(figure, frame, x) - at.x);
+    const places = samples(under).map(({ series, k }) => place(series, k));
+    const next = places.sort((a, b) => away(a) - away(b)).find((x) => x >= frame.x.from && x <= frame.x.to);
+    const x = next ?? under;
     const [first, last] = [this.#frames[0]!.area, this.#frames.at(-1)!.area];
+    const line = pixelX(figure, frame, x);
     context.beginPath();
-    context.moveTo(at.x, first.y);
-    context.lineTo(at.x, last.y + last.height);
+    context.moveTo(line, first.y);
+    context.lineTo(line, last.y + last.height);
     context.stroke();
-    const x = valueX(figure, frame, at.x);
-    const values = this.#frames.flatMap(({ panel }) =>
-      panel.series
-        .filter((series) => !this.#hidden.has(series.name))
-        .map((series) => ({ panel, series, k: nearest(series, x) }))
-        .filter(({ k }) => k !== undefined)
-        .map(({ panel, series, k }) => `${series.name} ${short(series.y[k!]!)} ${unit(panel.y.unit)}`),
+    const values = samples(x).map(
+      ({ panel, series, k }) => `${series.name} ${short(series.y[k]!)} ${unit(panel.y.unit)}`,
     );
     this.#readout.value = [`${short(x)} ${unit(figure.x.unit)}`, ...values].join(" \u00b7 ");
   }
