@@ -111,7 +111,8 @@ fn help_fits_a_terminal_of_80_columns_and_every_working_verb_has_examples() {
         .iter()
         .map(|row| format!("excite {}", row["name"].as_str().unwrap()))
         .collect();
-    let verbs = ["", "study", "excite", "simulate", "identify", "validate", "compare", "report", "plants", "completions"];
+    let verbs =
+        ["", "study", "excite", "simulate", "identify", "validate", "compare", "report", "plants", "completions"];
     let verbs = verbs.into_iter().chain(["man"]);
     for verb in verbs.chain(kinds.iter().map(String::as_str)) {
         for flag in ["-h", "--help"] {

@@ -95,8 +95,8 @@ fn is_false(value: &bool) -> bool {
 }
 
 impl Figure {
-    /// The plots of this figure for the inside of a `script` element, as JSON without markup; `None` without any data. A
-    /// series without a name has that of the series in `beside` which looks the same.
+    /// The plots of this figure for the inside of a `script` element, as JSON without markup; `None` without any data.
+    /// A series without a name has that of the series in `beside` which looks the same.
     pub(crate) fn data(&self, beside: &[Figure]) -> Option<String> {
         let all = || self.panels.iter().flat_map(|panel| &panel.series);
         if all().all(Series::is_empty) {

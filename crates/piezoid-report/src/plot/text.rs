@@ -26,8 +26,8 @@ pub(crate) fn shown(text: &str) -> String {
     escape(&rendered(text))
 }
 
-/// A text for people: `um` that stands as a unit is `µm`. Data and models keep `um`; this is the only place where a unit
-/// is rendered.
+/// A text for people: `um` that stands as a unit is `µm`. Data and models keep `um`; this is the only place where a
+/// unit is rendered.
 pub(super) fn rendered(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;

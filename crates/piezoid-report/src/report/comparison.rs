@@ -58,24 +58,25 @@ fn errors(compared: &ModelComparison, records: &[Compared]) -> Section {
     section.table(blocks(models)).table(by_record(models, records)).list(models.iter().map(verdict))
 }
 
-/// What the models are made of.
+/// Errors over all records, and what the models are made of.
 fn blocks(models: &[ComparedModel]) -> PageTable {
-    let table = PageTable::new("Models").text("model").text("operator").number("numbers").number("order");
-    let table = table.number("creep [%]").number("rms / peak-to-peak [%]").number("NRMSE [%]").number("fit [%]");
+    let table = PageTable::new("Models").text("model").text("operator").number("rms / peak-to-peak [%]");
+    let table = table.number("NRMSE [%]").number("fit [%]").number("parameters").number("order").number("creep [%]");
     let least = least(models.iter().map(|one| one.validated.total().rms_pp_percent));
     let row = |one: &ComparedModel| {
         let (model, total) = (&one.model, one.validated.total());
         let creep: f64 = model.creep().lags().iter().map(|lag| lag.gain).sum();
         let error = Cell::from(short(total.rms_pp_percent));
-        let what = [one.name.clone(), model.hysteresis().operator().name.into(), one.parameters().to_string()];
-        let more = [model.linear().a().len().to_string(), short(100.0 * creep)];
-        let figures = [short(total.nrmse_percent), short(total.fit_percent)].map(Cell::from);
         let error = if total.rms_pp_percent == least { error.best() } else { error };
-        what.into_iter().chain(more).map(Cell::from).chain([error]).chain(figures).collect::<Vec<_>>()
+        let what = [one.name.clone(), model.hysteresis().operator().name.into()].map(Cell::from);
+        let errors = [error, short(total.nrmse_percent).into(), short(total.fit_percent).into()];
+        let order = model.linear().a().len().to_string();
+        let size = [one.parameters().to_string(), order, short(100.0 * creep)].map(Cell::from);
+        what.into_iter().chain(errors).chain(size).collect::<Vec<_>>()
     };
     models.iter().fold(table, |table, one| table.row(row(one))).note(
-        "Numbers: those that describe the hysteresis block. Order: that of the linear block. Errors of the free run, \
-        over all records.",
+        "Errors of the free run, over all records. Parameters: the numbers that describe the hysteresis block. Order: \
+        that of the linear block.",
     )
 }
 
@@ -127,7 +128,10 @@ fn by_bins(models: &[ComparedModel]) -> Vec<Figure> {
                 axes = axes.with(styled(series, k).named(if j == 0 { one.name.as_str() } else { "" }));
             }
         }
-        let joined = ["Points: cycles of the input; joined: spectra, of inputs without cycles.", "From the cycles of the input."][which];
+        let joined = [
+            "Points: cycles of the input; joined: spectra, of inputs without cycles.",
+            "From the cycles of the input.",
+        ][which];
         let caption = format!("Rms error over the standard deviation of the output, over all records. {joined}");
         Some(Figure::new(title, caption).panel(axes))
     };
