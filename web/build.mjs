@@ -1,6 +1,8 @@
-// Bundles the page into dist/, and what `piezoid serve` needs of it into its crate: `npm run build`.
-import { copyFileSync, mkdirSync, rmSync } from "node:fs";
+// Bundles the page into dist/, what `piezoid serve` needs of it into its crate, and the plots of reports into the crate
+// that writes them: `npm run build`.
+import { copyFileSync, mkdirSync, rmSync, writeFileSync } from "node:fs";
 import { build } from "esbuild";
+import { FIGURES, figures } from "./figures.mjs";
 
 const common = {
   bundle: true, format: "esm", target: "es2022", minify: true, outdir: "dist", logLevel: "warning", charset: "utf8",
@@ -20,3 +22,4 @@ for (const file of PAGE) copyFileSync(file, `dist/${file}`);
 rmSync(SERVED, { recursive: true, force: true });
 mkdirSync(SERVED);
 for (const file of [...PAGE, "main.js"]) copyFileSync(`dist/${file}`, `${SERVED}/${file}`);
+writeFileSync(FIGURES, await figures());

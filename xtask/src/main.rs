@@ -24,7 +24,11 @@ const VERBS: [(&str, &str, Work); 8] = [
     ),
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
     ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
-    ("web", "the library as modules for browsers in web/dist, and its tests (Node.js)", web::web),
+    (
+        "web",
+        "the page and its modules in web/dist, the plots of reports, and their tests (Node.js, Chromium)",
+        web::web,
+    ),
     ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
     ("fuzz", "damaged files of every format for a minute each (cargo-fuzz)", fuzz),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),

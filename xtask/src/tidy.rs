@@ -28,7 +28,7 @@ const FOREIGN: [&str; 9] =
     ["nalgebra", "rustfft", "rand", "rand_chacha", "rand_distr", "rayon", "clarabel", "csv", "minijinja"];
 
 /// Maximum number of public items of the three crates.
-const ITEMS: usize = 160;
+const ITEMS: usize = 165;
 
 /// Statements of pages on the length of a list: page, phrase with `#` for the number, file and name of the list.
 const COUNTS: [(&str, &str, &str, &str); 7] = [

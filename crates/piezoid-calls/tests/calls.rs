@@ -71,6 +71,9 @@ fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
     assert!(export("c").files.iter().any(|file| file.name == "bender.c"));
     let page = answer(json!({"call": "report", "files": {"model": ["model.json"], "data": ["b.csv"]}}), &files);
     assert!(page.files[0].text().unwrap().starts_with("<!DOCTYPE html>"));
+    let files_of = json!({"model": ["model.json", "model.json"], "data": ["b.csv"]});
+    let both = answer(json!({"call": "compare", "files": files_of}), &files);
+    assert_eq!((both.result["models"].as_array().map(Vec::len), &*both.files[0].name), (Some(2), "compare.html"));
     let options = json!({"plant": "pl140", "controller": ["gain", "feed-forward"]});
     let run = answer(json!({"call": "control", "options": options, "files": of}), &files);
     assert_eq!((run.series.len(), run.files[0].name.as_str()), (6, "control.html"));

@@ -77,6 +77,7 @@ pub use preparation::{PrepareOptions, Trend};
 pub use record::{Record, Units};
 pub use system::System;
 pub use verbs::{
-    Compared, CompensateOptions, Compensation, ControlOptions, ExciteOptions, Excited, File, Identification, Plan,
-    PlanOptions, PlannedDrive, SimulateOptions, Simulated, TuneOptions, Validated, Verdict,
+    CompareOptions, Compared, ComparedModel, CompensateOptions, Compensation, ControlOptions, ExciteOptions, Excited,
+    File, Identification, ModelComparison, Plan, PlanOptions, PlannedDrive, SimulateOptions, Simulated, TuneOptions,
+    Validated, Verdict,
 };

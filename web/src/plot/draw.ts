@@ -6,7 +6,9 @@ import { ticks, unit, written } from "./ticks.ts";
 /** What draws: a canvas, or a writer of SVG. Its names are those of a canvas. */
 export interface Pen {
   stroke(points: Float64Array, count: number, style: Stroke): void;
-  dots(points: Float64Array, count: number, colour: string, radius: number): void;
+  dots(points: Float64Array, count: number, colour: string, radius: number, opacity?: number): void;
+  /** The inside of an outline, pale. */
+  inside(points: Float64Array, count: number, colour: string): void;
   rectangle(x: number, y: number, width: number, height: number, colour: string): void;
   text(text: string, x: number, y: number, colour: string, align: "left" | "center" | "right", upright?: boolean): void;
   clipped(area: Area, draw: () => void): void;
@@ -107,6 +109,11 @@ export function draw(pen: Pen, figure: Figure, frames: Frame[], theme: Theme, hi
         pen.stroke(Float64Array.of(frame.area.x, at, frame.area.x + frame.area.width, at), 2, limit(theme));
         pen.text(level.label, frame.area.x + frame.area.width - 4, beside(at, frame.area), theme.text, "right");
       }
+      for (const { at: x, label } of frame.panel.places ?? []) {
+        const at = pixelX(figure, frame, x);
+        pen.stroke(Float64Array.of(at, frame.area.y, at, frame.area.y + frame.area.height), 2, limit(theme));
+        pen.text(label, at + 4, frame.area.y + 12, theme.text, "left");
+      }
       for (const { from, to } of k === 0 ? (figure.lines ?? []) : []) {
         const ends = [from, to].flatMap(([x, y]) => [pixelX(figure, frame, x), pixelY(frame, y)]);
         pen.stroke(Float64Array.from(ends), 2, limit(theme));
@@ -168,15 +175,26 @@ function roomFor(count: number): Float64Array {
 
 function curve(pen: Pen, figure: Figure, frame: Frame, series: Series, theme: Theme): void {
   const colour = theme.series[(series.colour ?? 0) % theme.series.length]!;
-  const points = series.style === "points";
+  if (series.lower) return band(pen, figure, frame, series, colour);
+  const cloud = series.style === "dots";
+  const points = cloud || series.style === "points";
   const [first, last] = figure.loops ? [0, series.y.length] : within(series, frame.x);
   const dense = !figure.loops && !points && last - first > 4 * frame.area.width;
   const count = dense ? columns(figure, frame, series, first, last) : all(figure, frame, series, first, last);
-  if (points) return pen.dots(room, count, colour, 3);
+  if (points) return pen.dots(room, count, colour, cloud ? 1.4 : 3, cloud ? 0.5 : 1);
   const pale = series.style === "pale";
-  const dash = series.style === "dashed" ? [6, 4] : undefined;
+  const dash = series.dash ?? (series.style === "dashed" ? [6, 4] : undefined);
   pen.stroke(room, count, { colour: pale ? theme.pale : colour, width: dense ? 1 : pale ? 5 : 1.5, ...(dash && { dash }) });
   if (series.style === "marks") pen.dots(room, count, colour, 3.5);
+}
+
+/** The area between a series and its lower edge. */
+function band(pen: Pen, figure: Figure, frame: Frame, series: Series, colour: string): void {
+  const n = series.y.length;
+  const at = (k: number, y: number) => [pixelX(figure, frame, place(series, k)), pixelY(frame, y)];
+  const upper = Array.from(series.y, (y, k) => at(k, y));
+  const lower = Array.from(series.lower!, (y, k) => at(k, y)).reverse();
+  pen.inside(Float64Array.from([...upper, ...lower].flat()), 2 * n, colour);
 }
 
 /** The points of a series whose x rises: of each column of pixels the first, lowest, highest and last. */
@@ -262,9 +280,10 @@ export class CanvasPen implements Pen {
     context.stroke();
   }
 
-  dots(points: Float64Array, count: number, colour: string, radius: number): void {
+  dots(points: Float64Array, count: number, colour: string, radius: number, opacity = 1): void {
     const { context } = this;
     context.fillStyle = colour;
+    context.globalAlpha = opacity;
     context.beginPath();
     for (let k = 0; k < count; k++) {
       const [x, y] = [points[2 * k]!, points[2 * k + 1]!];
@@ -272,6 +291,17 @@ export class CanvasPen implements Pen {
       context.arc(x, y, radius, 0, 2 * Math.PI);
     }
     context.fill();
+    context.globalAlpha = 1;
+  }
+
+  inside(points: Float64Array, count: number, colour: string): void {
+    const { context } = this;
+    context.beginPath();
+    for (let k = 0; k < count; k++) context.lineTo(points[2 * k]!, points[2 * k + 1]!);
+    context.fillStyle = colour;
+    context.globalAlpha = 0.2;
+    context.fill();
+    context.globalAlpha = 1;
   }
 
   rectangle(x: number, y: number, width: number, height: number, colour: string): void {
@@ -321,11 +351,18 @@ export class SvgPen implements Pen {
     this.#parts.push(`<path d="${path}" fill="none" stroke="${colour}" stroke-width="${width}"${dashes}/>`);
   }
 
-  dots(points: Float64Array, count: number, colour: string, radius: number): void {
+  dots(points: Float64Array, count: number, colour: string, radius: number, opacity = 1): void {
+    this.#parts.push(`<g fill="${colour}" fill-opacity="${opacity}">`);
     for (let k = 0; k < count; k++) {
-      const [x, y] = [points[2 * k]!.toFixed(2), points[2 * k + 1]!.toFixed(2)];
-      this.#parts.push(`<circle cx="${x}" cy="${y}" r="${radius}" fill="${colour}"/>`);
+      const [x, y] = [points[2 * k]!, points[2 * k + 1]!];
+      if (Number.isFinite(x + y)) this.#parts.push(`<circle cx="${x.toFixed(2)}" cy="${y.toFixed(2)}" r="${radius}"/>`);
     }
+    this.#parts.push("</g>");
+  }
+
+  inside(points: Float64Array, count: number, colour: string): void {
+    const corners = Array.from(points.subarray(0, 2 * count), (value) => value.toFixed(2)).join(" ");
+    this.#parts.push(`<polygon points="${corners}" fill="${colour}" fill-opacity="0.2"/>`);
   }
 
   rectangle(x: number, y: number, width: number, height: number, colour: string): void {

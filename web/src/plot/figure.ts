@@ -6,6 +6,8 @@ export interface Axis {
   unit: string;
   /** Logarithmic. */
   log?: boolean;
+  /** What is shown at first; all samples without it. */
+  span?: Span;
 }
 
 /** Samples against x; without `x` they are `step` apart, from `start` on. */
@@ -17,8 +19,13 @@ export interface Series {
   step?: number;
   /** Number of its colour; 0 is the colour of measurements. */
   colour?: number;
-  /** `pale`: wide and pale, for what was measured, below a model. `points`: not joined. `marks`: joined points. */
-  style?: "line" | "pale" | "points" | "marks" | "dashed";
+  /** `pale`: wide and pale, for what was measured, below a model. `points`: not joined; `dots`: the same, small, for
+   * clouds. `marks`: joined points. `band`: the area down to `lower`. */
+  style?: "line" | "pale" | "points" | "dots" | "marks" | "dashed" | "band";
+  /** Lengths of dashes and gaps [pixels]. */
+  dash?: number[];
+  /** The lower edge of a band. */
+  lower?: Float64Array;
 }
 
 /** One of several diagrams above each other, which share the x axis. */
@@ -27,6 +34,8 @@ export interface Panel {
   series: Series[];
   /** Straight lines at a height, such as limits, by their labels. */
   levels?: { at: number; label: string }[];
+  /** The same at an x. */
+  places?: { at: number; label: string }[];
 }
 
 /** A point that is dragged, or moved with arrow keys. */
@@ -112,8 +121,9 @@ function shown(span: Span, log: boolean): Span {
   return log ? { from: span.from / 2, to: span.to * 2 } : { from: span.from - half, to: span.to + half };
 }
 
-/** All x of the shown series. */
+/** The x to show at first: all of the shown series, unless the axis says another span. */
 export function spanX(figure: Figure, hidden: Set<string>): Span {
+  if (figure.x.span) return figure.x.span;
   const of = (series: Series): Span => {
     const n = series.y.length;
     if (n === 0) return EMPTY;
@@ -126,11 +136,14 @@ export function spanX(figure: Figure, hidden: Set<string>): Span {
   return { from: from - margin, to: to + margin };
 }
 
-/** All y of the shown series of a panel, with a margin and the limits that are near; of time series those in the span of x. */
+/** All y of the shown series of a panel, with a margin and the limits that are near; of time series those in the span of
+ * x. If the axis says another span, that one, as long as all is shown. */
 export function spanY(figure: Figure, panel: Panel, x: Span, hidden: Set<string>): Span {
+  if (panel.y.span && x === figure.x.span && !panel.series.some((one) => hidden.has(one.name))) return panel.y.span;
   const of = (series: Series): Span => {
     const [from, to] = figure.loops ? [0, series.y.length] : within(series, x);
-    return ends(series.y, from, to, panel.y.log);
+    const span = ends(series.y, from, to, panel.y.log);
+    return series.lower ? joined(span, ends(series.lower, from, to, panel.y.log)) : span;
   };
   const series = panel.series.filter((one) => !hidden.has(one.name));
   const { from, to } = shown(series.map(of).reduce(joined, EMPTY), panel.y.log ?? false);

@@ -4,13 +4,15 @@
 // Keys on the plot: arrows move, + and - zoom, 0 shows all.
 
 import { areas, CanvasPen, draw, type Frame, pixelX, pixelY, SvgPen, type Theme, valueX, valueY } from "./draw.ts";
-import { type Figure, type Handle, place, type Series, type Span, spanX, spanY, within } from "./figure.ts";
+import { type Axis, type Figure, type Handle, place, type Series, type Span, spanX, spanY, within } from "./figure.ts";
 import { short, unit } from "./ticks.ts";
 
-/** What a plot tells whoever made it. */
+/** What a plot tells whoever made it, and how it looks. */
 export interface Listener {
   /** The span of x that is shown, after each zoom; undefined if all is shown. */
   zoomed?(span: Span | undefined): void;
+  /** False if the names of the series stand elsewhere: `hide` shows and hides them. */
+  legend?: boolean;
 }
 
 /** Draws a figure in an element, and draws it anew when the figure, the size or the theme changes. */
@@ -23,6 +25,7 @@ export class Plot {
   readonly #stage = document.createElement("div");
   readonly #listener: Listener;
   readonly #resized: ResizeObserver;
+  readonly #scrolled: IntersectionObserver;
   readonly #hidden = new Set<string>();
   #figure: Figure;
   #frames: Frame[] = [];
@@ -30,6 +33,7 @@ export class Plot {
   #y: (Span | undefined)[] = [];
   #handles: HTMLButtonElement[] = [];
   #drawing = 0;
+  #near = false;
 
   constructor(host: HTMLElement, figure: Figure, listener: Listener = {}) {
     this.#host = host;
@@ -48,6 +52,13 @@ export class Plot {
     this.#listen();
     this.#resized = new ResizeObserver(() => this.redraw());
     this.#resized.observe(this.#stage);
+    // Only what is near the screen has pixels: phones have little room for them.
+    this.#scrolled = new IntersectionObserver((entries) => {
+      this.#near = entries.at(-1)!.isIntersecting;
+      if (this.#near) this.redraw();
+      else for (const canvas of [this.#canvas, this.#cursor]) canvas.width = canvas.height = 0;
+    }, { rootMargin: "400px" });
+    this.#scrolled.observe(this.#stage);
     darkness.addEventListener("change", this.#themed);
     themed.add(this.#themed);
     this.set(figure);
@@ -68,6 +79,7 @@ export class Plot {
   /** Ends the plot. */
   close(): void {
     this.#resized.disconnect();
+    this.#scrolled.disconnect();
     darkness.removeEventListener("change", this.#themed);
     themed.delete(this.#themed);
     cancelAnimationFrame(this.#drawing);
@@ -80,6 +92,13 @@ export class Plot {
     this.redraw();
   }
 
+  /** Hides or shows the series of this name. */
+  hide(name: string, hidden: boolean): void {
+    if (hidden) this.#hidden.add(name);
+    else this.#hidden.delete(name);
+    this.redraw();
+  }
+
   /** Draws at the next frame of the screen. */
   redraw(): void {
     if (this.#drawing) return;
@@ -89,11 +108,11 @@ export class Plot {
     });
   }
 
-  /** The figure as it is shown, as SVG. */
+  /** The figure as it is shown, as SVG in the colours of paper. */
   svg(): string {
     const { clientWidth: width, clientHeight: height } = this.#stage;
     const pen = new SvgPen();
-    const theme = { ...themeOf(this.#host), ...PRINT };
+    const theme = light(() => themeOf(this.#host));
     draw(pen, this.#figure, this.#frames, theme, this.#hidden);
     let x = 70;
     for (const [name, colour] of this.#names()) {
@@ -110,14 +129,19 @@ export class Plot {
     const all = this.#figure.panels.flatMap((panel) => panel.series.map((series) => ({ panel, series })));
     const { x } = this.#figure;
     const cell = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+    const called = (axis: Axis) => (axis.unit ? `${axis.label} [${axis.unit}]` : axis.label);
     const head = all.flatMap(({ panel, series }) => [
-      cell(`${x.label} [${x.unit}]`),
-      cell(`${series.name}: ${panel.y.label} [${panel.y.unit}]`),
+      cell(called(x)),
+      cell(series.name ? `${series.name}: ${called(panel.y)}` : called(panel.y)),
     ]);
+    // Without the last digits of `start + k * step`, and empty at breaks.
+    const number = (value: number) => (Number.isNaN(value) ? "" : String(Number(value.toPrecision(15))));
     const longest = Math.max(0, ...all.map(({ series }) => series.y.length));
     const rows = [head.join(",")];
     for (let k = 0; k < longest; k++) {
-      rows.push(all.map(({ series }) => (k < series.y.length ? `${place(series, k)},${series.y[k]}` : ",")).join(","));
+      const pair = ({ series }: { series: Series }) =>
+        k < series.y.length ? `${number(place(series, k))},${number(series.y[k]!)}` : ",";
+      rows.push(all.map(pair).join(","));
     }
     return `${rows.join("\n")}\n`;
   }
@@ -126,7 +150,7 @@ export class Plot {
 
   #draw(): void {
     const { clientWidth: width, clientHeight: height } = this.#stage;
-    if (width < 40 || height < 40) return;
+    if (!this.#near || width < 40 || height < 40) return;
     const figure = this.#figure;
     const x = this.#x ?? spanX(figure, this.#hidden);
     const places = areas(figure, width, height);
@@ -150,13 +174,14 @@ export class Plot {
   }
 
   #legends(): void {
-    const styles = new Map(this.#figure.panels.flatMap((panel) => panel.series).map((one) => [one.name, one.style]));
+    const style = (one: Series) => (one.dash ? "dashed" : (one.style ?? "line"));
+    const styles = new Map(this.#figure.panels.flatMap((panel) => panel.series).map((one) => [one.name, style(one)]));
     const names = this.#names();
     const buttons = [...names].map(([name, colour]) => {
       const button = document.createElement("button");
       button.type = "button";
       button.textContent = name;
-      button.className = `series-${colour % COLOURS} ${styles.get(name) ?? "line"}`;
+      button.className = `series-${colour % COLOURS} ${styles.get(name)}`;
       button.ariaPressed = String(!this.#hidden.has(name));
       button.title = "Show or hide";
       button.onclick = () => {
@@ -166,7 +191,7 @@ export class Plot {
       };
       return button;
     });
-    this.#legend.replaceChildren(...(names.size > 1 ? buttons : []));
+    this.#legend.replaceChildren(...(names.size > 1 && this.#listener.legend !== false ? buttons : []));
   }
 
   #bar(): HTMLElement {
@@ -343,24 +368,56 @@ export class Plot {
     context.lineWidth = 1;
     const figure = this.#figure;
     if (figure.loops) {
-      const [x, y] = [valueX(figure, frame, at.x), valueY(frame, at.y)];
-      this.#readout.value = `${short(x)} ${unit(figure.x.unit)}, ${short(y)} ${unit(frame.panel.y.unit)}`;
+      const found = this.#sample(frame, at);
+      const [x, y] = found
+        ? [place(found.series, found.k), found.series.y[found.k]!]
+        : [valueX(figure, frame, at.x), valueY(frame, at.y)];
+      if (found) {
+        context.beginPath();
+        context.arc(pixelX(figure, frame, x), pixelY(frame, y), 4, 0, 2 * Math.PI);
+        context.stroke();
+      }
+      const name = found?.series.name ? `${found.series.name} ` : "";
+      this.#readout.value = `${name}${short(x)} ${unit(figure.x.unit)}, ${short(y)} ${unit(frame.panel.y.unit)}`;
       return;
     }
+    // At a sample, so that all that is told belongs together.
+    const shown = this.#frames.flatMap(({ panel }) =>
+      panel.series.filter((series) => !this.#hidden.has(series.name)).map((series) => ({ panel, series })),
+    );
+    const samples = (x: number) =>
+      shown.flatMap(({ panel, series }) => {
+        const k = nearest(series, x);
+        return k === undefined ? [] : [{ panel, series, k }];
+      });
+    const under = valueX(figure, frame, at.x);
+    const away = (x: number) => Math.abs(pixelX(figure, frame, x) - at.x);
+    const places = samples(under).map(({ series, k }) => place(series, k));
+    const next = places.sort((a, b) => away(a) - away(b)).find((x) => x >= frame.x.from && x <= frame.x.to);
+    const x = next ?? under;
     const [first, last] = [this.#frames[0]!.area, this.#frames.at(-1)!.area];
+    const line = pixelX(figure, frame, x);
     context.beginPath();
-    context.moveTo(at.x, first.y);
-    context.lineTo(at.x, last.y + last.height);
+    context.moveTo(line, first.y);
+    context.lineTo(line, last.y + last.height);
     context.stroke();
-    const x = valueX(figure, frame, at.x);
-    const values = this.#frames.flatMap(({ panel }) =>
-      panel.series
-        .filter((series) => !this.#hidden.has(series.name))
-        .map((series) => ({ panel, series, k: nearest(series, x) }))
-        .filter(({ k }) => k !== undefined)
-        .map(({ panel, series, k }) => `${series.name} ${short(series.y[k!]!)} ${unit(panel.y.unit)}`),
+    const values = samples(x).map(
+      ({ panel, series, k }) => `${series.name} ${short(series.y[k]!)} ${unit(panel.y.unit)}`,
     );
     this.#readout.value = [`${short(x)} ${unit(figure.x.unit)}`, ...values].join(" \u00b7 ");
+  }
+
+  /** The sample that is drawn nearest to a point, if one is near. */
+  #sample(frame: Frame, at: { x: number; y: number }): { series: Series; k: number } | undefined {
+    let best: { series: Series; k: number } | undefined;
+    let least = 24 ** 2;
+    for (const series of frame.panel.series.filter((one) => !this.#hidden.has(one.name))) {
+      for (let k = 0; k < series.y.length; k++) {
+        const [dx, dy] = [pixelX(this.#figure, frame, place(series, k)) - at.x, pixelY(frame, series.y[k]!) - at.y];
+        if (dx * dx + dy * dy < least) [best, least] = [{ series, k }, dx * dx + dy * dy];
+      }
+    }
+    return best;
   }
 
   // Handles: buttons over the canvas, so that keys and screen readers reach them.
@@ -478,7 +535,16 @@ const themed = new Set<() => void>();
 /** Draws all plots anew after the theme was chosen by hand. */
 export const themeChanged = (): void => themed.forEach((redraw) => redraw());
 
-const PRINT = { text: "#222", grid: "#ddd", line: "#444", pale: "#b8c4d6", span: "#eee", mark: "#fbd5d5" };
+/** What `read` gives while the theme is light. */
+function light<T>(read: () => T): T {
+  const { dataset } = document.documentElement;
+  const before = dataset["theme"];
+  dataset["theme"] = "light";
+  const result = read();
+  if (before === undefined) delete dataset["theme"];
+  else dataset["theme"] = before;
+  return result;
+}
 
 function themeOf(element: HTMLElement): Theme {
   const style = getComputedStyle(element);

@@ -5,8 +5,8 @@ use crate::{Answer, Call, Given};
 use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
-use piezoid::{ControlOptions, Error, File, OptionRow, Options, options};
-use piezoid_report::report::{report, tracking};
+use piezoid::{CompareOptions, ControlOptions, Error, File, OptionRow, Options, options};
+use piezoid_report::report::{comparison, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
 use serde_json::json;
 
@@ -24,6 +24,13 @@ pub(super) const CALLS: &[Call] = &[
         roles: &[MODEL, DATA],
         rows: ValidateOptions::rows,
         run: |given, _| page(given),
+    },
+    Call {
+        name: "compare",
+        summary: "free runs of several models against the same records",
+        roles: &[role("model", 1, MANY), DATA],
+        rows: CompareOptions::rows,
+        run: |given, _| compare(given),
     },
     Call {
         name: "study",
@@ -66,6 +73,13 @@ fn page(given: &Given) -> Result<Answer, Error> {
     let made = given.options::<ValidateOptions>()?.run(&model, &given.all("data")?, &given.columns()?)?;
     let result = json!({"told": made.verdict(&model).map(|verdict| verdict.to_string())});
     Ok(Answer { result, series: Vec::new(), files: vec![File::new("report.html", report(&model, &made).html())] })
+}
+
+fn compare(given: &Given) -> Result<Answer, Error> {
+    let options = given.options::<CompareOptions>()?;
+    let made = options.run(&given.all("model")?, &given.all("data")?, &given.columns()?)?;
+    let files = vec![File::new("compare.html", comparison(&made).html())];
+    Ok(Answer { result: made.to_json(), series: Vec::new(), files })
 }
 
 fn study(given: &Given, progress: &mut Progress) -> Result<Answer, Error> {

@@ -11,7 +11,9 @@ use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid::IdentifyOptions;
+use piezoid::number::join;
 use piezoid_export::ExportTarget;
+use piezoid_report::report;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -20,6 +22,8 @@ Examples:
     piezoid identify rise1.csv rise20.csv rise80.csv --small-signal prbs.csv -o model.json
   All available records, without their first 1.5 s, and one operator:
     piezoid identify run1.csv run2.csv --from 1.5 --operator preisach -o model.json
+  One operator, and a page on the model:
+    piezoid identify run1.csv run2.csv --operator pi -o model.json --report report.html
   The paper's method: two branches per frequency, ARX by particle swarm:
     piezoid identify sine5.csv sine20.csv --small-signal prbs.csv --method paper -o model.json
   Columns of other names, and no time column:
@@ -54,6 +58,9 @@ pub(crate) struct Identify {
     /// The model file to write; - is stdout.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Write a page on the model and its errors on the training records; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    report: Option<PathBuf>,
     /// Write what was found as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
@@ -65,7 +72,7 @@ impl Identify {
     pub(crate) fn run(mut self, console: &Console) -> Result<()> {
         let large_signal = [self.large_signal, self.files, self.data].concat();
         let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&large_signal).collect();
-        let results = [Some(self.output.as_path()), self.json.as_deref()];
+        let results = [Some(self.output.as_path()), self.report.as_deref(), self.json.as_deref()];
         apart(&results, &paths)?;
         files::ready(&results)?;
         self.options.0.check().map_err(failed)?;
@@ -96,10 +103,12 @@ impl Identify {
         }
         files::write_json(self.json.as_deref(), &made.to_json(), console)?;
         files::write(&self.output, &made.model.to_json(), console)?;
-        let wrote = match &*self.output {
-            path if path == stdout => String::new(),
-            path => format!("; wrote {}", path.display()),
-        };
+        if let Some(path) = &self.report {
+            files::write(path, &report::identification(&made).html(), console)?;
+        }
+        let files = [Some(self.output.as_path()), self.report.as_deref()].into_iter().flatten();
+        let named: Vec<String> = files.filter(|path| *path != stdout).map(|path| path.display().to_string()).collect();
+        let wrote = if named.is_empty() { String::new() } else { format!("; wrote {}", join(&named)) };
         let said = [made.model.to_string(), capitalised(&verdict(made.model.verdict().as_ref())) + &wrote];
         for line in said {
             match is_free {

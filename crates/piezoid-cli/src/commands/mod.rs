@@ -1,5 +1,6 @@
 //! One file per verb: arguments -> library call -> output.
 
+mod compare;
 mod compensate;
 mod control;
 mod excite;
@@ -40,6 +41,8 @@ pub(crate) enum Verb {
     Identify(Box<identify::Identify>),
     /// Validate a model on records that were not used to identify it.
     Validate(validate::Validate),
+    /// Compare models on the same records.
+    Compare(compare::Compare),
     /// Compute the voltage for a requested displacement.
     Compensate(compensate::Compensate),
     /// Close the loop on a simulated actuator and compare controllers.
@@ -83,6 +86,7 @@ impl Verb {
             Verb::Simulate(verb) => verb.run(console),
             Verb::Identify(verb) => verb.run(console),
             Verb::Validate(verb) => verb.run(console),
+            Verb::Compare(verb) => verb.run(console),
             Verb::Compensate(verb) => verb.run(console),
             Verb::Control(verb) => verb.run(console),
             Verb::Export(verb) => verb.run(console),

@@ -6,6 +6,7 @@
 mod bad_files;
 mod bench;
 mod bytes;
+mod compare;
 mod compensate;
 mod control;
 mod drive;

@@ -3,7 +3,8 @@
 //! A [`Page`] is a title and [`Section`]s. A section is text, [`Figure`](crate::plot::Figure)s, [`PageTable`]s,
 //! callouts and [`Fact`]s in the order they are added. Figures, tables and sections are numbered, and longer pages get
 //! a table of contents. The file needs no network and works without scripts. It follows the system's choice of light or
-//! dark, and a button, if scripts are on, selects the other.
+//! dark, and a button, if scripts are on, selects the other. With scripts, figures are plots that answer to the hand:
+//! they are drawn from data beside the drawing, which stays for print.
 //!
 //! The same page gives the same bytes: it contains dates, paths and versions only if the caller adds them.
 //!
@@ -32,6 +33,10 @@ use std::fmt::Write;
 
 /// The button for light and dark; hidden without scripts.
 const TOGGLE: &str = include_str!("toggle.js");
+
+/// The plots of figures: web/src/report.ts, written by `cargo xtask web`. Hidden from readers of XML, whose markup it
+/// would be.
+const PLOTS: &str = concat!("<script>//<![CDATA[\n", include_str!("figures.js"), "//]]></script>\n");
 
 /// A report: one self-contained HTML document.
 #[derive(Debug, Clone, PartialEq)]
@@ -87,7 +92,8 @@ impl Page {
             section.write(&mut out, &mut numbers);
             out.push_str("</section>\n");
         }
-        let _ = write!(out, "</main>\n<script>\n{TOGGLE}</script>\n</body>\n</html>\n");
+        let plots = if numbers.plots > 0 { PLOTS } else { "" };
+        let _ = write!(out, "</main>\n<script>\n{TOGGLE}</script>\n{plots}</body>\n</html>\n");
         out
     }
 
@@ -135,9 +141,33 @@ mod tests {
         let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
         let document = roxmltree::Document::parse_with_options(&html, options).unwrap();
         let of = |name: &str| document.descendants().filter(|n| n.has_tag_name(name)).count();
-        assert_eq!((of("script"), of("table"), of("section"), of("nav"), of("li")), (1, 2, 2, 1, 4));
+        assert_eq!((of("table"), of("section"), of("nav"), of("li")), (2, 2, 1, 4));
         let title = document.descendants().find(|n| n.has_tag_name("h1")).and_then(|n| n.text());
         assert_eq!(title, Some("A < B & \"C\""));
+    }
+
+    #[test]
+    fn every_figure_has_its_data_and_the_script_of_the_plots_stands_once() {
+        let html = page().html();
+        let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+        let document = roxmltree::Document::parse_with_options(&html, options).unwrap();
+        let scripts = || document.descendants().filter(|n| n.has_tag_name("script"));
+        let data: Vec<_> = scripts().filter(|n| n.attribute("type") == Some("application/json")).collect();
+        assert_eq!((data.len(), scripts().count(), html.matches("IntersectionObserver(").count()), (4, 6, 1));
+        for script in data {
+            assert!(script.parent_element().unwrap().children().any(|n| n.has_tag_name("svg")));
+            let plots: serde_json::Value = serde_json::from_str(script.text().unwrap()).unwrap();
+            assert_eq!((&plots[0]["title"], &plots[0]["x"]["label"]), (&"Loop <1>".into(), &"u".into()));
+            assert_eq!(plots[0]["panels"][0]["series"][0]["y"].to_string(), "[0.0,1.0]");
+        }
+    }
+
+    #[test]
+    fn a_page_without_figures_has_no_plots() {
+        let html = Page::new("").section(Section::new("").text("a")).html();
+        assert_eq!((html.matches("<script").count(), html.contains("IntersectionObserver")), (1, false));
+        let empty = Figure::new("", "").panel(Axes::new("u", "z"));
+        assert_eq!(Page::new("").section(Section::new("").figure(empty)).html().matches("<script").count(), 1);
     }
 
     #[test]
@@ -162,8 +192,10 @@ mod tests {
     #[test]
     fn a_page_needs_nothing_from_outside_and_is_reproducible() {
         let html = page().html();
-        for outside in [" src=", "@import", "url(", "<link"] {
-            assert!(!html.contains(outside), "{outside}");
+        // Plots clip by parts of their own document.
+        let other = html.replace("url(#", "");
+        for outside in [" src=", "@import", "url(", "<link", "fetch(", "import("] {
+            assert!(!other.contains(outside), "{outside}");
         }
         assert_eq!(html, page().html());
     }

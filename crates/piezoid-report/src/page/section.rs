@@ -1,7 +1,7 @@
 //! A section of a page: a heading and elements in the order they are added.
 
 use super::table::PageTable;
-use super::text::Text;
+use super::text::{Text, minus};
 use crate::plot::{Figure, escape, shown};
 use std::fmt::Write;
 
@@ -48,6 +48,8 @@ pub struct Section {
 pub(super) struct Numbering {
     figures: usize,
     tables: usize,
+    /// Figures with data for plots.
+    pub(super) plots: usize,
 }
 
 impl Section {
@@ -152,16 +154,20 @@ impl Element {
             }
             Element::Figure(figure) => {
                 numbers.figures += 1;
-                let (number, figure_svg) = (numbers.figures, figure.inline());
+                let (number, drawn) = (numbers.figures, figure.inline() + &plots(figure, &[], numbers));
                 let caption = caption(number, &shown(figure.title()), &shown(figure.caption()));
-                writeln!(out, "<figure class=\"plate\" id=\"figure-{number}\">\n{figure_svg}{caption}</figure>")
+                let drawn = format!("<div class=\"drawing\">\n{drawn}</div>\n");
+                writeln!(out, "<figure class=\"plate\" id=\"figure-{number}\">\n{drawn}{caption}</figure>")
             }
             Element::Figures { columns, title, caption: text, figures } => {
                 numbers.figures += 1;
                 let caption = caption(numbers.figures, title.html(), text.html());
                 let legend = Figure::legend(figures);
-                let one = |f: &Figure| format!("<div>\n{}</div>\n", f.clone().without_legend().inline());
-                let figures: String = figures.iter().map(one).collect();
+                let mut one = |f: &Figure| {
+                    let drawn = f.clone().without_legend().inline() + &plots(f, figures, numbers);
+                    format!("<div class=\"drawing\">\n{drawn}</div>\n")
+                };
+                let figures: String = figures.iter().map(&mut one).collect();
                 let grid = format!("{legend}<div class=\"grid\">\n{figures}</div>\n");
                 let number = numbers.figures;
                 writeln!(out, "<figure class=\"plates of-{columns}\" id=\"figure-{number}\">\n{grid}{caption}</figure>")
@@ -177,9 +183,16 @@ impl Element {
 
 impl Fact {
     fn html(&self) -> String {
-        let [value, unit, what] = [&self.value, &self.unit, &self.what].map(|t| shown(t));
+        let [value, unit, what] = [&minus(&self.value), &self.unit, &self.what].map(|t| shown(t));
         format!("<div><dt>{what}</dt><dd>{value}<span class=\"unit\"> {unit}</span></dd></div>\n")
     }
+}
+
+/// The data of the plots that take the place of a drawing.
+fn plots(figure: &Figure, beside: &[Figure], numbers: &mut Numbering) -> String {
+    let Some(data) = figure.data(beside) else { return String::new() };
+    numbers.plots += 1;
+    format!("<script type=\"application/json\">{data}</script>\n")
 }
 
 /// Number, title and, if given, the paragraph of a caption.

@@ -1,6 +1,6 @@
 //! Tables with aligned numbers, which scroll sideways on a phone.
 
-use super::text::Text;
+use super::text::{Text, minus};
 use std::fmt::Write;
 
 /// One cell of a table.
@@ -113,7 +113,8 @@ impl PageTable {
             for column in 0..wide {
                 let cell = row.get(column).unwrap_or(&empty);
                 let mark = if cell.class.is_empty() { String::new() } else { format!(" {}", cell.class) };
-                let _ = write!(out, "<td class=\"{}{mark}\">{}</td>", class(column), cell.text.html());
+                let text = if class(column) == "num" { minus(cell.text.html()) } else { cell.text.html().into() };
+                let _ = write!(out, "<td class=\"{}{mark}\">{text}</td>", class(column));
             }
             out.push_str("</tr>\n");
         }
@@ -131,10 +132,12 @@ mod tests {
 
     #[test]
     fn rows_of_any_length_give_a_rectangle() {
-        let table = PageTable::new("t").text("a").number("b").row(["1"]).row(["1", "2", "3"]);
+        let table = PageTable::new("t").text("a").number("b").row(["-1"]).row(["1", "2", "3"]).row(["1", "-2e-3"]);
         let mut out = String::new();
         table.write(&mut out, 1);
-        assert_eq!((out.matches("<td").count(), out.matches("<th ").count()), (6, 3));
-        assert!(out.contains("<td class=\"num\">2</td>"), "{out}");
+        assert_eq!((out.matches("<td").count(), out.matches("<th ").count()), (9, 3));
+        for cell in ["num\">2<", "txt\">-1<", "num\">\u{2212}2e\u{2212}3<"] {
+            assert!(out.contains(cell), "{cell}: {out}");
+        }
     }
 }

@@ -16,7 +16,7 @@ const ROOM: f64 = 0.04;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Axis {
     pub(super) label: String,
-    log: bool,
+    pub(super) log: bool,
     tight: bool,
     ticks: Vec<f64>,
     include: Vec<f64>,

@@ -17,11 +17,21 @@ const MOST: usize = 5000;
 /// A visually identical line with fewer points.
 pub(super) fn line(points: &[Point]) -> Vec<Point> {
     let monotone = points.windows(2).all(|w| w[1][0] >= w[0][0]);
-    let points = if monotone { columns(points) } else { points.to_vec() };
+    let points = if monotone { at(points, &columns(points)) } else { points.to_vec() };
+    at(&points, &corners(&points, MOST))
+}
+
+/// The points with these numbers.
+fn at(points: &[Point], kept: &[usize]) -> Vec<Point> {
+    kept.iter().map(|&k| points[k]).collect()
+}
+
+/// The numbers of at most `most` points, whose line is visually identical; more if the line is too restless.
+pub(super) fn corners(points: &[Point], most: usize) -> Vec<usize> {
     let mut tolerance = TOLERANCE;
     loop {
-        let kept = simplified(&points, tolerance);
-        if kept.len() <= MOST || tolerance > 4.0 {
+        let kept = simplified(points, tolerance);
+        if kept.len() <= most || tolerance > 4.0 {
             return kept;
         }
         tolerance *= 1.6;
@@ -30,11 +40,16 @@ pub(super) fn line(points: &[Point]) -> Vec<Point> {
 
 /// At most `most` dots, one per cell of a grid that is coarsened until they are few enough.
 pub(super) fn dots(points: &[Point], most: usize) -> Vec<Point> {
+    at(points, &cells(points, most))
+}
+
+/// The numbers of these dots.
+pub(super) fn cells(points: &[Point], most: usize) -> Vec<usize> {
     let mut cell = 0.8;
     loop {
         let mut taken = HashSet::new();
-        let place = |p: &Point| p.map(|v| (v / cell).floor() as i64);
-        let kept: Vec<Point> = points.iter().filter(|p| taken.insert(place(p))).copied().collect();
+        let place = |p: Point| p.map(|v| (v / cell).floor() as i64);
+        let kept: Vec<usize> = (0..points.len()).filter(|&k| taken.insert(place(points[k]))).collect();
         if kept.len() <= most {
             return kept;
         }
@@ -53,22 +68,23 @@ pub(super) fn markers(points: &[Point], apart: f64) -> Vec<Point> {
     kept
 }
 
-/// First, lowest, highest and last point of every pixel column, in their order.
-fn columns(points: &[Point]) -> Vec<Point> {
-    let mut out = Vec::new();
+/// The numbers of the first, lowest, highest and last point of every pixel column, in their order.
+pub(super) fn columns(points: &[Point]) -> Vec<usize> {
+    let (mut out, mut first) = (Vec::new(), 0);
     for column in points.chunk_by(|a, b| a[0].floor() == b[0].floor()) {
         let by_height = |&i: &usize, &j: &usize| column[i][1].total_cmp(&column[j][1]);
         let low = (0..column.len()).min_by(by_height).unwrap_or(0);
         let high = (0..column.len()).max_by(by_height).unwrap_or(0);
         let mut keep = [0, low.min(high), low.max(high), column.len() - 1].to_vec();
         keep.dedup();
-        out.extend(keep.into_iter().map(|i| column[i]));
+        out.extend(keep.into_iter().map(|i| first + i));
+        first += column.len();
     }
     out
 }
 
 /// Douglas-Peucker, block by block.
-fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
+fn simplified(points: &[Point], tolerance: f64) -> Vec<usize> {
     let mut keep = vec![false; points.len()];
     if let Some(last) = keep.last_mut() {
         *last = true;
@@ -87,7 +103,7 @@ fn simplified(points: &[Point], tolerance: f64) -> Vec<Point> {
             }
         }
     }
-    points.iter().zip(keep).filter(|(_, keep)| *keep).map(|(p, _)| *p).collect()
+    (0..points.len()).filter(|&k| keep[k]).collect()
 }
 
 /// Distance of `p` from the segment `a` to `b`.
@@ -120,7 +136,7 @@ mod tests {
     fn noise_keeps_the_envelope_of_every_column() {
         let noise = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 12) / 4096.0;
         let points: Vec<Point> = (0..100_000).map(|i| [f64::from(i) * 0.005, noise(i)]).collect();
-        let kept = columns(&points);
+        let kept = at(&points, &columns(&points));
         assert!(kept.len() <= 4 * 501);
         for (a, b) in
             points.chunk_by(|a, b| a[0].floor() == b[0].floor()).zip(kept.chunk_by(|a, b| a[0].floor() == b[0].floor()))

@@ -25,6 +25,7 @@
 
 mod axes;
 mod axis;
+mod data;
 mod decimate;
 mod draw;
 mod legend;

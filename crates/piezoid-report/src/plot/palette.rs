@@ -62,7 +62,7 @@ const ROLES: [Colour; 12] = [
 ];
 
 /// Ground, text and lines of the figures and of the pages around them.
-const GROUNDS: [Colour; 7] = [
+const GROUNDS: [Colour; 8] = [
     colour("paper", "#fdfcf9", "#14161a"),
     colour("raised", "#f5f2eb", "#1d2026"),
     colour("ink", "#1d2126", "#e9e6df"),
@@ -70,6 +70,8 @@ const GROUNDS: [Colour; 7] = [
     colour("axis", "#8b9199", "#747b85"),
     colour("grid", "#e6e3db", "#2a2e35"),
     colour("brass", "#8a5f14", "#d9ae5f"),
+    // Wide lines of measurements, below models.
+    colour("pale", "#b4b7ba", "#575c62"),
 ];
 
 impl Role {
@@ -81,6 +83,20 @@ impl Role {
     /// Its name in the style sheet.
     pub(super) fn name(self) -> &'static str {
         ROLES[self as usize].name
+    }
+
+    /// The number of its colour in plots: `--plot-N` of the style sheet of pages.
+    pub(super) fn number(self) -> usize {
+        match self {
+            Role::Measured => 0,
+            Role::Ascending | Role::Accent1 => 1,
+            Role::Descending | Role::Accent2 => 2,
+            Role::Model | Role::Accent3 => 3,
+            Role::Residual | Role::Accent4 => 4,
+            Role::Accent5 => 5,
+            Role::Reference => 6,
+            Role::Muted => 7,
+        }
     }
 
     /// Its colour on paper, for viewers without style sheets.

@@ -12,7 +12,7 @@ use super::text::{px, shown};
 pub(super) const MARKED: &str = "pz-mark";
 
 /// Patterns of dashes of lines [units of the drawing]; the first is solid. Round ends add the width of the line.
-const DASHES: [&str; 5] = ["", "9 6", "1 5", "12 5 1 5", "5 5"];
+pub(super) const DASHES: [&str; 5] = ["", "9 6", "1 5", "12 5 1 5", "5 5"];
 
 /// How a line is stroked: its class, and the same as attributes for viewers without style sheets.
 #[derive(Debug)]

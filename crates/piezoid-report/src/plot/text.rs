@@ -21,9 +21,14 @@ pub(crate) fn escape(text: &str) -> String {
 /// Units with a Greek letter that data formats write in ASCII, and how people read them.
 const MICRO: [(&str, &str); 3] = [("um", "\u{b5}m"), ("uV", "\u{b5}V"), ("uA", "\u{b5}A")];
 
-/// A text for people, escaped: `um` that stands as a unit is `µm`. Data and models keep `um`; this is the only place
-/// where a unit is rendered.
+/// A text for people, escaped, its units [`rendered`].
 pub(crate) fn shown(text: &str) -> String {
+    escape(&rendered(text))
+}
+
+/// A text for people: `um` that stands as a unit is `µm`. Data and models keep `um`; this is the only place where a
+/// unit is rendered.
+pub(super) fn rendered(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find('u') {
@@ -46,7 +51,7 @@ pub(crate) fn shown(text: &str) -> String {
         rest = &from[plain.len()..];
     }
     out.push_str(rest);
-    escape(&out)
+    out
 }
 
 /// A coordinate with one decimal, omitted if zero: `12.3`, `12`, never `-0`.

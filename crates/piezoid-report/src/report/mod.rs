@@ -1,16 +1,20 @@
-//! The reports: on a model and its validation, block by block, and on control schemes.
+//! The reports: on a model and its validation, block by block, on several models, and on control schemes.
 
+mod comparison;
 mod creep;
 mod cycles;
 mod errors;
 mod hysteresis;
+mod identification;
 mod linear;
+mod loops;
 mod model;
 mod origin;
 mod record;
 mod residuals;
 mod tracking;
 
+pub use comparison::comparison;
 pub use tracking::tracking;
 
 use crate::page::{Fact, Page, PageTable, Section, sentence};
@@ -18,14 +22,25 @@ use piezoid::hammerstein::Model;
 use piezoid::number::short;
 use piezoid::system::System;
 use piezoid::validation::{Floor, Metrics};
-use piezoid::{Compared, Validated};
+use piezoid::{Compared, Identification, Validated, Verdict};
 
 /// The report on a model: one self-contained file.
 pub fn report(model: &Model, validated: &Validated) -> Page {
+    page(model, "Validation", validated.verdict(model).as_ref(), validated, None)
+}
+
+/// The report on a model and its training records, as it was identified.
+pub fn identification(made: &Identification) -> Page {
+    let training = Validated { files: made.training.clone() };
+    let section = identification::section(made);
+    page(&made.model, "Training records", made.model.verdict().as_ref(), &training, section)
+}
+
+fn page(model: &Model, title: &str, verdict: Option<&Verdict>, validated: &Validated, more: Option<Section>) -> Page {
     let trials = &validated.files[..];
     let operator = model.hysteresis().operator();
     let page = Page::new("Hammerstein model").subtitle(format!(
-        "{} hysteresis, {}, sampled every {} s",
+        "{} hysteresis, {}, sampled every {}\u{a0}s",
         operator.name,
         match model.linear().a().len() {
             0 => "a gain without dynamics".into(),
@@ -33,7 +48,8 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
         },
         model.ts()
     ));
-    let page = if trials.is_empty() { page } else { page.section(validation(model, validated)) };
+    let page = if trials.is_empty() { page } else { page.section(validation(title, verdict, validated)) };
+    let page = more.into_iter().fold(page, Page::section);
     let page = trials.iter().fold(page, |page, trial| page.section(record::section(trial)));
     let page = page.section(model::section(model, trials));
     match origin::section(model) {
@@ -42,7 +58,7 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
     }
 }
 
-fn validation(model: &Model, validated: &Validated) -> Section {
+fn validation(title: &str, verdict: Option<&Verdict>, validated: &Validated) -> Section {
     let (trials, total) = (&validated.files[..], validated.total());
     let unit = &trials[0].record.units().y;
     let table = PageTable::new("Free run and measurement").text("record").number("samples");
@@ -58,9 +74,9 @@ fn validation(model: &Model, validated: &Validated) -> Section {
     let each = |t: &Compared| row(t.short(), &t.validation.metrics, t.validation.floor);
     let table = trials.iter().fold(table, |table, t| table.row(each(t)));
     let table = if trials.len() > 1 { table.row(row("total", &total, validated.floor())) } else { table };
-    let section = match validated.verdict(model) {
-        Some(verdict) => Section::new("Validation").text(sentence(&verdict.to_string())),
-        None => Section::new("Validation"),
+    let section = match verdict {
+        Some(verdict) => Section::new(title).text(sentence(&verdict.to_string())),
+        None => Section::new(title),
     };
     let section = section
         .facts([
@@ -198,6 +214,7 @@ mod tests {
         for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
             assert!(plain.contains(said), "{said}");
         }
+        let plain = plain.split("<script>").next().unwrap();
         for absent in ["Creep", "Driver", "image"] {
             assert!(!plain.contains(absent), "{absent}");
         }

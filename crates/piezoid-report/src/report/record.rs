@@ -1,8 +1,7 @@
 //! A record in the report: time series, loops, and residuals.
 
-use super::cycles::{self, Drawn};
-use super::residuals;
-use crate::hysteresis_part::StraightLine;
+use super::loops::{self, FreeRun, worst};
+use super::{cycles, residuals};
 use crate::page::{PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
@@ -60,42 +59,19 @@ fn time_series(trial: &Compared) -> Figure {
     Figure::new("Time series", caption).panel(top).panel(low)
 }
 
-/// The sample of the largest residual.
-fn worst(trial: &Compared) -> usize {
-    let Compared { record, validation, .. } = trial;
-    let error = |k: usize| (record.y()[k] - validation.simulated[k]).abs();
-    (validation.start..record.len()).max_by(|&i, &j| error(i).total_cmp(&error(j)).then(j.cmp(&i))).unwrap_or_default()
-}
-
 /// Adds the loops of output over input if there are any, and beside them what a straight line leaves of them.
 fn loops(section: Section, trial: &Compared) -> Section {
     let Compared { record, validation, .. } = trial;
-    let (units, u) = (record.units(), record.u());
-    let Some(Drawn { parts, words }) = cycles::loops(record, validation.start, worst(trial)) else { return section };
+    let model = FreeRun { name: "model", y: &validation.simulated, role: Role::Model, dashes: 0 };
+    let Some((figures, words)) = loops::figures(record, validation.start, worst(trial), &[model]) else {
+        return section;
+    };
     let caption = format!(
         "Output against input, measured and in free run; beside it the same less the least-squares straight line of \
         each measured loop, so that the width of the loops is seen.{words} Over the whole record measurement and free \
         run differ by {} % of the peak-to-peak output (rms).",
         short(validation.metrics.rms_pp_percent)
     );
-    let lines = parts.iter().map(|part| StraightLine::through(&u[part.clone()], &record.y()[part.clone()]));
-    let lines: Vec<StraightLine> = lines.collect();
-    // The parts with gaps between them.
-    let joined = |of: &dyn Fn(usize, Range<usize>) -> Vec<f64>| {
-        let each = parts.iter().enumerate().flat_map(|(k, part)| of(k, part.clone()).into_iter().chain([f64::NAN]));
-        each.collect::<Vec<f64>>()
-    };
-    let x = joined(&|_, part| u[part].to_vec());
-    let whole = |y: &[f64]| joined(&|_, part| y[part].to_vec());
-    let rest = |y: &[f64]| joined(&|k, part| lines[k].taken_from(&u[part.clone()], &y[part]));
-    let panel = |title: &str, label: &str, of: &dyn Fn(&[f64]) -> Vec<f64>| {
-        let axes = Axes::new(Axis::new(format!("u [{}]", units.u)), Axis::new(format!("{label} [{}]", units.y)))
-            .titled(title)
-            .with(Series::wide(&x, &of(record.y())).named("measured"))
-            .with(Series::line(&x, &of(&validation.simulated)).role(Role::Model).named("model"));
-        Figure::new(title, "").medium().panel(axes)
-    };
-    let figures = [panel("loops", "y", &whole), panel("without the straight line", "y − line", &rest)];
     section.figures(2, "Loops", caption, figures)
 }
 

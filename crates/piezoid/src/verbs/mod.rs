@@ -1,6 +1,7 @@
 //! Verbs: from options and named bytes to a result, and from the result to bytes. Front ends only read files, call a
 //! verb, and write files.
 
+mod compare;
 mod compensate;
 mod control;
 mod excite;
@@ -11,6 +12,7 @@ mod simulate;
 mod validate;
 mod verdict;
 
+pub use compare::{CompareOptions, ComparedModel, ModelComparison};
 pub use compensate::{CompensateOptions, Compensation};
 pub use control::{ControlOptions, TuneOptions};
 pub use excite::{ExciteOptions, Excited};

@@ -1,0 +1,93 @@
+//! `piezoid compare`: several models on the same records.
+
+use crate::columns::Columns;
+use crate::console::Console;
+use crate::files;
+use crate::flags::{Flags, failed};
+use crate::layout::{capitalised, table};
+use crate::values::apart;
+use anyhow::Result;
+use clap::Args;
+use piezoid::number::short as number;
+use piezoid::{CompareOptions, ModelComparison};
+use piezoid_report::report::comparison;
+use std::path::{Path, PathBuf};
+
+const EXAMPLES: &str = "\
+Examples:
+  Three models on records that none of them has seen, as a page:
+    piezoid compare pi.json dahl.json preisach.json --data test5.csv test80.csv \\
+        -o compare.html
+  The same figures as JSON, without the first half second of each record:
+    piezoid compare pi.json dahl.json --data test5.csv --skip 0.5 --json -
+
+All models run free on all records: they see only the input. The page shows errors by record, by frequency and by amplitude, and residuals and loops of all models on one record (--record).";
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(override_usage = "piezoid compare <MODEL>... --data <FILE>... [OPTIONS]")]
+pub(crate) struct Compare {
+    /// The model files.
+    #[arg(value_name = "MODEL", required = true)]
+    models: Vec<PathBuf>,
+    /// The records to compare with.
+    #[arg(long, value_name = "FILE", num_args = 1.., required = true)]
+    data: Vec<PathBuf>,
+    #[command(flatten)]
+    options: Flags<CompareOptions>,
+    /// Write a page with figures; - is stdout.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Write the results as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+impl Compare {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        let results = [self.output.as_deref(), self.json.as_deref()];
+        apart(&results, &self.models.iter().chain(&self.data).collect::<Vec<_>>())?;
+        files::ready(&results)?;
+        let (models, data) = (files::read_all(&self.models)?, files::read_all(&self.data)?);
+        let compared = self.options.0.run(&models, &data, &self.columns.read()?).map_err(failed)?;
+        let is_free = !results.contains(&Some(Path::new("-")));
+        if is_free {
+            console.print(&errors(&compared, console))?;
+        }
+        for one in &compared.models {
+            for run in &one.validated.files {
+                for remark in &run.validation.remarks {
+                    console.remark(&format!("{}, {}: {remark}", one.name, run.name));
+                }
+            }
+        }
+        if let Some(path) = &self.output {
+            files::write(path, &comparison(&compared).html(), console)?;
+        }
+        files::write_json(self.json.as_deref(), &compared.to_json(), console)?;
+        let said = compared.summary().unwrap_or_else(|| "no error is defined: the outputs are constant".into());
+        let wrote = match &self.output {
+            Some(path) => format!("; wrote {}", path.display()),
+            None => String::new(),
+        };
+        let said = capitalised(&said) + &wrote;
+        if is_free { console.print(&console.paragraph(&format!("{said}."), "")) } else { Ok(()) }
+    }
+}
+
+/// The errors of each model, by record and in total.
+fn errors(compared: &ModelComparison, console: &Console) -> String {
+    let records = compared.models.first().map_or(&[][..], |one| &one.validated.files);
+    let mut header = vec!["rms/pp %", "operator"];
+    header.extend(records.iter().map(|record| record.short()));
+    header.extend((records.len() > 1).then_some("total"));
+    let row = |one: &piezoid::ComparedModel| {
+        let each = one.validated.files.iter().map(|run| number(run.validation.metrics.rms_pp_percent));
+        let total = (records.len() > 1).then(|| number(one.validated.total().rms_pp_percent));
+        let what = [one.name.clone(), one.model.hysteresis().operator().name.into()];
+        what.into_iter().chain(each).chain(total).collect()
+    };
+    table(&header, &compared.models.iter().map(row).collect::<Vec<_>>(), console.room())
+}

@@ -1,0 +1,56 @@
+//! Several models on the same records, and the page that identify writes beside a model.
+
+use crate::bench::Bench;
+use crate::workflow::assert_self_contained;
+
+/// A bench with two models.
+fn bench() -> Bench {
+    let bench = Bench::stocked();
+    bench.run("identify sine5.csv --operator stop -o stop.json --report stop.html").ok();
+    bench
+}
+
+#[test]
+fn identify_writes_a_report_beside_the_model() {
+    let bench = bench();
+    let html = bench.text("stop.html");
+    assert_self_contained(&html);
+    for part in ["Training records", "sine5.csv", "Operators tried", "piezoid identify sine5.csv", "--report stop.html"]
+    {
+        assert!(html.contains(part), "{part}");
+    }
+    let again = bench.run("identify sine5.csv --operator stop -o again.json --report again.html").ok();
+    again.prints(&["wrote again.json and again.html"]);
+    bench.run("identify sine5.csv --operator stop -o again.json --report again.json").exits(2).says(&["same file"]);
+    let before = bench.names();
+    bench.run("identify sine5.csv --operator stop -o a.json --report no/b.html").exits(1).says(&["no/b.html"]);
+    assert_eq!(bench.names(), before, "nothing is written if one result cannot be");
+}
+
+#[test]
+fn models_are_compared_in_a_table_a_page_and_a_document() {
+    let bench = bench();
+    let line = "compare model.json stop.json --data sine5.csv sine20.csv";
+    let run = bench.run(&format!("{line} -o both.html --json both.json")).ok();
+    run.prints(&["model.json", "stop", "sine20.csv", "total", "Smallest error in free run: ", "wrote both.html"]);
+    let html = bench.text("both.html");
+    assert_self_contained(&html);
+    for part in ["Errors by record", "Residuals", "Error by frequency", "stop.json", "without the straight line"] {
+        assert!(html.contains(part), "{part}");
+    }
+    let found = bench.run(&format!("{line} --json -")).ok().out_json();
+    assert_eq!(found.to_string(), bench.json("both.json").to_string());
+    let alone = bench.run("validate sine5.csv sine20.csv --model stop.json --json -").ok().out_json();
+    assert_eq!(found["models"][1]["total"], alone["total"], "the same figures as validate");
+    let other = bench.run(&format!("{line} --record sine20.csv -o -")).ok();
+    assert!(other.out != html && other.out.contains("sine20.csv</h2>"));
+}
+
+#[test]
+fn what_cannot_be_compared_is_named() {
+    let bench = bench();
+    bench.run("compare model.json --data sine5.csv --record none.csv").exits(2).says(&["none.csv", "sine5.csv"]);
+    bench.run("compare model.json").exits(2).says(&["--data"]);
+    bench.run("compare sine5.csv --data sine5.csv").exits(1).says(&["sine5.csv", "piezoid identify"]);
+    bench.run("compare model.json --data sine5.csv -o model.json").exits(2).says(&["overwritten"]);
+}

@@ -1,0 +1,69 @@
+//! How an identification went, in its report: the reasons for its choices, its remarks, and the course of its search.
+
+use crate::page::{Section, sentence};
+use crate::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid::Identification;
+use piezoid::number::short;
+
+/// The section; `None` if there is nothing to tell.
+pub(super) fn section(made: &Identification) -> Option<Section> {
+    let found = &made.found;
+    let section = Section::new("The identification");
+    let section = match &found.reasons[..] {
+        [] => section,
+        reasons => section.list(reasons.iter().map(|reason| sentence(reason))),
+    };
+    let section = found.notes.iter().fold(section, |section, note| section.note("Note", sentence(note)));
+    let history = found.linear.fit.as_ref().map(|fit| &fit.history[..]).unwrap_or_default();
+    let section = if history.len() > 1 { section.figure(convergence(history)) } else { section };
+    (history.len() > 1 || !found.told().is_empty()).then_some(section)
+}
+
+/// The cost by iteration.
+fn convergence(history: &[f64]) -> Figure {
+    let iterations: Vec<f64> = (0..history.len()).map(|k| k as f64).collect();
+    let (first, last) = (history[0], history[history.len() - 1]);
+    let caption = format!(
+        "The cost of the linear block falls from {} to {} in {} iterations.",
+        short(first),
+        short(last),
+        history.len() - 1
+    );
+    let positive = history.iter().all(|cost| *cost > 0.0);
+    let cost = if positive { Axis::log("cost") } else { Axis::new("cost") };
+    let panel = Axes::new("iteration", cost).height(0.7).with(Series::line(&iterations, history).role(Role::Model));
+    Figure::new("Convergence", caption).panel(panel)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::report::identification;
+    use piezoid::excitation::Prbs;
+    use piezoid::progress::Stage;
+    use piezoid::{IdentifyOptions, Method, Record, Records};
+    use serde_json::Value;
+
+    #[test]
+    fn the_report_of_an_identification_tells_its_training_and_its_search() {
+        let u = Prbs::default().samples(1e-3, 1500).unwrap();
+        let noise = |t: usize| 0.01 * (((t * t) % 97) as f64 - 48.0);
+        let mut level = 0.0;
+        let mut lag = |u: &f64| {
+            level += 0.3 * (u - level);
+            level
+        };
+        let y = u.iter().enumerate().map(|(t, u)| 3.0 * lag(u) + noise(t)).collect();
+        let record = Record::new(1e-3, u, y).unwrap();
+        let swarm =
+            IdentifyOptions { method: Method::Paper, operator: "proportional".into(), ..IdentifyOptions::default() };
+        let (records, names) = (std::slice::from_ref(&record), ["small <1>", "large"]);
+        let records = Records { small_signal: records, large_signal: records };
+        let made = swarm.prove(records, &names, "piezoid identify", Value::Null, &mut Stage::ignore).unwrap();
+        let html = identification(&made).html();
+        for said in ["Training records", "The identification", "Convergence", "piezoid identify", " large</h2>"] {
+            assert!(html.contains(said), "{said}");
+        }
+        assert!(!html.contains("Validation"));
+        assert_eq!(html, identification(&made).html());
+    }
+}
