@@ -103,5 +103,5 @@ test("what cannot be loaded is named, and loaded by the next call", async () => 
 test("an error is told in the words of the library", async () => {
   begin();
   await assert.rejects(library.call({ call: "fly" }, []), Refused);
-  await assert.rejects(library.call({ call: "excite", options: { kind: "cosine" } }, []), /cosine/);
+  await assert.rejects(library.call({ call: "excite", options: { ...SIGNAL.options, kind: "cosine" } }, []), /cosine/);
 });

@@ -6,7 +6,13 @@ import { gzipSync } from "node:zlib";
 import { DIST } from "./modules.mjs";
 
 /** The largest sizes [bytes, gzipped]: just above those that were reached. */
-const LARGEST = { "files.wasm": 1, "models.wasm": 1, "reports.wasm": 1, "exports.wasm": 1, "lists.json": 1 };
+const LARGEST = {
+  "files.wasm": 510_000,
+  "models.wasm": 830_000,
+  "reports.wasm": 945_000,
+  "exports.wasm": 940_000,
+  "lists.json": 9_000,
+};
 
 for (const [name, largest] of Object.entries(LARGEST)) {
   test(`the size of ${name}`, (told) => {

@@ -1,7 +1,7 @@
 //! `cargo xtask web`: the modules of the page, the lists, and the scripts, in web/dist.
 
 use super::{WEB, announced, cargo, root, step, succeeded};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The modules, which are features of piezoid-wasm. Limits of their sizes stand in web/tests/sizes.test.mjs.
@@ -33,11 +33,19 @@ fn written(name: &str) -> PathBuf {
 /// The module of this name.
 fn module(name: &str) -> Result<(), String> {
     let mut build = cargo(&["build", "--profile", "page", "--package", "piezoid-wasm", "--target", WEB]);
-    step(build.args(["--features", name]).env("RUSTFLAGS", "-C target-feature=+simd128"))?;
+    step(build.args(["--features", name]).env("CARGO_ENCODED_RUSTFLAGS", flags().join("\x1f")))?;
     let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |d| root().join(d));
     let (built, module) = (target.join(WEB).join("page/piezoid_wasm.wasm"), written(&format!("{name}.wasm")));
     std::fs::copy(&built, &module).map_err(|e| format!("{}: {e}", module.display()))?;
     Ok(())
+}
+
+/// Vector instructions; and no paths of this machine, so that the same source gives the same bytes.
+fn flags() -> Vec<String> {
+    let home = std::env::home_dir().unwrap_or_default();
+    let cargo = std::env::var_os("CARGO_HOME").map_or_else(|| home.join(".cargo"), PathBuf::from);
+    let short = |path: &Path, name: &str| format!("--remap-path-prefix={}={name}", path.display());
+    vec!["-Ctarget-feature=+simd128".into(), short(&cargo.join("registry/src"), "crates"), short(root(), "piezoid")]
 }
 
 /// The lists for menus and forms, of all modules.

@@ -5,7 +5,7 @@
 //! <https://pkware.cachefly.net/webdocs/casestudies/APPNOTE.TXT>.
 
 use crate::Error;
-use crate::formats::bytes::{Unpacking, damaged, length, part, stored};
+use crate::formats::bytes::{Unpacking, damaged, length, part, stored, whole};
 use std::borrow::Cow;
 
 const MEMBER: &[u8] = b"PK\x03\x04";
@@ -17,7 +17,7 @@ const END: &[u8] = b"PK\x05\x06";
 pub(super) struct Member {
     pub(super) name: String,
     method: usize,
-    checksum: usize,
+    checksum: u64,
     packed: usize,
     at: usize,
 }
@@ -43,7 +43,8 @@ pub(super) fn members(file: &[u8]) -> Result<Vec<Member>, Error> {
         members.push(Member {
             name: String::from_utf8_lossy(name).into_owned(),
             method: number(10, 2)?,
-            checksum: number(16, 4)?,
+            // Not a length: on machines of 32 bits those end at 2^31.
+            checksum: whole(file, at + 16, 4, false)?,
             packed: number(20, 4)?,
             at: number(42, 4)?,
         });
@@ -70,7 +71,7 @@ impl Member {
                 )));
             }
         };
-        if crc32fast::hash(&bytes) as usize != self.checksum {
+        if u64::from(crc32fast::hash(&bytes)) != self.checksum {
             return Err(damaged(format!("the checksum of {name:?} is wrong")));
         }
         Ok(bytes)
