@@ -180,7 +180,7 @@ fn name(series: &Series, known: &[&Series]) -> String {
     let same = |other: &&&Series| {
         other.role == series.role && other.dashes == series.dashes && !other.name.is_empty() && series.name.is_empty()
     };
-    rendered(&known.iter().find(same).map_or(&series.name, |other| &other.name))
+    rendered(known.iter().find(same).map_or(&series.name, |other| &other.name))
 }
 
 impl PlotSeries {
