@@ -42,6 +42,8 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
     const fail = (error: unknown) => workspace.failed(error);
     workspace.open().catch(fail);
     workspace.library.lists().then(setLists, fail);
+    // What nearly everyone needs is loaded after the first paint.
+    setTimeout(() => void workspace.library.load?.("inspect", "identify").catch(fail), 100);
     const turn = () => {
       setView(viewNow());
       main.current?.focus();

@@ -10,6 +10,8 @@ export { Cancelled, Refused } from "./packet.ts";
 export interface Library {
   /** The lists for menus and forms. */
   lists(): Promise<any>;
+  /** Loads what these verbs need, where something is loaded. */
+  load?(...calls: string[]): Promise<void>;
   /** The answer to a request with these files. A signal ends the work: the call is then refused with `Cancelled`. */
   call(request: Request, files: File[], progress?: Progress, signal?: AbortSignal): Promise<Answer>;
 }
@@ -44,15 +46,25 @@ export class LocalLibrary implements Library {
     progress: Progress = () => {},
     signal?: AbortSignal,
   ): Promise<Answer> {
+    const thread = await this.#thread(request.call);
+    return unpacked(await thread.answer(packed(request, files), progress, signal));
+  }
+
+  /** Loads the modules of these verbs before they are called. */
+  async load(...calls: string[]): Promise<void> {
+    for (const call of calls) await (await this.#thread(call)).load();
+  }
+
+  async #thread(verb: string): Promise<Thread> {
     const { calls } = await this.lists();
-    const name = calls.find((call: { name: string }) => call.name === request.call)?.module;
-    if (name === undefined) throw new Refused(`there is no call called \`${request.call}\``);
+    const name = calls.find((call: { name: string }) => call.name === verb)?.module;
+    if (name === undefined) throw new Refused(`there is no call called \`${verb}\``);
     let thread = this.#threads.get(name);
     if (!thread) {
       thread = new Thread(() => compiled(new URL(`${name}.wasm`, this.#base)), this.#spawn);
       this.#threads.set(name, thread);
     }
-    return unpacked(await thread.answer(packed(request, files), progress, signal));
+    return thread;
   }
 }
 

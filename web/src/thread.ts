@@ -37,15 +37,24 @@ export class Thread {
     });
   }
 
-  async #begin(job: Job): Promise<void> {
+  /** Loads the module, and begins the worker, before the first request. */
+  async load(): Promise<void> {
     try {
       const module = await (this.#module ??= this.#load());
-      if (this.#jobs[0] !== job) return;
       this.#worker ??= this.#started(module);
-      this.#worker.postMessage({ request: job.request } satisfies Sent, [job.request.buffer]);
     } catch (error) {
       // The next call loads again.
       this.#module = undefined;
+      throw error;
+    }
+  }
+
+  async #begin(job: Job): Promise<void> {
+    try {
+      await this.load();
+      if (this.#jobs[0] !== job) return;
+      this.#worker!.postMessage({ request: job.request } satisfies Sent, [job.request.buffer]);
+    } catch (error) {
       this.#failed(job, error);
     }
   }
