@@ -9,7 +9,9 @@ const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/cs
 
 /** The browser of the tests; `CHROMIUM` names another than Debian's. */
 export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
-export const isThere = existsSync(CHROMIUM);
+
+/** Why tests in a browser are left out; never in CI. */
+export const skip = existsSync(CHROMIUM) || process.env.CI ? false : `no browser ${CHROMIUM}: name one by CHROMIUM`;
 
 /** Serves dist/ as any static server does. */
 export async function served() {

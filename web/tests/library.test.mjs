@@ -35,7 +35,7 @@ class BrowserWorker {
 }
 
 const TYPES = { wasm: "application/wasm", json: "application/json" };
-let server, base, spawned, loaded, types, missing;
+let server, base, spawned, loaded, types, missing, library;
 
 before(async () => {
   server = createServer(async (request, response) => {
@@ -58,7 +58,7 @@ function begin() {
 
 test("a module is loaded when a call needs it, and once", async () => {
   begin();
-  const [first, second] = await Promise.all([library.call(SIGNAL, []).call(SIGNAL, [])]);
+  const [first, second] = await Promise.all([library.call(SIGNAL, []), library.call(SIGNAL, [])]);
   assert.deepEqual(first.series.get("u"), second.series.get("u"));
   assert.deepEqual([loaded, spawned.length], [["lists.json", "models.wasm"], 1]);
 });

@@ -1,9 +1,8 @@
 // The page as a user takes it, in a real browser, from a static server.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { csv, download, isThere, launched, mat, measured, opened, scope, served } from "./browser.mjs";
+import { csv, download, launched, mat, measured, opened, scope, served, skip } from "./browser.mjs";
 
-const skip = isThere ? false : "no Chromium";
 let server, browser;
 
 before(async () => {

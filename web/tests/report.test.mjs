@@ -1,33 +1,23 @@
 // Reports in a browser, opened from a file: plots answer to the hand, ask no network, and give way to drawings in print
 // and without scripts.
 import assert from "node:assert/strict";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { chromium } from "playwright-core";
-import { Module } from "../dist/module.js";
-import { packed, unpacked } from "../dist/packet.js";
 import { FIGURES, figures } from "../figures.mjs";
-
-const BROWSER = process.env.CHROMIUM ?? "/usr/bin/chromium";
-const ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-sync"];
-ARGUMENTS.push("--disable-background-networking", "--disable-component-update");
-const skip = existsSync(BROWSER) || process.env.CI ? false : `no browser ${BROWSER}: name one by CHROMIUM`;
+import { launched, skip } from "./browser.mjs";
+import { call, measured } from "./modules.mjs";
 
 let folder, browser, address, text;
 
 /** The report on a model, made by the library. */
 function report() {
-  const library = Module.of(new WebAssembly.Module(readFileSync(new URL("../dist/piezoid.wasm", import.meta.url))));
-  const call = (request, files) => unpacked(library.answer(packed(request, files), () => {})).files[0];
-  const drive = { kind: "rising-sine", frequency: 5, amplitude: 28, ts: 1e-3, duration: 2 };
-  const u = call({ call: "excite", options: drive }, []);
-  const record = call({ call: "simulate", options: { plant: "pl140" }, files: { input: [u.name] } }, [u]);
+  const record = measured("record.csv", { kind: "rising-sine", frequency: 5, amplitude: 28, ts: 1e-3, duration: 2 });
   const large = { large_signal: [record.name] };
-  const model = call({ call: "identify", options: { operator: "pi" }, files: large }, [record]);
-  const both = { model: [model.name], data: [record.name] };
-  return new TextDecoder().decode(call({ call: "report", files: both }, [model, record]).bytes);
+  const [model] = call({ call: "identify", options: { operator: "pi" }, files: large }, [record]).files;
+  const files = { model: [model.name], data: [record.name] };
+  return new TextDecoder().decode(call({ call: "report", files }, [model, record]).files[0].bytes);
 }
 
 before(async () => {
@@ -36,7 +26,7 @@ before(async () => {
   text = report();
   writeFileSync(join(folder, "report.html"), text);
   address = `file://${folder}/report.html`;
-  browser = await chromium.launch({ executablePath: BROWSER, args: ARGUMENTS });
+  browser = await launched();
 });
 
 after(async () => {

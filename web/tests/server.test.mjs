@@ -43,9 +43,9 @@ test("progress is told and the answer read, however they are cut", async () => {
       response.end();
     };
     const stages = [];
-    const { result, series } = await library().call(INSPECT, [], (...stage) => stages.push(stage));
+    const { result, series } = await library().call(INSPECT, [], (stage) => stages.push(stage));
     assert.deepEqual([result, Array.from(series.get("u"))], [{ a: 1 }, [0.5, 5.25]]);
-    assert.deepEqual(stages, [["x µ", 1, 2, { c: 0.5 }], ["y", 2, 2, {}]]);
+    assert.deepEqual(stages, [{ what: "x µ", done: 1, total: 2, figures: { c: 0.5 } }, { what: "y", done: 2, total: 2, figures: {} }]);
   }
 });
 

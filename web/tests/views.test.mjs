@@ -4,9 +4,8 @@ import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { csv, isThere, launched, measured, opened, served } from "./browser.mjs";
+import { csv, launched, measured, opened, served, skip } from "./browser.mjs";
 
-const skip = isThere ? false : "no Chromium";
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const PICTURES = new URL("../dist/pictures/", import.meta.url).pathname;
 const VIEWS = ["Data", "Experiment", "Loops", "Identify", "Validate", "Compensate", "Control", "Export", "Study"];

@@ -2,10 +2,9 @@
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { unzipSync } from "fflate";
-import { csv, download, isThere, launched, measured, opened, served } from "./browser.mjs";
+import { csv, download, launched, measured, opened, served, skip } from "./browser.mjs";
 import { call } from "./modules.mjs";
 
-const skip = isThere ? false : "no Chromium";
 let server, browser, model;
 
 before(async () => {
