@@ -4,7 +4,8 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { brotliCompressSync, gzipSync } from "node:zlib";
 import { readdirSync, readFileSync } from "node:fs";
-import { csv, launched, measured, opened, served } from "../tests/browser.mjs";
+import { launched, opened, served } from "../tests/browser.mjs";
+import { csv, measured } from "../tests/records.mjs";
 
 const [server, browser] = await Promise.all([served(), launched()]);
 const row = (what, value) => console.log(`${what.padEnd(58)} ${value}`);

@@ -1,7 +1,8 @@
 // The page as a user takes it, in a real browser, from a static server.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
-import { csv, download, launched, mat, measured, opened, scope, served, skip } from "./browser.mjs";
+import { download, launched, opened, served, skip } from "./browser.mjs";
+import { csv, mat, measured, scope } from "./records.mjs";
 
 let server, browser;
 

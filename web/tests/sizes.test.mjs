@@ -7,10 +7,10 @@ import { DIST } from "./modules.mjs";
 
 /** The largest sizes [bytes, gzipped]: just above those that were reached. */
 const LARGEST = {
-  "files.wasm": 510_000,
-  "models.wasm": 830_000,
-  "reports.wasm": 945_000,
-  "exports.wasm": 940_000,
+  "files.wasm": 720_000,
+  "models.wasm": 800_000,
+  "reports.wasm": 990_000,
+  "exports.wasm": 945_000,
   "lists.json": 9_000,
 };
 

@@ -4,7 +4,8 @@ import assert from "node:assert/strict";
 import { mkdirSync, readFileSync } from "node:fs";
 import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
-import { csv, launched, measured, opened, served, skip } from "./browser.mjs";
+import { launched, opened, served, skip } from "./browser.mjs";
+import { csv, measured } from "./records.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const PICTURES = new URL("../dist/pictures/", import.meta.url).pathname;

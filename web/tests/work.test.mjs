@@ -1,8 +1,13 @@
 // Drives, controllers, exports and the study in a real browser, as users reach them.
 import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { unzipSync } from "fflate";
-import { csv, download, launched, measured, opened, served, skip } from "./browser.mjs";
+import { download, launched, opened, served, skip } from "./browser.mjs";
+import { csv, measured } from "./records.mjs";
 import { call } from "./modules.mjs";
 
 let server, browser, model;
@@ -103,6 +108,49 @@ test("a model is exported for a target; files are read and downloaded", { skip }
   await page.waitForTimeout(500);
   await button("Export as waveform").click();
   await button("piezo_model.csv").waitFor();
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+/** The program of the exported files, with one that feeds it numbers. */
+function compiled(files) {
+  const folder = mkdtempSync(join(tmpdir(), "piezoid-"));
+  for (const [name, content] of Object.entries(files)) writeFileSync(join(folder, name), content);
+  writeFileSync(join(folder, "run.c"), `#include <stdio.h>
+#include "piezo_model.h"
+int main(void) {
+  piezo_model_state state;
+  double u;
+  piezo_model_reset(&state);
+  while (scanf("%lf", &u) == 1) printf("%.17g\\n", piezo_model_step(&state, u));
+  return 0;
+}
+`);
+  const built = ["-std=c99", "-O2", "-ffp-contract=off", "-o", "run", "run.c", "piezo_model.c", "-lm"];
+  execFileSync("gcc", built, { cwd: folder });
+  return (inputs) => {
+    const printed = execFileSync(join(folder, "run"), { input: `${inputs.join("\n")}\n`, maxBuffer: 1 << 26 });
+    return printed.toString().trim().split("\n").map(Number);
+  };
+}
+
+test("the exported C gives the numbers of the page to the bit", { skip }, async () => {
+  const { page, faults, button, close } = await at("Export");
+  await button("Export as c").click();
+  const files = unzipSync(await download(page, () => button("Download all as zip").click()));
+  await page.getByLabel("Project to open").waitFor({ state: "attached" });
+  await page.goto(`${server.url}#data`);
+  const record = { name: "other.csv", mimeType: "text/csv", buffer: csv(measured(20)) };
+  await page.getByLabel("Data files").setInputFiles([record]);
+  await page.getByText(/4,000 samples/).waitFor();
+  await page.goto(`${server.url}#validate`);
+  await page.getByText("Free run on other.csv", { exact: true }).waitFor();
+  const text = (await download(page, () => page.getByRole("button", { name: "CSV" }).first().click())).toString();
+  const [head, ...rows] = text.trim().split("\n").map((row) => row.split(","));
+  const column = (name) => rows.map((row) => Number(row[head.findIndex((cell) => cell.startsWith(name))]));
+  const [inputs, simulated] = [column("input: "), column("model: Output")];
+  assert.equal(inputs.length, 4000);
+  assert.deepEqual(compiled(files)(inputs), simulated);
   assert.deepEqual(faults, []);
   await close();
 });

@@ -19,7 +19,7 @@ type Work = fn() -> Result<(), String>;
 const VERBS: [(&str, &str, Work); 8] = [
     (
         "test",
-        "format, clippy with warnings denied, the core for the web, all tests, documentation, `tidy`, then `python`",
+        "format, clippy with warnings denied, all tests, documentation, `tidy`, the page of `serve`, then `python`",
         test,
     ),
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
@@ -97,6 +97,7 @@ fn test() -> Result<(), String> {
     skipped.step(&mut cargo(&["test", "--workspace"]))?;
     step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
     tidy::tidy()?;
+    web::page(&mut skipped)?;
     python_tests(&mut skipped)?;
     eprint!("{skipped}");
     Ok(())

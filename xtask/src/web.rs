@@ -1,18 +1,25 @@
 //! `cargo xtask web`: the modules of the page, the lists, and the scripts, in web/dist.
 
-use super::{WEB, announced, cargo, root, step, succeeded};
+use super::{Skipped, WEB, announced, cargo, root, step, succeeded};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// The modules, which are features of piezoid-wasm. Limits of their sizes stand in web/tests/sizes.test.mjs.
 const MODULES: [&str; 4] = ["files", "models", "reports", "exports"];
 
+/// What `npm run build` writes outside of web/dist: committed, so that cargo alone builds.
+const COMMITTED: [&str; 3] = [
+    "crates/piezoid-serve/page/main.js",
+    "crates/piezoid-serve/page/style.css",
+    "crates/piezoid-report/src/page/figures.js",
+];
+
+/// Tests of the page that need no module: those of `piezoid serve`, which is built by then.
+const SERVED: [&str; 3] = ["tests/serve.test.mjs", "tests/server.test.mjs", "tests/spectrum.test.mjs"];
+
 /// Builds everything, and tests it.
 pub(super) fn web() -> Result<(), String> {
-    run(&["ci", "--no-audit", "--no-fund"])?;
-    for script in ["check", "build"] {
-        run(&["run", script])?;
-    }
+    scripts()?;
     for name in MODULES {
         module(name)?;
     }
@@ -20,10 +27,41 @@ pub(super) fn web() -> Result<(), String> {
     run(&["test"])
 }
 
+/// Builds the scripts and tests the page of `piezoid serve`, if npm is there; in CI it must be.
+pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
+    let npm = npm().arg("--version").stdout(Stdio::null()).status().is_ok_and(|status| status.success());
+    if !npm && std::env::var_os("CI").is_none() {
+        skipped.add("the page of `piezoid serve`", "no npm");
+        return Ok(());
+    }
+    let read = |name: &&str| std::fs::read(root().join(name)).map_err(|e| format!("{name}: {e}"));
+    let committed = COMMITTED.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    scripts()?;
+    for (name, committed) in COMMITTED.iter().zip(committed) {
+        if read(name)? != committed {
+            return Err(format!(
+                "{name} was not built from web/src as it is: commit it as `npm run build` wrote it now"
+            ));
+        }
+    }
+    let mut node = Command::new("node");
+    step(node.args(["--test"]).args(SERVED.map(|test| root().join("web").join(test))))
+}
+
+fn scripts() -> Result<(), String> {
+    run(&["ci", "--no-audit", "--no-fund"])?;
+    ["check", "build"].into_iter().try_for_each(|script| run(&["run", script]))
+}
+
+fn npm() -> Command {
+    let mut npm = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
+    npm.args(["--prefix", "web"]).current_dir(root());
+    npm
+}
+
 /// Runs npm for the page.
 fn run(arguments: &[&str]) -> Result<(), String> {
-    let mut npm = Command::new(if cfg!(windows) { "npm.cmd" } else { "npm" });
-    step(npm.args(["--prefix", "web"]).args(arguments))
+    step(npm().args(arguments))
 }
 
 fn written(name: &str) -> PathBuf {

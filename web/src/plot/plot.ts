@@ -134,13 +134,15 @@ export class Plot {
       cell(called(x)),
       cell(series.name ? `${series.name}: ${called(panel.y)}` : called(panel.y)),
     ]);
-    // Without the last digits of `start + k * step`, and empty at breaks.
-    const number = (value: number) => (Number.isNaN(value) ? "" : String(Number(value.toPrecision(15))));
+    // Samples to the bit, empty at breaks; `start + k * step` without its last digits.
+    const number = (value: number) => (Number.isNaN(value) ? "" : String(value));
+    const across = (series: Series, k: number) =>
+      number(series.x ? place(series, k) : Number(place(series, k).toPrecision(15)));
     const longest = Math.max(0, ...all.map(({ series }) => series.y.length));
     const rows = [head.join(",")];
     for (let k = 0; k < longest; k++) {
       const pair = ({ series }: { series: Series }) =>
-        k < series.y.length ? `${number(place(series, k))},${number(series.y[k]!)}` : ",";
+        k < series.y.length ? `${across(series, k)},${number(series.y[k]!)}` : ",";
       rows.push(all.map(pair).join(","));
     }
     return `${rows.join("\n")}\n`;

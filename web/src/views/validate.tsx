@@ -25,13 +25,16 @@ export function ValidateView() {
   return <Validation />;
 }
 
-/** The call that validates a model on records. */
-async function task(workspace: Workspace, call: "validate" | "report", model: ModelEntry, records: RecordEntry[], options: Options) {
+/** The call that runs models on records. */
+async function task(
+  workspace: Workspace, call: "validate" | "report" | "compare", models: ModelEntry[], records: RecordEntry[], options: Options,
+) {
   const data = await Promise.all(records.map((entry) => workspace.ready(entry)));
+  const model = models.map((entry) => entry.file);
   return {
-    name: `${call} ${model.file}`,
-    request: { call, options, files: { model: [model.file], data: data.map((file) => file.name) } },
-    files: [await workspace.file(model.file), ...data],
+    name: `${call} ${model.join(", ")}`,
+    request: { call, options, files: { model, data: data.map((file) => file.name) } },
+    files: [...(await Promise.all(model.map((file) => workspace.file(file)))), ...data],
   };
 }
 
@@ -51,13 +54,14 @@ function Validation() {
     Promise.all(usedModels.map(async (entry): Promise<Run> => ({
       entry,
       answer: await workspace.answer(`validate ${JSON.stringify([entry.file, usedRecords, options])}`,
-        () => task(workspace, "validate", entry, usedRecords, options)),
+        () => task(workspace, "validate", [entry], usedRecords, options)),
     }))),
   );
   const toggled = (all: { file: string }[], used: { file: string }[], file: string, on: boolean) =>
     all.map((one) => one.file).filter((one) => (one === file ? on : used.some((other) => other.file === one)));
-  const report = async (entry: ModelEntry) => {
-    const made = await workspace.run(await task(workspace, "report", entry, usedRecords, options));
+  const report = async (entries: ModelEntry[]) => {
+    const call = entries.length > 1 ? "compare" : "report";
+    const made = await workspace.run(await task(workspace, call, entries, usedRecords, options));
     for (const file of made.files) download(file.name, file.bytes as BlobPart, "text/html");
   };
   return (
@@ -98,7 +102,7 @@ function Validation() {
 /** The parts of a name that colours and legends use. */
 const nameOf = (entry: ModelEntry) => entry.file.replace(/\.json$/, "");
 
-function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry[]; report(entry: ModelEntry): Promise<void> }) {
+function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry[]; report(entries: ModelEntry[]): Promise<void> }) {
   const { workspace } = useShared();
   const [chosen, setChosen] = useState(0);
   const k = Math.min(chosen, records.length - 1);
@@ -126,11 +130,20 @@ function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry
         {runs.map(({ entry, answer }) => (
           <div key={entry.file}>
             <Verdict of={nameOf(entry)} text={answer.result.told} />
-            <button type="button" onClick={() => report(entry).catch((error) => workspace.failed(error))}>
-              Report of {nameOf(entry)}
-            </button>
           </div>
         ))}
+        <div class="row">
+          {runs.map(({ entry }) => (
+            <button key={entry.file} type="button" onClick={() => report([entry]).catch((error) => workspace.failed(error))}>
+              Report of {nameOf(entry)}
+            </button>
+          ))}
+          {runs.length > 1 && (
+            <button type="button" onClick={() => report(runs.map(({ entry }) => entry)).catch((error) => workspace.failed(error))}>
+              Page that compares them
+            </button>
+          )}
+        </div>
         <Table caption="Free-run errors" rows={rows}
           head={["Record", "Model", "Error, rms of stroke", "Error, rms of std", "Largest error", "Noise, of stroke"]} />
       </Section>

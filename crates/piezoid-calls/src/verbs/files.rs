@@ -1,9 +1,11 @@
-//! Reading and preparing records, of all formats of files.
+//! What comes before a model: drives, and records from files of all formats.
 
-use super::{named, role};
+use super::{NAME, named, role};
 use crate::{Answer, Call, Given};
+use piezoid::excitation::Excitation;
 use piezoid::formats::{ColumnSelection, Format, Table};
-use piezoid::{Error, File, Options, PrepareOptions};
+use piezoid::{Error, ExciteOptions, File, OptionRow, Options, PlanOptions, PrepareOptions, options};
+use serde_json::{Value, json};
 
 pub(super) const CALLS: &[Call] = &[
     Call {
@@ -19,6 +21,20 @@ pub(super) const CALLS: &[Call] = &[
         roles: &[role("data", 1, 1)],
         rows: PrepareOptions::rows,
         run: |given, _| prepare(given),
+    },
+    Call {
+        name: "excite",
+        summary: "a drive signal within the limits of a driver",
+        roles: &[],
+        rows: ExciteCall::rows,
+        run: |given, _| excite(given),
+    },
+    Call {
+        name: "plan",
+        summary: "the drives of an identification, within the limits of a driver",
+        roles: &[role("model", 0, 1)],
+        rows: PlanOptions::rows,
+        run: |given, _| plan(given),
     },
 ];
 
@@ -39,4 +55,30 @@ fn prepare(given: &Given) -> Result<Answer, Error> {
     let written = File::new(name, made.written(name)?);
     let (result, _) = Table::read(name, &written.bytes)?.inspect(name, "csv", &ColumnSelection::default());
     Ok(Answer { result, series: named([("u", made.u()), ("y", made.y())]), files: vec![written] })
+}
+
+options! {
+    /// Options of `excite`, besides those of the signal.
+    pub(crate) struct ExciteCall {
+        /// The kind of signal.
+        kind: String = "sine".into(), OptionRow::new(NAME);
+    } with common: ExciteOptions
+}
+
+fn excite(given: &Given) -> Result<Answer, Error> {
+    let known = |name: &str| ExciteCall::rows().iter().any(|row| row.name == name);
+    let all = given.request.options.iter().map(|(name, value)| (name.clone(), value.clone()));
+    let (common, own): (serde_json::Map<_, _>, serde_json::Map<_, _>) = all.partition(|(name, _)| known(name));
+    let ExciteCall { kind, common } = ExciteCall::from_json(Value::Object(common))?;
+    let made = common.run(Excitation::find(&kind)?, Value::Object(own))?;
+    let result = json!({"ts": made.ts, "unit": made.unit, "usage": made.usage, "clipped": made.clipped});
+    let file = File::new("signal.csv", made.written("signal.csv")?);
+    Ok(Answer { result, series: named([("u", &made.u)]), files: vec![file] })
+}
+
+fn plan(given: &Given) -> Result<Answer, Error> {
+    let model = given.some("model")?.map(|file| file.model()).transpose()?;
+    let plan = given.options::<PlanOptions>()?.run(model.as_ref())?;
+    let series = plan.drives.iter().map(|drive| (drive.name.to_string(), drive.u.clone())).collect();
+    Ok(Answer { result: plan.to_json(), series, files: plan.files()? })
 }

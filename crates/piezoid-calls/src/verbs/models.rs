@@ -1,35 +1,17 @@
-//! Drives, models, their proof and their inverses.
+//! Models, their proof and their inverses.
 
 use super::{DATA, MANY, MODEL, NAME, named, role};
 use crate::{Answer, Call, Given};
-use piezoid::excitation::Excitation;
 use piezoid::hammerstein::{HiddenLoop, Model};
 use piezoid::hysteresis::LoopOptions;
 use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
 use piezoid::waveform::reversals;
-use piezoid::{
-    CompensateOptions, Error, ExciteOptions, File, IdentifyOptions, OptionRow, Options, PlanOptions, SimulateOptions,
-    options,
-};
-use serde_json::{Value, json};
+use piezoid::{CompensateOptions, Error, File, IdentifyOptions, OptionRow, Options, SimulateOptions, options};
+use serde_json::json;
 
 pub(super) const CALLS: &[Call] = &[
-    Call {
-        name: "excite",
-        summary: "a drive signal within the limits of a driver",
-        roles: &[],
-        rows: ExciteCall::rows,
-        run: |given, _| excite(given),
-    },
-    Call {
-        name: "plan",
-        summary: "the drives of an identification, within the limits of a driver",
-        roles: &[role("model", 0, 1)],
-        rows: PlanOptions::rows,
-        run: |given, _| plan(given),
-    },
     Call {
         name: "simulate",
         summary: "the response of a plant or a model to an input",
@@ -73,32 +55,6 @@ options! {
         /// The plant to simulate, unless a model is given.
         plant: String = "pl140".into(), OptionRow::new(NAME);
     } with simulation: SimulateOptions
-}
-
-options! {
-    /// Options of `excite`, besides those of the signal.
-    pub(crate) struct ExciteCall {
-        /// The kind of signal.
-        kind: String = "sine".into(), OptionRow::new(NAME);
-    } with common: ExciteOptions
-}
-
-fn excite(given: &Given) -> Result<Answer, Error> {
-    let known = |name: &str| ExciteCall::rows().iter().any(|row| row.name == name);
-    let all = given.request.options.iter().map(|(name, value)| (name.clone(), value.clone()));
-    let (common, own): (serde_json::Map<_, _>, serde_json::Map<_, _>) = all.partition(|(name, _)| known(name));
-    let ExciteCall { kind, common } = ExciteCall::from_json(Value::Object(common))?;
-    let made = common.run(Excitation::find(&kind)?, Value::Object(own))?;
-    let result = json!({"ts": made.ts, "unit": made.unit, "usage": made.usage, "clipped": made.clipped});
-    let file = File::new("signal.csv", made.written("signal.csv")?);
-    Ok(Answer { result, series: named([("u", &made.u)]), files: vec![file] })
-}
-
-fn plan(given: &Given) -> Result<Answer, Error> {
-    let model = given.some("model")?.map(|file| file.model()).transpose()?;
-    let plan = given.options::<PlanOptions>()?.run(model.as_ref())?;
-    let series = plan.drives.iter().map(|drive| (drive.name.to_string(), drive.u.clone())).collect();
-    Ok(Answer { result: plan.to_json(), series, files: plan.files()? })
 }
 
 fn simulate(given: &Given) -> Result<Answer, Error> {
