@@ -78,12 +78,13 @@ fn module(name: &str) -> Result<(), String> {
     Ok(())
 }
 
-/// Vector instructions; and no paths of this machine, so that the same source gives the same bytes.
+/// Vector instructions, short addresses, and no paths of this machine, so that the same source gives the same bytes.
 fn flags() -> Vec<String> {
     let home = std::env::home_dir().unwrap_or_default();
     let cargo = std::env::var_os("CARGO_HOME").map_or_else(|| home.join(".cargo"), PathBuf::from);
     let short = |path: &Path, name: &str| format!("--remap-path-prefix={}={name}", path.display());
-    vec!["-Ctarget-feature=+simd128".into(), short(&cargo.join("registry/src"), "crates"), short(root(), "piezoid")]
+    let fixed = ["-Ctarget-feature=+simd128", "-Clink-arg=--compress-relocations"].map(String::from);
+    fixed.into_iter().chain([short(&cargo.join("registry/src"), "crates"), short(root(), "piezoid")]).collect()
 }
 
 /// The lists for menus and forms, of all modules.
