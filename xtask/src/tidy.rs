@@ -182,6 +182,8 @@ fn public_items() -> Result<Vec<String>, String> {
 /// The error if a page does not state the number of rows of a list.
 fn miscounted(page: &str, phrase: &str, file: &str, list: &str) -> Result<Option<String>, String> {
     let source = read(&root().join(file))?;
+    let source: Vec<&str> = source.lines().filter(|line| !line.trim_start().starts_with("#[")).collect();
+    let source = source.join("\n");
     let rows = source.split(&format!("pub static {list}: ")).nth(1).and_then(|rest| rest.split(']').nth(1));
     let count = rows.unwrap_or_default().split(',').filter(|row| row.contains("::")).count();
     let word = WORDS.split(' ').nth(count).unwrap_or_default();

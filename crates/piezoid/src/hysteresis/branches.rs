@@ -253,8 +253,8 @@ impl Branches {
     /// reversals. The branches end at the reversals wherever the separating line is.
     ///
     /// # Errors
-    /// [`Error::Unidentifiable`] if u does not move, or moves in one direction only, or if all points are on one side of
-    /// the line; an error if `bins` is not 1 to 1000.
+    /// [`Error::Unidentifiable`] if u does not move, or moves in one direction only, or if all points are on one side
+    /// of the line; an error if `bins` is not 1 to 1000.
     pub fn of_loop(u: &[f64], z: &[f64], options: &LoopOptions) -> Result<MeasuredLoop, Error> {
         let LoopOptions { bins, split, line } = *options;
         if !(1..=BINS_MAX).contains(&bins) {

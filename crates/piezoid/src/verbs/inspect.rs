@@ -12,8 +12,8 @@ impl File {
     /// What this file holds as a document: `format`; `channels`, each with `name`, `unit`, `samples`, `low`, `high` and
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
     /// `history`, how the record is made of the channels; `problems`, which are reasons why there is no record, and
-    /// suspected defects of the record; `defects`, these with the spans of time [s] that they concern, the first hundred
-    /// of each. The record itself is beside it, or the error in its place.
+    /// suspected defects of the record; `defects`, these with the spans of time [s] that they concern, the first
+    /// hundred of each. The record itself is beside it, or the error in its place.
     ///
     /// ```
     /// use piezoid::{File, formats::ColumnSelection};
