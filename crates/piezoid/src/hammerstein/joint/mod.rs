@@ -24,6 +24,7 @@ mod equations;
 mod estimate;
 mod extend;
 mod folds;
+mod gram;
 mod growth;
 mod held_out;
 mod hidden;

@@ -10,6 +10,7 @@
 //! that of creep. Columns are computed and multiplied in blocks of samples, so records may have any length.
 
 use super::estimate::{Estimate, Responses, differences, of_differences};
+use super::gram;
 use super::hidden::Inputs;
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
@@ -18,15 +19,14 @@ use super::solve::FreeParameters;
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::series::{dot, dot_wide};
-use nalgebra::{DMatrix, DMatrixView, DMatrixViewMut, DVector};
+use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Samples that are filtered at a time, rows per block, and columns that are multiplied with all later ones at a time.
+/// Samples that are filtered at a time, and rows per block.
 const SAMPLES: usize = 64;
 const BLOCK: usize = 256;
-const PANEL: usize = 64;
 
 /// Maximum number of large-signal rows kept of all runs: neighbouring rows have similar information.
 const ROWS: usize = 20_000;
@@ -52,19 +52,6 @@ pub(super) struct Segment {
 }
 
 impl Segment {
-    /// Adds the products of `rows` to the lower triangle, and empties `rows`.
-    fn add(&mut self, rows: &mut Vec<f64>) {
-        let size = self.gram.nrows();
-        let block = DMatrixView::from_slice(rows, size, rows.len() / size);
-        self.gram.as_mut_slice().par_chunks_mut(size * PANEL).enumerate().for_each(|(k, columns)| {
-            let (from, width) = (k * PANEL, columns.len() / size);
-            let (below, panel) = (block.rows_range(from..), block.rows(from, width).transpose());
-            let mut columns = DMatrixViewMut::from_slice(columns, size, width);
-            columns.rows_range_mut(from..).gemm(1.0, &below, &panel, 1.0);
-        });
-        rows.clear();
-    }
-
     /// The sum of squares for the parameters `x` and the run's own coefficients.
     pub(super) fn residual(&self, x: &DVector<f64>, own: &[f64]) -> f64 {
         let n = self.gram.nrows() - 1;
@@ -114,14 +101,15 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
             let added = columns.advance(from..end.min(from + SAMPLES), wanted, &mut rows);
             waiting.extend(rows[..added * size].iter().map(|v| v * weight));
             if waiting.len() > size * (BLOCK - SAMPLES) {
-                segment.add(waiting);
+                gram::add(&mut segment.gram, waiting);
+                waiting.clear();
             }
         }
         segment.samples += run.usable[begin..end].iter().filter(|usable| **usable).count() as f64;
         begin = end;
     }
-    let whole = |(mut segment, mut waiting): (Segment, Vec<f64>)| {
-        segment.add(&mut waiting);
+    let whole = |(mut segment, waiting): (Segment, Vec<f64>)| {
+        gram::add(&mut segment.gram, &waiting);
         segment.gram.fill_upper_triangle_with_lower_triangle();
         segment
     };
