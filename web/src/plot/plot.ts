@@ -57,7 +57,7 @@ export class Plot {
       this.#near = entries.at(-1)!.isIntersecting;
       if (this.#near) this.redraw();
       else for (const canvas of [this.#canvas, this.#cursor]) canvas.width = canvas.height = 0;
-    }, { rootMargin: "400px" });
+    }, { rootMargin: "3000px" });
     this.#scrolled.observe(this.#stage);
     darkness.addEventListener("change", this.#themed);
     themed.add(this.#themed);
