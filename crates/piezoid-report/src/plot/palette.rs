@@ -62,7 +62,7 @@ const ROLES: [Colour; 12] = [
 ];
 
 /// Ground, text and lines of the figures and of the pages around them.
-const GROUNDS: [Colour; 8] = [
+const GROUNDS: [Colour; 7] = [
     colour("paper", "#fdfcf9", "#14161a"),
     colour("raised", "#f5f2eb", "#1d2026"),
     colour("ink", "#1d2126", "#e9e6df"),
@@ -70,8 +70,6 @@ const GROUNDS: [Colour; 8] = [
     colour("axis", "#8b9199", "#747b85"),
     colour("grid", "#e6e3db", "#2a2e35"),
     colour("brass", "#8a5f14", "#d9ae5f"),
-    // Wide lines of measurements, below models.
-    colour("pale", "#b4b7ba", "#575c62"),
 ];
 
 impl Role {
