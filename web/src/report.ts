@@ -2,7 +2,8 @@
 // for print, and if anything here fails.
 
 import type { Figure, Series } from "./plot/figure.ts";
-import { Plot, themeChanged } from "./plot/plot.ts";
+import { Plot } from "./plot/plot.ts";
+import { themeChanged } from "./plot/theme.ts";
 
 /** Samples as they stand in the page; null is a break. */
 type Samples = (number | null)[];

@@ -3,8 +3,11 @@
 // Wheel or pinch: zoom about the pointer. Drag: zoom to a box; with Shift, or with a finger, move. Double click or 0: all.
 // Keys on the plot: arrows move, + and - zoom, 0 shows all.
 
-import { areas, CanvasPen, draw, type Frame, pixelX, pixelY, SvgPen, type Theme, valueX, valueY } from "./draw.ts";
-import { type Axis, type Figure, type Handle, place, type Series, type Span, spanX, spanY, within } from "./figure.ts";
+import { csv, download } from "./download.ts";
+import { areas, CanvasPen, draw, type Frame, pixelX, pixelY, SvgPen, valueX, valueY } from "./draw.ts";
+import { type Figure, place, type Series, type Span, spanX, spanY, within } from "./figure.ts";
+import { Handles } from "./handles.ts";
+import { COLOURS, darkness, light, themed, themeOf } from "./theme.ts";
 import { short, unit } from "./ticks.ts";
 
 /** What a plot tells whoever made it, and how it looks. */
@@ -31,7 +34,7 @@ export class Plot {
   #frames: Frame[] = [];
   #x: Span | undefined;
   #y: (Span | undefined)[] = [];
-  #handles: HTMLButtonElement[] = [];
+  readonly #handles = new Handles(this.#stage);
   #drawing = 0;
   #near = false;
 
@@ -72,7 +75,7 @@ export class Plot {
     if (!same) [this.#x, this.#y] = [undefined, []];
     this.#canvas.setAttribute("aria-label", told(figure));
     this.#legends();
-    this.#movable();
+    this.#handles.set(figure.handles ?? []);
     this.redraw();
   }
 
@@ -124,30 +127,6 @@ export class Plot {
     return pen.picture(width, height + 24, this.#figure.title, "#fff");
   }
 
-  /** The samples of all series as CSV: of each series its x and its y. */
-  csv(): string {
-    const all = this.#figure.panels.flatMap((panel) => panel.series.map((series) => ({ panel, series })));
-    const { x } = this.#figure;
-    const cell = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-    const called = (axis: Axis) => (axis.unit ? `${axis.label} [${axis.unit}]` : axis.label);
-    const head = all.flatMap(({ panel, series }) => [
-      cell(called(x)),
-      cell(series.name ? `${series.name}: ${called(panel.y)}` : called(panel.y)),
-    ]);
-    // Samples to the bit, empty at breaks; `start + k * step` without its last digits.
-    const number = (value: number) => (Number.isNaN(value) ? "" : String(value));
-    const across = (series: Series, k: number) =>
-      number(series.x ? place(series, k) : Number(place(series, k).toPrecision(15)));
-    const longest = Math.max(0, ...all.map(({ series }) => series.y.length));
-    const rows = [head.join(",")];
-    for (let k = 0; k < longest; k++) {
-      const pair = ({ series }: { series: Series }) =>
-        k < series.y.length ? `${across(series, k)},${number(series.y[k]!)}` : ",";
-      rows.push(all.map(pair).join(","));
-    }
-    return `${rows.join("\n")}\n`;
-  }
-
   readonly #themed = () => this.redraw();
 
   #draw(): void {
@@ -165,7 +144,7 @@ export class Plot {
     const pen = new CanvasPen(sized(this.#canvas, width, height));
     draw(pen, figure, this.#frames, themeOf(this.#host), this.#hidden);
     sized(this.#cursor, width, height);
-    this.#placeHandles();
+    this.#handles.place(figure, this.#frames);
   }
 
   // The legend and the bar.
@@ -212,7 +191,7 @@ export class Plot {
       this.#readout,
       button("All", "Show all (double click)", () => this.#zoom(undefined, [])),
       button("SVG", "Download the figure as SVG", () => download(name("svg"), this.svg(), "image/svg+xml")),
-      button("CSV", "Download the samples as CSV", () => download(name("csv"), this.csv(), "text/csv")),
+      button("CSV", "Download the samples as CSV", () => download(name("csv"), csv(this.#figure), "text/csv")),
     );
     return bar;
   }
@@ -421,80 +400,6 @@ export class Plot {
     }
     return best;
   }
-
-  // Handles: buttons over the canvas, so that keys and screen readers reach them.
-
-  #movable(): void {
-    const handles = this.#figure.handles ?? [];
-    while (this.#handles.length > handles.length) this.#handles.pop()!.remove();
-    while (this.#handles.length < handles.length) {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.className = "handle";
-      button.setAttribute("role", "slider");
-      const k = this.#handles.length;
-      this.#stage.append(button);
-      this.#handles.push(button);
-      this.#drag(button, () => this.#figure.handles?.[k]);
-    }
-  }
-
-  #placeHandles(): void {
-    this.#figure.handles?.forEach((handle, k) => {
-      const frame = this.#frames[handle.panel ?? 0];
-      const button = this.#handles[k];
-      if (!frame || !button) return;
-      const { area } = frame;
-      const clamp = (value: number, low: number, size: number) => Math.max(low, Math.min(low + size, value));
-      button.style.left = `${clamp(pixelX(this.#figure, frame, handle.x), area.x, area.width)}px`;
-      const y = handle.moves === "x" ? area.y + area.height / 2 : pixelY(frame, handle.y);
-      button.style.top = `${clamp(y, area.y, area.height)}px`;
-      button.setAttribute("aria-label", handle.label);
-      button.title = handle.label;
-      button.dataset["moves"] = handle.moves;
-      const value = handle.moves === "x" ? handle.x : handle.y;
-      button.setAttribute("aria-valuenow", String(value));
-      const span = handle.moves === "x" ? frame.x : frame.y;
-      button.setAttribute("aria-valuemin", String(span.from));
-      button.setAttribute("aria-valuemax", String(span.to));
-      button.setAttribute("aria-valuetext", short(value));
-    });
-  }
-
-  #drag(button: HTMLButtonElement, handle: () => Handle | undefined): void {
-    const to = (event: PointerEvent, done: boolean) => {
-      const [now, box] = [handle(), this.#canvas.getBoundingClientRect()];
-      const frame = this.#frames[now?.panel ?? 0];
-      if (!now || !frame) return;
-      const x = now.moves === "y" ? now.x : valueX(this.#figure, frame, event.clientX - box.x);
-      const y = now.moves === "x" ? now.y : valueY(frame, event.clientY - box.y);
-      now.moved(x, y, done);
-    };
-    let moves = false;
-    button.addEventListener("pointerdown", (event) => {
-      button.setPointerCapture(event.pointerId);
-      moves = false;
-    });
-    button.addEventListener("pointermove", (event) => {
-      if (!button.hasPointerCapture(event.pointerId)) return;
-      moves = true;
-      to(event, false);
-    });
-    button.addEventListener("pointerup", (event) => moves && to(event, true));
-    button.addEventListener("keydown", (event) => {
-      const now = handle();
-      const frame = this.#frames[now?.panel ?? 0];
-      const ways: Record<string, [number, number]> =
-        { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] };
-      const way = ways[event.key];
-      if (!now || !frame || !way) return;
-      event.preventDefault();
-      const step = event.shiftKey ? 0.05 : 0.005;
-      const x = now.moves === "y" ? now.x : now.x + way[0] * step * (frame.x.to - frame.x.from);
-      const y = now.moves === "x" ? now.y : now.y + way[1] * step * (frame.y.to - frame.y.from);
-      now.moved(x, y, true);
-    });
-  }
 }
 
 /** What a screen reader says of a figure. */
@@ -526,47 +431,4 @@ function sized(canvas: HTMLCanvasElement, width: number, height: number): Canvas
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
   return context;
-}
-
-// Themes: colours come from the style sheet.
-
-const COLOURS = 8;
-const darkness = matchMedia("(prefers-color-scheme: dark)");
-const themed = new Set<() => void>();
-
-/** Draws all plots anew after the theme was chosen by hand. */
-export const themeChanged = (): void => themed.forEach((redraw) => redraw());
-
-/** What `read` gives while the theme is light. */
-function light<T>(read: () => T): T {
-  const { dataset } = document.documentElement;
-  const before = dataset["theme"];
-  dataset["theme"] = "light";
-  const result = read();
-  if (before === undefined) delete dataset["theme"];
-  else dataset["theme"] = before;
-  return result;
-}
-
-function themeOf(element: HTMLElement): Theme {
-  const style = getComputedStyle(element);
-  const colour = (name: string) => style.getPropertyValue(`--plot-${name}`).trim() || "#888";
-  return {
-    text: colour("text"),
-    grid: colour("grid"),
-    span: colour("span"),
-    mark: colour("mark"),
-    pale: colour("pale"),
-    line: colour("line"),
-    series: Array.from({ length: COLOURS }, (_, k) => colour(String(k))),
-  };
-}
-
-/** Offers bytes or text as a file. */
-export function download(name: string, content: BlobPart, type = "application/octet-stream"): void {
-  const url = URL.createObjectURL(new Blob([content], { type }));
-  const link = document.createElement("a");
-  [link.href, link.download] = [url, name];
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }

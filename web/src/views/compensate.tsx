@@ -6,7 +6,7 @@ import { type Lists, optionsOf } from "../lists.ts";
 import type { Answer, File } from "../packet.ts";
 import { csv, drawn } from "../path.ts";
 import type { Figure, Series } from "../plot/figure.ts";
-import { download } from "../plot/plot.ts";
+import { download } from "../plot/download.ts";
 import { prose, short, unit } from "../plot/ticks.ts";
 import { type Options, withSettings } from "../project.ts";
 import { Chart, Entry, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";

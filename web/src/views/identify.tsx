@@ -4,7 +4,7 @@ import { useMemo, useState } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import { type Figure } from "../plot/figure.ts";
-import { download } from "../plot/plot.ts";
+import { download } from "../plot/download.ts";
 import { prose, short } from "../plot/ticks.ts";
 import { type ModelEntry, type RecordEntry, withSettings } from "../project.ts";
 import { Chart, Fault, Missing, Notes, Section, Table, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";

@@ -5,7 +5,7 @@ import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
 import type { Figure, Series } from "../plot/figure.ts";
-import { download } from "../plot/plot.ts";
+import { download } from "../plot/download.ts";
 import { short } from "../plot/ticks.ts";
 import { type ModelEntry, type Options, type RecordEntry, withSettings } from "../project.ts";
 import { Chart, Fault, Missing, Notes, Section, Table, useOutcome, useShared, Verdict } from "../ui.tsx";
