@@ -1,7 +1,7 @@
 //! The products of columns with each other, X' X, which are most of the work of an identification.
 //!
-//! Matrices of nalgebra are multiplied by kernels for the vectors of the processor. There is none for WebAssembly: there
-//! the products are summed in tiles of four by four columns, in vectors of two.
+//! Matrices of nalgebra are multiplied by kernels for the vectors of the processor. There is none for WebAssembly:
+//! there the products are summed in tiles of four by four columns, in vectors of two.
 
 /// Adds the products of `rows`, one sample after the other, to the lower triangle of `gram`.
 #[cfg(not(target_arch = "wasm32"))]
