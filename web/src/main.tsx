@@ -12,6 +12,10 @@ const library = served ? new ServerLibrary() : new LocalLibrary(new URL("./", do
 const store = served ? new ServerStore() : new BrowserStore();
 const workspace = new Workspace(library, store);
 
+// The theme that was chosen by hand.
+const theme = localStorage.getItem("theme");
+if (theme) document.documentElement.dataset["theme"] = theme;
+
 const page = document.getElementById("page")!;
 page.replaceChildren();
 render(<App workspace={workspace} served={served} />, page);

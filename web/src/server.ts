@@ -121,8 +121,9 @@ export class ServerStore implements Store {
 
   constructor(readonly server = Server.here()) {}
 
-  async list(): Promise<{ name: string; size: number }[]> {
-    return (await this.server.ask("/api/files")).json();
+  async names(): Promise<string[]> {
+    const files: { name: string }[] = await (await this.server.ask("/api/files")).json();
+    return files.map(({ name }) => name);
   }
 
   async read(name: string): Promise<Uint8Array> {

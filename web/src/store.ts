@@ -4,8 +4,8 @@
 export interface Store {
   /** True if nothing else is kept there: what no project needs is removed. */
   readonly own: boolean;
-  /** The names and sizes of all. */
-  list(): Promise<{ name: string; size: number }[]>;
+  /** The names of all. */
+  names(): Promise<string[]>;
   /** The content; an error if there is none of this name. */
   read(name: string): Promise<Uint8Array>;
   /** Writes a content whole, or keeps the old one. */
@@ -29,10 +29,8 @@ export class BrowserStore implements Store {
     });
   }
 
-  async list(): Promise<{ name: string; size: number }[]> {
-    const names = (await this.#ask("readonly", (table) => table.getAllKeys())) as string[];
-    const sizes = await Promise.all(names.map(async (name) => (await this.read(name)).length));
-    return names.map((name, k) => ({ name, size: sizes[k]! }));
+  async names(): Promise<string[]> {
+    return (await this.#ask("readonly", (table) => table.getAllKeys())) as string[];
   }
 
   async read(name: string): Promise<Uint8Array> {

@@ -5,7 +5,7 @@ import { useContext, useEffect, useId, useRef, useState } from "preact/hooks";
 import { zipped } from "./archive.ts";
 import type { Lists } from "./lists.ts";
 import { Cancelled, type File } from "./packet.ts";
-import type { Figure, Span } from "./plot/figure.ts";
+import type { Figure } from "./plot/figure.ts";
 import { download } from "./plot/download.ts";
 import { Plot } from "./plot/plot.ts";
 import { prose, short } from "./plot/ticks.ts";
@@ -79,7 +79,7 @@ export function useLatest<T>(key: string | undefined, work: () => Promise<T>): O
 }
 
 /** Work that a button starts. */
-export function useWork<T>(): Outcome<T> & { start(work: () => Promise<T>): void; clear(): void } {
+export function useWork<T>(): Outcome<T> & { start(work: () => Promise<T>): void } {
   const [outcome, setOutcome] = useState<Outcome<T>>({ busy: false });
   const alive = useRef(true);
   useEffect(() => () => void (alive.current = false), []);
@@ -90,19 +90,17 @@ export function useWork<T>(): Outcome<T> & { start(work: () => Promise<T>): void
       (error) => alive.current && setOutcome({ ...(!(error instanceof Cancelled) && { error: message(error) }), busy: false }),
     );
   };
-  return { ...outcome, start, clear: () => setOutcome({ busy: false }) };
+  return { ...outcome, start };
 }
 
 export const message = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
 /** A figure, with its caption; without it, where a heading says the same. */
-export function Chart(props: { figure: Figure; height?: number; bare?: boolean; zoomed?: (span: Span | undefined) => void }) {
+export function Chart(props: { figure: Figure; height?: number; bare?: boolean }) {
   const host = useRef<HTMLDivElement>(null);
   const plot = useRef<Plot | undefined>(undefined);
-  const listener = useRef(props.zoomed);
-  listener.current = props.zoomed;
   useEffect(() => {
-    plot.current = new Plot(host.current!, props.figure, { zoomed: (span) => listener.current?.(span) });
+    plot.current = new Plot(host.current!, props.figure);
     return () => plot.current?.close();
   }, []);
   useEffect(() => plot.current?.set(props.figure), [props.figure]);

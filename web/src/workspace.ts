@@ -77,11 +77,10 @@ export class Workspace {
 
   /** Takes up what was stored. */
   async open(): Promise<void> {
-    const stored = (await this.store.list()).some((file) => file.name === PROJECT);
-    if (stored) this.#history = new History(read(new TextDecoder().decode(await this.store.read(PROJECT))));
+    const names = await this.store.names();
+    if (names.includes(PROJECT)) this.#history = new History(read(new TextDecoder().decode(await this.store.read(PROJECT))));
     const used = new Set([PROJECT, ...filesOf(this.project)]);
-    const all = this.store.own ? await this.store.list() : [];
-    for (const { name } of all) if (!used.has(name)) await this.store.remove(name);
+    for (const name of this.store.own ? names : []) if (!used.has(name)) await this.store.remove(name);
     this.changed();
   }
 
@@ -137,7 +136,7 @@ export class Workspace {
 
   /** Keeps a content under its name, or under one like it that is free; the result is the name. */
   async keep(file: File): Promise<string> {
-    const stored = new Set((await this.store.list()).map((one) => one.name));
+    const stored = new Set(await this.store.names());
     const name = free(file.name.replace(/[/\\]/g, "-"), (one) => this.#files.has(one) || stored.has(one));
     this.#files.set(name, file.bytes);
     await this.store.write(name, file.bytes);

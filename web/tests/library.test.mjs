@@ -8,8 +8,9 @@ import { Cancelled, LocalLibrary, Refused } from "../dist/parts/library.js";
 import { DIST, measured } from "./modules.mjs";
 
 const ENDLESS = { call: "study", options: { plant: "paper" } };
-const SIGNAL = { call: "excite", options: { kind: "sine", frequency: 5, amplitude: 1, ts: 1e-3, duration: 1 } };
+const EXCITE = { call: "excite", options: { kind: "sine", frequency: 5, amplitude: 1, ts: 1e-3, duration: 1 } };
 const record = measured("record.csv", { kind: "rising-sine", frequency: 4, amplitude: 28, ts: 1e-3, duration: 2 });
+const SIMULATE = { call: "simulate", options: { plant: "pl140" }, files: { input: [record.name] } };
 const IDENTIFY = { call: "identify", files: { large_signal: [record.name] } };
 
 /** A worker of a browser, by a thread of Node.js. */
@@ -58,22 +59,22 @@ function begin() {
 
 test("a module is loaded when a call needs it, and once", async () => {
   begin();
-  const [first, second] = await Promise.all([library.call(SIGNAL, []), library.call(SIGNAL, [])]);
-  assert.deepEqual(first.series.get("u"), second.series.get("u"));
+  const [first, second] = await Promise.all([library.call(SIMULATE, [record]), library.call(SIMULATE, [record])]);
+  assert.deepEqual(first.series.get("y"), second.series.get("y"));
   assert.deepEqual([loaded, spawned.length], [["lists.json", "models.wasm"], 1]);
 });
 
 test("a server that tells no type serves as well", async () => {
   begin();
   types = {};
-  assert.equal((await library.call(SIGNAL, [])).series.get("u").length, 1000);
+  assert.equal((await library.call(SIMULATE, [record])).series.get("y").length, 2000);
 });
 
 test("a call of one module does not wait for another module", async () => {
   begin();
   const stop = new AbortController();
   const study = library.call(ENDLESS, [], undefined, stop.signal);
-  await library.call(SIGNAL, []);
+  await library.call(SIMULATE, [record]);
   stop.abort();
   await assert.rejects(study, Cancelled);
 });
@@ -82,26 +83,26 @@ test("a signal ends its call alone, and progress is told until then", async () =
   begin();
   const [first, second] = [new AbortController(), new AbortController()];
   const identified = library.call(IDENTIFY, [record], () => first.abort(), first.signal);
-  const waiting = library.call(SIGNAL, []);
-  const ended = library.call(SIGNAL, [], undefined, second.signal);
+  const waiting = library.call(SIMULATE, [record]);
+  const ended = library.call(SIMULATE, [record], undefined, second.signal);
   second.abort();
   await assert.rejects(ended, Cancelled);
   await assert.rejects(identified, Cancelled);
-  assert.equal((await waiting).series.get("u").length, 1000);
+  assert.equal((await waiting).series.get("y").length, 2000);
   assert.deepEqual([spawned.length, loaded.filter((name) => name === "models.wasm").length], [2, 1]);
-  await assert.rejects(library.call(SIGNAL, [], undefined, AbortSignal.abort()), Cancelled);
+  await assert.rejects(library.call(SIMULATE, [record], undefined, AbortSignal.abort()), Cancelled);
 });
 
 test("what cannot be loaded is named, and loaded by the next call", async () => {
   begin();
   missing = "models.wasm";
-  await assert.rejects(library.call(SIGNAL, []), /models.wasm cannot be loaded: 404/);
+  await assert.rejects(library.call(SIMULATE, [record]), /models.wasm cannot be loaded: 404/);
   missing = undefined;
-  assert.equal((await library.call(SIGNAL, [])).series.get("u").length, 1000);
+  assert.equal((await library.call(SIMULATE, [record])).series.get("y").length, 2000);
 });
 
 test("an error is told in the words of the library", async () => {
   begin();
   await assert.rejects(library.call({ call: "fly" }, []), Refused);
-  await assert.rejects(library.call({ call: "excite", options: { ...SIGNAL.options, kind: "cosine" } }, []), /cosine/);
+  await assert.rejects(library.call({ call: "excite", options: { ...EXCITE.options, kind: "cosine" } }, []), /cosine/);
 });

@@ -61,7 +61,7 @@ test("a server that is gone, or goes, is told with what to do", async () => {
   const told = { message: /^piezoid serve does not answer: start it again in the same folder/ };
   const nobody = new Server("http://127.0.0.1:9", "secret");
   await assert.rejects(new ServerLibrary(nobody).call(INSPECT, []), told);
-  await assert.rejects(new ServerStore(nobody).list(), told);
+  await assert.rejects(new ServerStore(nobody).names(), told);
   for (const start of ["", '{"what":"x","done":1,"total":2}\n', "\nhalf"]) {
     answer = (_, response) => response.write(start || " ", () => response.destroy());
     await assert.rejects(library().call(INSPECT, []), told);

@@ -8,7 +8,8 @@ use std::process::{Command, Stdio};
 const MODULES: [&str; 4] = ["files", "models", "reports", "exports"];
 
 /// What `npm run build` writes outside of web/dist: committed, so that cargo alone builds.
-const COMMITTED: [&str; 3] = [
+const COMMITTED: [&str; 4] = [
+    "crates/piezoid-serve/page/index.html",
     "crates/piezoid-serve/page/main.js",
     "crates/piezoid-serve/page/style.css",
     "crates/piezoid-report/src/page/figures.js",

@@ -136,6 +136,9 @@ export function spanX(figure: Figure, hidden: Set<string>): Span {
   return { from: from - margin, to: to + margin };
 }
 
+/** Ratio to the series up to which a limit is near, on a logarithmic axis. */
+const NEAR = 30;
+
 /** All y of the shown series of a panel, with a margin and the limits that are near; of time series those in the span of
  * x. If the axis says another span, that one, as long as all is shown. */
 export function spanY(figure: Figure, panel: Panel, x: Span, hidden: Set<string>): Span {
@@ -147,11 +150,15 @@ export function spanY(figure: Figure, panel: Panel, x: Span, hidden: Set<string>
   };
   const series = panel.series.filter((one) => !hidden.has(one.name));
   const { from, to } = shown(series.map(of).reduce(joined, EMPTY), panel.y.log ?? false);
-  if (panel.y.log) return { from: from / 1.2, to: to * 1.2 };
+  const levels = (panel.levels ?? []).map(({ at }) => at);
+  // Limits that are near are shown with their labels.
+  if (panel.y.log) {
+    const near = levels.filter((at) => at > from / NEAR && at < to * NEAR);
+    return { from: Math.min(from, ...near) / 1.2, to: Math.max(to, ...near) * 1.2 };
+  }
   const height = to - from;
   const margin = 0.05 * height;
-  // Limits that are near are shown with their labels.
-  const near = (panel.levels ?? []).map(({ at }) => at).filter((at) => at > from - 0.25 * height && at < to + 0.25 * height);
+  const near = levels.filter((at) => at > from - 0.25 * height && at < to + 0.25 * height);
   const room = 0.12 * height;
   return {
     from: Math.min(from - margin, ...near.map((at) => at - room)),

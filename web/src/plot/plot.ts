@@ -10,10 +10,8 @@ import { Handles } from "./handles.ts";
 import { COLOURS, darkness, light, themed, themeOf } from "./theme.ts";
 import { short, unit } from "./ticks.ts";
 
-/** What a plot tells whoever made it, and how it looks. */
-export interface Listener {
-  /** The span of x that is shown, after each zoom; undefined if all is shown. */
-  zoomed?(span: Span | undefined): void;
+/** How a plot looks. */
+export interface Look {
   /** False if the names of the series stand elsewhere: `hide` shows and hides them. */
   legend?: boolean;
 }
@@ -26,7 +24,7 @@ export class Plot {
   readonly #legend = document.createElement("div");
   readonly #readout = document.createElement("output");
   readonly #stage = document.createElement("div");
-  readonly #listener: Listener;
+  readonly #look: Look;
   readonly #resized: ResizeObserver;
   readonly #scrolled: IntersectionObserver;
   readonly #hidden = new Set<string>();
@@ -38,10 +36,10 @@ export class Plot {
   #drawing = 0;
   #near = false;
 
-  constructor(host: HTMLElement, figure: Figure, listener: Listener = {}) {
+  constructor(host: HTMLElement, figure: Figure, look: Look = {}) {
     this.#host = host;
     this.#figure = figure;
-    this.#listener = listener;
+    this.#look = look;
     host.classList.add("plot");
     this.#stage.className = "stage";
     this.#legend.className = "legend";
@@ -86,13 +84,6 @@ export class Plot {
     darkness.removeEventListener("change", this.#themed);
     themed.delete(this.#themed);
     cancelAnimationFrame(this.#drawing);
-  }
-
-  /** Shows this span of x; all without one. */
-  show(span: Span | undefined): void {
-    this.#x = span;
-    if (!span) this.#y = [];
-    this.redraw();
   }
 
   /** Hides or shows the series of this name. */
@@ -172,7 +163,7 @@ export class Plot {
       };
       return button;
     });
-    this.#legend.replaceChildren(...(names.size > 1 && this.#listener.legend !== false ? buttons : []));
+    this.#legend.replaceChildren(...(names.size > 1 && this.#look.legend !== false ? buttons : []));
   }
 
   #bar(): HTMLElement {
@@ -202,7 +193,6 @@ export class Plot {
     this.#x = x;
     this.#y = y;
     this.redraw();
-    this.#listener.zoomed?.(x);
   }
 
   #frameAt(y: number): number {

@@ -9,6 +9,7 @@ import type { Figure, Series } from "../plot/figure.ts";
 import { download } from "../plot/download.ts";
 import { prose, short, unit } from "../plot/ticks.ts";
 import { type Options, withSettings } from "../project.ts";
+import { runsFigure } from "../schemes.ts";
 import { Chart, Entry, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
 
@@ -236,7 +237,7 @@ function Twin({ file, ts, path, settings, change }: Changing & { file: string; t
         files: [await workspace.file(file), path],
       }),
     );
-  const figure = useMemo(() => work.value && twinFigure(work.value, ts), [work.value]);
+  const figure = useMemo(() => work.value && runsFigure(work.value, 0, ts), [work.value]);
   const schemes: any[] = work.value?.result.schemes ?? [];
   return (
     <Section title="Before and after, on a twin" wide
@@ -266,20 +267,3 @@ function Twin({ file, ts, path, settings, change }: Changing & { file: string; t
 /** The options that compensation and control share. */
 const pick = (options: Options): Options =>
   Object.fromEntries(Object.entries(options).filter(([name]) => ["clip", "driver", "capacitance", "low", "high", "slew", "current"].includes(name)));
-
-function twinFigure({ result, series }: Answer, ts: number): Figure {
-  const runs = SCHEMES.map((name, j) => ({ name, colour: 2 - j, r: series.get(`r/${j}/0`), u: series.get(`u/${j}/0`), y: series.get(`y/${j}/0`) })).filter((run) => run.y);
-  const panel = (label: string, unitName: string, all: Series[]) => ({ y: { label, unit: unitName }, series: all });
-  return {
-    title: "The path on the twin",
-    x: { label: "Time", unit: "s" },
-    panels: [
-      panel("Displacement", result.unit, [
-        ...(runs[0]?.r ? [{ name: "requested", y: runs[0].r, step: ts, style: "pale" as const }] : []),
-        ...runs.map((run): Series => ({ name: run.name, y: run.y!, step: ts, colour: run.colour })),
-      ]),
-      panel("Error", result.unit, runs.map((run): Series => ({ name: run.name, y: run.y!.map((y, k) => (run.r?.[k] ?? 0) - y), step: ts, colour: run.colour }))),
-      panel("Voltage", "V", runs.map((run): Series => ({ name: run.name, y: run.u!, step: ts, colour: run.colour }))),
-    ],
-  };
-}

@@ -237,15 +237,13 @@ function binsFigure(runs: Run[], by: "by_frequency" | "by_amplitude", x: Figure[
   });
   if (all.every((one) => one.y.length === 0)) return undefined;
   const floor = runs[0]!.answer.result.total.floor?.rms_pp_percent;
-  const errors = all.flatMap((one) => [...one.y]).filter((value) => value > 0);
-  const seen = floor > 0 && floor > Math.min(...errors) / 30;
   return {
     title: by === "by_frequency" ? "Error by frequency" : "Error by amplitude",
     x,
     panels: [{
       y: { label: "Error, rms", unit: "% of peak-to-peak", log: true },
-      series: [...all, ...(seen ? [{ name: "", x: Float64Array.of(all[0]!.x![0] ?? 1), y: Float64Array.of(floor), style: "points" as const }] : [])],
-      ...(seen && { levels: [{ at: floor, label: "noise floor of the whole stroke" }] }),
+      series: all,
+      ...(floor > 0 && { levels: [{ at: floor, label: "noise floor of the whole stroke" }] }),
     }],
   };
 }

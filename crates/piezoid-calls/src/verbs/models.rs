@@ -7,7 +7,7 @@ use piezoid::hysteresis::LoopOptions;
 use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
-use piezoid::waveform::reversals;
+use piezoid::waveform::{REVERSAL, reversals};
 use piezoid::{CompensateOptions, Error, File, IdentifyOptions, OptionRow, Options, SimulateOptions, options};
 use serde_json::json;
 
@@ -70,9 +70,6 @@ fn simulate(given: &Given) -> Result<Answer, Error> {
 
 /// Number of points on which a branch is drawn, less one.
 const DRAWN: usize = 200;
-
-/// The share of the range by which the input moves back at a reversal.
-const REVERSAL: f64 = 0.02;
 
 fn loops(given: &Given) -> Result<Answer, Error> {
     let record = given.one("data")?.record(&given.columns()?)?;

@@ -4,7 +4,7 @@ use crate::series::ends;
 use std::ops::Range;
 
 /// A reversal counts when the input has moved back by this share of its range.
-const REVERSAL: f64 = 0.02;
+pub const REVERSAL: f64 = 0.02;
 
 /// Upper limit of a regular input for the median second difference, over three cycles, of the logarithm of duration or
 /// amplitude. It is 0 for sweeps and for rising amplitudes. PRBS and multisines with random phases exceed it. A

@@ -6,7 +6,7 @@ mod motion;
 mod repetition;
 
 pub(crate) use band::band;
-pub use cycles::{Cycle, cycles, reversals};
+pub use cycles::{Cycle, REVERSAL, cycles, reversals};
 pub(crate) use motion::{in_motion, inputs_before};
 pub use repetition::period;
 
