@@ -5,6 +5,7 @@
 //! later: the correlation is negative there, and not at larger lags. An input that was measured with noise gives a
 //! positive one. Only samples without sharp changes count.
 
+use super::lags::Lags;
 use super::runs::{quantile, standardised};
 use super::{Defect, Finding};
 use crate::number::short;
@@ -83,25 +84,27 @@ pub(super) fn closed(record: &Record, usable: &[bool]) -> Option<Finding> {
 /// What the last samples of the `causes` do not tell of `x`, by least squares.
 fn innovations(x: &[f64], causes: &[&[f64]]) -> Option<Vec<f64>> {
     let columns = 1 + PAST * causes.len();
-    let value = |t: usize, i: usize| match i.checked_sub(1) {
-        None => 1.0,
-        Some(i) => causes[i / PAST][t - 1 - i % PAST],
-    };
+    let past: Vec<Lags> = causes.iter().map(|cause| Lags::new(&cause[..x.len() - 1], PAST)).collect();
+    let (x, one) = (&x[PAST..], vec![1.0; x.len() - PAST]);
     let (mut gram, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));
-    let mut row = vec![0.0; columns];
-    for (t, x) in x.iter().enumerate().skip(PAST) {
-        row.iter_mut().enumerate().for_each(|(i, cell)| *cell = value(t, i));
-        for i in 0..columns {
-            right[i] += row[i] * x;
-            (0..=i).for_each(|j| gram[(i, j)] += row[i] * row[j]);
+    (gram[(0, 0)], right[0]) = (x.len() as f64, x.iter().sum());
+    for (i, lags) in past.iter().enumerate() {
+        let at = 1 + PAST * i;
+        right.rows_mut(at, PAST).copy_from(&lags.with(x));
+        gram.view_mut((at, 0), (PAST, 1)).copy_from(&lags.with(&one));
+        for (j, other) in past.iter().enumerate().take(i + 1) {
+            gram.view_mut((at, 1 + PAST * j), (PAST, PAST)).copy_from(&lags.products(other));
         }
     }
     gram.fill_upper_triangle_with_lower_triangle();
     let ridge = 1e-10 * gram.trace() / columns as f64;
     (0..columns).for_each(|i| gram[(i, i)] += ridge);
     let weights = gram.cholesky()?.solve(&right);
-    let told = |t: usize| (0..columns).map(|i| weights[i] * value(t, i)).sum::<f64>();
-    let left: Vec<f64> = (PAST..x.len()).map(|t| x[t] - told(t)).collect();
+    let mut left = x.to_vec();
+    for (i, lags) in past.iter().enumerate() {
+        let told = lags.combined(weights.rows(1 + PAST * i, PAST).iter().copied());
+        left.iter_mut().zip(told).for_each(|(left, told)| *left -= told);
+    }
     let level = mean(&left);
     Some(left.iter().map(|x| x - level).collect())
 }

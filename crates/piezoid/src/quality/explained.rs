@@ -6,7 +6,8 @@
 //! by least squares with a ridge. Neighbouring inputs are nearly equal; without the ridge, large weights of both signs
 //! would turn transients into spikes. A few lags do not cover the decay of a resonance; its residual is smooth.
 
-use crate::series::mean;
+use super::lags::Lags;
+use crate::series::{dot_wide, mean, scatter};
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
 
@@ -14,35 +15,27 @@ use std::ops::Range;
 /// The constant and the trend are fitted but not returned. `ridge` is relative to the mean square of the input.
 pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> Vec<f64> {
     let (middle, level, n) = (mean(u), mean(x), u.len());
-    let last = n as isize - 1;
-    let scale = (u.iter().map(|u| (u - middle).powi(2)).sum::<f64>() / n as f64).sqrt();
-    let columns = 2 + lags.len();
-    let fill = |row: &mut [f64], t: usize| {
-        row[0] = 1.0;
-        row[1] = 2.0 * t as f64 / n as f64 - 1.0;
-        for (cell, lag) in row[2..].iter_mut().zip(lags.clone()) {
-            *cell = (u[(t as isize - lag).clamp(0, last) as usize] - middle) / scale;
-        }
-    };
-    let mut row = vec![0.0; columns];
+    let scale = (scatter(u) / n as f64).sqrt();
+    let held = |t: isize| (u[t.clamp(0, n as isize - 1) as usize] - middle) / scale;
+    let input: Vec<f64> = (1 - lags.end..n as isize - lags.start).map(held).collect();
+    let lagged = Lags::new(&input, lags.len());
+    let one = vec![1.0; n];
+    let ramp: Vec<f64> = (0..n).map(|t| 2.0 * t as f64 / n as f64 - 1.0).collect();
+    let x: Vec<f64> = x.iter().map(|x| x - level).collect();
+    let line = [&one, &ramp];
+    let columns = line.len() + lags.len();
     let (mut normal, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));
-    for (t, x) in x.iter().enumerate() {
-        fill(&mut row, t);
-        for i in 0..columns {
-            right[i] += row[i] * (x - level);
-            for j in 0..=i {
-                normal[(i, j)] += row[i] * row[j];
-            }
-        }
+    for (i, column) in line.iter().enumerate() {
+        right[i] = dot_wide::<8>(column, &x);
+        (0..=i).for_each(|j| normal[(i, j)] = dot_wide::<8>(column, line[j]));
+        normal.view_mut((line.len(), i), (lags.len(), 1)).copy_from(&lagged.with(column));
     }
+    right.rows_mut(line.len(), lags.len()).copy_from(&lagged.with(&x));
+    normal.view_mut((line.len(), line.len()), (lags.len(), lags.len())).copy_from(&lagged.products(&lagged));
     normal.fill_upper_triangle_with_lower_triangle();
     (0..columns).for_each(|i| normal[(i, i)] += ridge * n as f64);
     let theta = normal.cholesky().map_or_else(|| DVector::zeros(columns), |c| c.solve(&right));
-    let explained = (0..n).map(|t| {
-        fill(&mut row, t);
-        row[2..].iter().zip(theta.iter().skip(2)).map(|(x, g)| x * g).sum()
-    });
-    explained.collect()
+    lagged.combined(theta.iter().skip(line.len()).copied())
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! If u drives y, later inputs (j < 0) explain nothing that earlier ones do not (Sims 1972, American Economic Review
 //! 62). Before the record, the signals are assumed constant.
 
+use super::lags::Lags;
 use crate::series::dot_wide;
 use nalgebra::{DMatrix, DVector};
 use std::ops::Range;
@@ -31,29 +32,11 @@ impl Increments {
         let (ahead, lags) = (AHEAD as usize, (AHEAD + BEHIND) as usize);
         let end = y.len().checked_sub(ahead).filter(|end| *end > 4 * lags)?;
         let (u, y) = (over_rms(&u)?, over_rms(&y[..end])?);
-        // Column i is u shifted by i - AHEAD samples; samples before the record are zero.
-        let column = |i: usize| (i.saturating_sub(ahead), &u[ahead.saturating_sub(i)..]);
-        let product = |i: usize, x: &[f64]| {
-            let (zeros, column) = column(i);
-            dot_wide::<8>(&column[..end - zeros], &x[zeros..end]) / end as f64
-        };
-        let right = DVector::from_fn(lags, |i, _| product(i, &y));
-        let mut gram = DMatrix::zeros(lags, lags);
-        for j in 0..lags {
-            gram[(0, j)] = {
-                let (zeros, column) = column(j);
-                dot_wide::<8>(&column[..end - zeros], &u[ahead + zeros..ahead + end]) / end as f64
-            };
-        }
-        // Shifting both columns by a sample drops their last product, and adds one before their first.
-        let at = |i: usize, t: isize| usize::try_from(t + ahead as isize - i as isize).map_or(0.0, |t| u[t]);
-        for i in 1..lags {
-            for j in i..lags {
-                let (first, last) = (at(i, 0) * at(j, 0), at(i - 1, end as isize - 1) * at(j - 1, end as isize - 1));
-                gram[(i, j)] = gram[(i - 1, j - 1)] + (first - last) / end as f64;
-            }
-        }
-        gram.fill_lower_triangle_with_upper_triangle();
+        // The first column is the input AHEAD samples later; before the record it is zero.
+        let padded: Vec<f64> = std::iter::repeat_n(0.0, lags - 1 - ahead).chain(u).collect();
+        let columns = Lags::new(&padded[..end + lags - 1], lags);
+        let right = columns.with(&y) / end as f64;
+        let mut gram = columns.products(&columns) / end as f64;
         (0..lags).for_each(|i| gram[(i, i)] += RIDGE);
         Some(Increments { gram, right })
     }

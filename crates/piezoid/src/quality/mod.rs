@@ -31,6 +31,7 @@ mod explained;
 mod flat;
 mod folded;
 mod increments;
+mod lags;
 mod order;
 mod outliers;
 mod plays;
