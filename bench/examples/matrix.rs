@@ -92,7 +92,7 @@ fn map(errors: &[Vec<f64>]) -> String {
     let mut svg = format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" role=\"img\">\n\
          <title>Each operator identified as each operator</title>\n<style>\n{}text{{font:13px system-ui,sans-serif;fill:var(--pz-ink)}}\
-         .soft{{fill:var(--pz-soft)}}.bold{{font-weight:600;fill:var(--pz-model)}}</style>\n\
+         .small{{font-size:11px}}.soft{{fill:var(--pz-soft)}}.bold{{font-weight:600;fill:var(--pz-model)}}</style>\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"var(--pz-paper)\"/>\n",
         Figure::style()
     );
@@ -111,7 +111,15 @@ fn map(errors: &[Vec<f64>]) -> String {
                  stroke=\"var(--pz-paper)\"/>",
                 0.03 + 0.6 * shade
             );
-            svg += &text(x + CELL / 2, middle, "middle", if i == j { "bold" } else { "" }, &cell(error));
+            let words = cell(error);
+            let class = if i == j {
+                "bold"
+            } else if words.len() > 6 {
+                "small"
+            } else {
+                ""
+            };
+            svg += &text(x + CELL / 2, middle, "middle", class, &words);
         }
     }
     svg + "</svg>\n"

@@ -149,16 +149,18 @@ async function dropped(event: DragEvent, workspace: Workspace): Promise<void> {
 
 /** Takes files into the project, by what they are. */
 export async function taken(files: File[], workspace: Workspace): Promise<void> {
+  const records: Parameters<Workspace["addRecords"]>[0] = [];
   for (const file of files) {
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
       if (file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await workspace.unpack(bytes);
       else if (file.name.endsWith(".json")) await takeModel(file.name, bytes, workspace);
-      else await workspace.addRecords([{ name: file.name, bytes }]);
+      else records.push({ file: { name: file.name, bytes }, use: "training" });
     } catch (error) {
       workspace.failed(new Error(`${file.name}: ${message(error)}`));
     }
   }
+  await workspace.addRecords(records).catch((error) => workspace.failed(error));
 }
 
 async function takeModel(name: string, bytes: Uint8Array, workspace: Workspace): Promise<void> {

@@ -5,6 +5,7 @@ import type { OptionRow } from "./lists.ts";
 import { prose, unit } from "./plot/ticks.ts";
 import type { Options } from "./project.ts";
 import { Entry } from "./ui.tsx";
+import { spoken } from "./words.ts";
 
 interface Props {
   rows: OptionRow[];
@@ -46,12 +47,6 @@ export function Form({ rows, values, change, names = {}, first }: Props) {
 
 /** The help of an option without the words of the command line. */
 const inPage = (help: string): string => help.replace(/ \(see `piezoid [a-z]+`\)/, "").replace(/--(?=[a-z])/g, "").replaceAll("`", "");
-
-/** A name as people read it. */
-export const spoken = (name: string): string => {
-  const words = name.replaceAll("_", " ");
-  return words.charAt(0).toUpperCase() + words.slice(1);
-};
 
 interface FieldProps {
   row: OptionRow;

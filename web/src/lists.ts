@@ -37,8 +37,9 @@ export interface Lists {
   actuators: Member[];
   controllers: Member[];
   references: Member[];
-  /** With what each makes of a model, by its operator: nothing if it does not serve that operator. */
-  targets: (Member & { operators: Record<string, string[]> })[];
+  /** With what each makes of a model, by its operator: nothing if it does not serve that operator; and which it takes
+   * of the options that not all take. */
+  targets: (Member & { operators: Record<string, string[]>; takes: string[] })[];
   estimators: Member[];
 }
 

@@ -10,6 +10,7 @@ import { download } from "./plot/download.ts";
 import { Plot } from "./plot/plot.ts";
 import { prose, short } from "./plot/ticks.ts";
 import { type Options, withSettings } from "./project.ts";
+import { worded } from "./words.ts";
 import type { Workspace } from "./workspace.ts";
 
 /** What every view can reach. */
@@ -159,21 +160,25 @@ export function Section(props: { title: string; help?: string; children: Compone
 }
 
 /** An error in the words of the library. */
-export const Fault = ({ text }: { text: string | undefined }) =>
-  text ? <p class="fault" role="alert">{prose(text)}</p> : null;
+export function Fault({ text }: { text: string | undefined }) {
+  const { lists } = useShared();
+  return text ? <p class="fault" role="alert">{worded(text, lists)}</p> : null;
+}
 
 /** What the records prove of a model, or a model of a voltage. */
 export const Verdict = ({ text, of }: { text: string | undefined | null; of?: string }) =>
   text ? <p class="verdict">{of && <b>{of}: </b>}{prose(text)}</p> : null;
 
 /** Remarks. */
-export const Notes = ({ title, notes }: { title: string; notes: string[] }) =>
-  notes.length === 0 ? null : (
+export function Notes({ title, notes }: { title: string; notes: string[] }) {
+  const { lists } = useShared();
+  return notes.length === 0 ? null : (
     <div class="notes">
       {title && <h3>{title}</h3>}
-      <ul>{notes.map((note) => <li key={note}>{prose(note)}</li>)}</ul>
+      <ul>{notes.map((note) => <li key={note}>{worded(note, lists)}</li>)}</ul>
     </div>
   );
+}
 
 /** What to do first where there is nothing to show. */
 export const Missing = ({ what, view, title }: { what: string; view: string; title: string }) => (

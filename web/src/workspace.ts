@@ -143,14 +143,14 @@ export class Workspace {
     return name;
   }
 
-  /** Adds records; with `look`, the last becomes the one that is looked at. */
-  async addRecords(files: File[], use: RecordEntry["use"] = "training", look = true): Promise<void> {
-    for (const file of files) {
-      const name = await this.keep(file);
-      const entry = { file: name, columns: {}, prepare: {}, use };
-      const looked = look ? { record: name } : {};
-      this.change((project) => ({ ...project, records: [...project.records, entry], ...looked }));
-    }
+  /** Adds records in one step; with `look`, the last becomes the one that is looked at. */
+  async addRecords(files: { file: File; use: RecordEntry["use"] }[], look = true): Promise<void> {
+    const entries: RecordEntry[] = [];
+    for (const { file, use } of files) entries.push({ file: await this.keep(file), columns: {}, prepare: {}, use });
+    const last = entries.at(-1);
+    if (!last) return;
+    const looked = look ? { record: last.file } : {};
+    this.change((project) => ({ ...project, records: [...project.records, ...entries], ...looked }));
   }
 
   /** Adds a model, which becomes the one that is used. */

@@ -16,7 +16,8 @@ const COMMITTED: [&str; 4] = [
 ];
 
 /// Tests of the page that need no module: those of `piezoid serve`, which is built by then.
-const SERVED: [&str; 3] = ["tests/serve.test.mjs", "tests/server.test.mjs", "tests/spectrum.test.mjs"];
+const SERVED: [&str; 4] =
+    ["tests/serve.test.mjs", "tests/server.test.mjs", "tests/spectrum.test.mjs", "tests/words.test.mjs"];
 
 /// Builds everything, and tests it.
 pub(super) fn web() -> Result<(), String> {

@@ -14,7 +14,8 @@ use piezoid_export::TARGETS;
 use serde_json::{Value, json};
 
 /// All lists by name; each row has a name and a summary. `calls` also has the module, the options and the roles of
-/// files of each verb, `excitations` the options of each signal, and `targets` what is exported of each operator.
+/// files of each verb, `excitations` the options of each signal, and `targets` what is exported of each operator, and
+/// which options each takes of those that not all take.
 ///
 /// ```
 /// let lists = piezoid_calls::lists();
@@ -41,7 +42,7 @@ pub fn lists() -> Value {
     let targets = TARGETS.iter().map(|t| {
         let served: serde_json::Map<String, Value> =
             OPERATORS.iter().map(|o| (o.name.to_string(), json!(t.serves(o)))).collect();
-        with(row(t.name, t.summary), "operators", json!(served))
+        with(with(row(t.name, t.summary), "operators", json!(served)), "takes", json!(t.takes))
     });
     let feeds = FEED_FORWARDS.iter().map(|f| row(f.name, f.summary));
     json!({

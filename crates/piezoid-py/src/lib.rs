@@ -1,6 +1,7 @@
 //! Functions that Python calls. Each file converts the arguments of one subject and calls the library. The interface
 //! for users is in `python/piezoid`, with its types.
 
+mod compare;
 mod compensation;
 mod control;
 mod error;
@@ -19,6 +20,8 @@ mod watch;
 /// The compiled part of piezoid.
 #[pyo3::pymodule]
 mod _piezoid {
+    #[pymodule_export]
+    use crate::compare::compare;
     #[pymodule_export]
     use crate::compensation::FeedForward;
     #[pymodule_export]

@@ -80,6 +80,28 @@ def test_controllers_are_compared_on_a_twin(model: pz.Model) -> None:
         pz.control("pl140", model, r, controller="pd")
 
 
+def test_models_are_compared_on_records(tmp_path: Path, model: pz.Model, rich: pz.Record) -> None:
+    weaker = model.to_dict()
+    weaker["linear"]["b"] = [0.9 * b for b in weaker["linear"]["b"]]
+    model.save(tmp_path / "good.json")
+    found = pz.compare({"good": model, "weak": pz.Model.from_dict(weaker)}, {"a": rich, "b": rich.part(0.5)}, record="b")
+    assert found.best == "good" and "smallest error" in (found.summary or "") and "<html" in found.html
+    assert found.table.loc["weak", "total"] > found.table.loc["good", "total"]
+    assert found.table.loc["good", "a"] == model.validate(rich).rms_pp_percent
+    listed = pz.compare([tmp_path / "good.json", model, pz.Model.from_dict(weaker)], [rich])
+    twins = [f"{model.operator} (1)", f"{model.operator} (2)"]
+    assert list(listed.table.index) == ["good.json", *twins] and list(listed.table.columns) == ["record 1"]
+    assert pz.compare(tmp_path / "good.json", rich).best == "good.json"
+    for told, call in {
+        "models is empty": lambda: pz.compare([], rich),
+        "data is empty": lambda: pz.compare(model, {}),
+        "no record called `c`": lambda: pz.compare(model, {"a": rich}, record="c"),
+        "skip = -1": lambda: pz.compare(model, rich, skip=-1),
+    }.items():
+        with pytest.raises(pz.PiezoidError, match=told):
+            call()
+
+
 def test_errors_call_settings_by_their_names_here(model: pz.Model, rich: pz.Record) -> None:
     plant, r = pz.plants["pl140"], [0.0, 100.0, 0.0]
     wrong = {

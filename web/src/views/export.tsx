@@ -4,6 +4,7 @@ import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
 import { short } from "../plot/ticks.ts";
+import type { Options } from "../project.ts";
 import { ReferenceForm, useReference } from "../reference.tsx";
 import { Download, Fault, Missing, Notes, Section, size, Stale, Table, TextFile, useKept, useModel, useSettings, useShared } from "../ui.tsx";
 
@@ -19,13 +20,19 @@ function Exports({ model }: { model: string }) {
   const document = useModel();
   const operator = String(document.value?.hysteresis?.operator ?? "");
   const chosen = lists.targets.find(({ name }) => name === target) ?? lists.targets[0]!;
+  const limited = lists.targets.flatMap(({ takes }) => takes);
+  const taken = (name: string) => !limited.includes(name) || chosen.takes.includes(name);
+  const rows = optionsOf(lists, "export").filter(({ name }) => name !== "target" && taken(name));
+  const [given, kept] = [true, false].map((wanted) =>
+    Object.fromEntries(Object.entries(options).filter(([name]) => taken(name) === wanted)),
+  ) as [Options, Options];
   const start = { kind: "sine", unit: document.value?.units?.y ?? "um", frequency: 10, duration: 0.1, ts: document.value?.ts ?? 5e-4 };
   const reference = useReference("export", start);
-  const made = useKept<Answer>(`export ${model}`, [chosen.name, options, reference.key]);
+  const made = useKept<Answer>(`export ${model}`, [chosen.name, given, reference.key]);
   const write = async () => {
-    const files = await reference.files();
+    const files = taken("reference") ? await reference.files() : [];
     const named = { model: [model], reference: files.map((file) => file.name) };
-    const request = { call: "export", options: { target: chosen.name, ...options }, files: named };
+    const request = { call: "export", options: { target: chosen.name, ...given }, files: named };
     return workspace.run({ name: "export", request, files: [await workspace.file(model), ...files] });
   };
   return (
@@ -47,11 +54,14 @@ function Exports({ model }: { model: string }) {
         <Fault text={document.error} />
       </Section>
       <Section title="Options">
-        <Form rows={optionsOf(lists, "export").filter((row) => row.name !== "target")} values={options}
-          change={(values) => change({ ...values, ...(target !== undefined && { target }) })}
+        <Form rows={rows} values={given} change={(values) => change({ ...kept, ...values, ...(target !== undefined && { target }) })}
           names={{ controller: lists.controllers, driver: lists.drivers }} first={["name", "float", "controller", "preview"]} />
-        <ReferenceForm reference={reference} label="Reference" none={chosen.name === "waveform" ? "none: a waveform needs one" : "none"} />
-        <p class="help">One period of the requested displacement, for targets that repeat a waveform.</p>
+        {taken("reference") && (
+          <>
+            <ReferenceForm reference={reference} label="Reference" none="none: a waveform needs one" />
+            <p class="help">One period of the requested displacement.</p>
+          </>
+        )}
         <div class="row">
           <button type="button" class="main" disabled={made.busy} onClick={() => made.start(write)}>Export as {chosen.name}</button>
         </div>

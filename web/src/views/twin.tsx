@@ -37,7 +37,7 @@ export function Twin({ drives, files }: { drives: { name: string; file: string }
       made.push({ file: { name: `${plant}-${name}.csv`, bytes: written.bytes }, use: USES[name] ?? "training" });
       if (record.result.reached) reached.push(`${name}: ${record.result.reached}`);
     }
-    for (const { file, use } of made) await workspace.addRecords([file], use, false);
+    await workspace.addRecords(made, false);
     return { plant, count: made.length, reached };
   };
   const { value } = tried;

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from . import excite, linear
 from ._piezoid import PiezoidError, __version__
+from .compare import ModelComparison, compare
 from .control import Comparison, control, reference
 from .export import export
 from .identify import identify
@@ -40,6 +41,7 @@ __all__ = [
     "FeedForward",
     "Inspection",
     "Model",
+    "ModelComparison",
     "PiezoidError",
     "Plan",
     "Plant",
@@ -49,6 +51,7 @@ __all__ = [
     "Verdict",
     "__version__",
     "actuators",
+    "compare",
     "control",
     "controllers",
     "drivers",

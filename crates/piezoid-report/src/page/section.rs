@@ -1,7 +1,7 @@
 //! A section of a page: a heading and elements in the order they are added.
 
 use super::table::PageTable;
-use super::text::{Text, minus};
+use super::text::Text;
 use crate::plot::{Figure, escape, shown};
 use std::fmt::Write;
 
@@ -183,7 +183,7 @@ impl Element {
 
 impl Fact {
     fn html(&self) -> String {
-        let [value, unit, what] = [&minus(&self.value), &self.unit, &self.what].map(|t| shown(t));
+        let [value, unit, what] = [&self.value, &self.unit, &self.what].map(|t| shown(t));
         format!("<div><dt>{what}</dt><dd>{value}<span class=\"unit\"> {unit}</span></dd></div>\n")
     }
 }

@@ -75,11 +75,6 @@ impl From<String> for Text {
     }
 }
 
-/// A number with a true minus; any other text as it is.
-pub(super) fn minus(text: &str) -> String {
-    if text.parse::<f64>().is_ok() { text.replace('-', "\u{2212}") } else { text.into() }
-}
-
 /// `text` as a sentence.
 pub(crate) fn sentence(text: &str) -> String {
     let mut letters = text.chars();

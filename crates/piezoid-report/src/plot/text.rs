@@ -18,17 +18,32 @@ pub(crate) fn escape(text: &str) -> String {
     out
 }
 
+const MINUS: &str = "\u{2212}";
+
 /// Units with a Greek letter that data formats write in ASCII, and how people read them.
 const MICRO: [(&str, &str); 3] = [("um", "\u{b5}m"), ("uV", "\u{b5}V"), ("uA", "\u{b5}A")];
 
-/// A text for people, escaped, its units [`rendered`].
+/// A text for people, escaped, its units and numbers [`rendered`].
 pub(crate) fn shown(text: &str) -> String {
     escape(&rendered(text))
 }
 
-/// A text for people: `um` that stands as a unit is `µm`. Data and models keep `um`; this is the only place where a
-/// unit is rendered.
+/// A text for people: `um` that stands as a unit is `µm`, and numbers have a true minus. Data and models keep `um` and
+/// the hyphen; this is the only place where they are rendered.
 pub(super) fn rendered(text: &str) -> String {
+    numbers(&units(text))
+}
+
+/// The text with true minus signs in its numbers.
+fn numbers(text: &str) -> String {
+    let number = |piece: &str| {
+        let word = piece.trim_end_matches(|c: char| c.is_whitespace() || "()[],;:%".contains(c));
+        if word.parse::<f64>().is_ok() { piece.replace('-', MINUS) } else { piece.into() }
+    };
+    text.split_inclusive(|c: char| c.is_whitespace() || "([".contains(c)).map(number).collect()
+}
+
+fn units(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(at) = rest.find('u') {
@@ -79,7 +94,7 @@ pub(super) fn number(value: f64, decimals: usize) -> String {
     let (whole, fraction) = plain.split_once('.').unwrap_or((&plain, ""));
     let mut out = String::new();
     if value < 0.0 && plain.contains(|c: char| ('1'..='9').contains(&c)) {
-        out.push('\u{2212}');
+        out.push_str(MINUS);
     }
     for (i, digit) in whole.chars().enumerate() {
         let left = whole.len() - i;
@@ -132,6 +147,14 @@ mod tests {
         assert_eq!(shown("y [um], 22.4 um/V, 3um."), "y [µm], 22.4 µm/V, 3µm.");
         assert_eq!(shown("[V um] 5 uV < 1 um"), "[V µm] 5 µV &lt; 1 µm");
         for name in ["rise_um.csv", "um.csv", "sum", "umbra", "u [V]", "x_um", "um_x", "um2"] {
+            assert_eq!(shown(name), name);
+        }
+    }
+
+    #[test]
+    fn numbers_have_a_true_minus_and_names_and_dates_keep_theirs() {
+        assert_eq!(shown("-40 to -2e-3 V (-3 %, at -3.)"), "−40 to −2e−3 V (−3 %, at −3.)");
+        for name in ["2026-11-23", "run-3.csv", "feed-forward", "-o", "1e-3.csv"] {
             assert_eq!(shown(name), name);
         }
     }

@@ -1,10 +1,12 @@
 //! Several models on the same records.
 
+use super::validate::records;
 use super::{File, Validated, short};
 use crate::error::Error;
 use crate::formats::ColumnSelection;
 use crate::hammerstein::Model;
 use crate::options::{OptionKind, OptionRow, options};
+use crate::record::Record;
 use crate::system::System;
 use crate::validation::ValidateOptions;
 use serde_json::{Value, json};
@@ -41,24 +43,34 @@ impl CompareOptions {
     /// Compares models with the records in files, each record in the unit of the first.
     ///
     /// # Errors
-    /// Returns an error for files without a model, for an unknown record, and the errors of [`ValidateOptions::run`].
+    /// Returns an error for files without a model or a record. The errors of [`CompareOptions::on`].
     pub fn run(&self, models: &[File], data: &[File], columns: &ColumnSelection) -> Result<ModelComparison, Error> {
-        let record = match &self.record {
-            None => 0,
-            Some(name) => {
-                let known = || Error::unknown("record", name, data.iter().map(|file| &*file.name));
-                data.iter().position(|file| file.name == *name || file.short() == name).ok_or_else(known)?
-            }
-        };
         // Names without folders, if these tell the files apart.
         let alone = |file: &File| models.iter().filter(|other| other.short() == file.short()).count() == 1;
-        let compare = |file: &File| {
-            let model = file.model()?;
-            let validated = self.validation.run(&model, data, columns).map_err(|e| e.of(&file.name))?;
-            let name = if alone(file) { short(&file.name) } else { &file.name }.to_string();
+        let named = |file: &File| {
+            let name = if alone(file) { short(&file.name) } else { &file.name };
+            Ok((name.to_string(), file.model()?))
+        };
+        self.on(models.iter().map(named).collect::<Result<_, Error>>()?, &records(data, columns)?)
+    }
+
+    /// Compares named models with named records, each record in the unit of the first.
+    ///
+    /// # Errors
+    /// Returns an error for an unknown record, and the errors of [`ValidateOptions::on`].
+    pub fn on(&self, models: Vec<(String, Model)>, records: &[(String, Record)]) -> Result<ModelComparison, Error> {
+        let record = match &self.record {
+            None => 0,
+            Some(wanted) => {
+                let known = || Error::unknown("record", wanted, records.iter().map(|(name, _)| &**name));
+                records.iter().position(|(name, _)| name == wanted || short(name) == wanted).ok_or_else(known)?
+            }
+        };
+        let compare = |(name, model): (String, Model)| {
+            let validated = self.validation.on(&model, records).map_err(|e| e.of(&name))?;
             Ok(ComparedModel { name, model, validated })
         };
-        Ok(ModelComparison { models: models.iter().map(compare).collect::<Result<_, Error>>()?, record })
+        Ok(ModelComparison { models: models.into_iter().map(compare).collect::<Result<_, Error>>()?, record })
     }
 }
 

@@ -31,26 +31,34 @@ impl ValidateOptions {
     /// Compares a model with the records in files, in the unit of the first record.
     ///
     /// # Errors
-    /// Returns an error for files without records. The errors of [`Model::validate_with`].
+    /// Returns an error for files without records. The errors of [`ValidateOptions::on`].
     pub fn run(&self, model: &Model, data: &[File], columns: &ColumnSelection) -> Result<Validated, Error> {
-        let mut unit = None;
-        let mut compare = |file: &File| {
-            let record = file.record(columns)?;
-            let unit = unit.get_or_insert_with(|| record.units().y.clone());
-            let compared = || {
-                let record = record.output_in(unit)?;
-                if self.skip >= record.duration() {
-                    let duration = round(record.duration());
-                    let rule = format!("must be less than the duration of this record, {duration} s");
-                    return Err(Error::parameter("skip", self.skip, rule));
-                }
-                let validation = model.validate_with(&record, self)?;
-                Ok(Compared { name: file.name.clone(), record, validation })
-            };
-            compared().map_err(|e| e.of(&file.name))
-        };
-        Ok(Validated { files: data.iter().map(&mut compare).collect::<Result<_, _>>()? })
+        self.on(model, &records(data, columns)?)
     }
+
+    /// Compares a model with named records, in the unit of the first.
+    ///
+    /// # Errors
+    /// Returns an error for `skip` beyond the end of a record. The errors of [`Model::validate_with`].
+    pub fn on(&self, model: &Model, records: &[(String, Record)]) -> Result<Validated, Error> {
+        let compare = |(name, record): &(String, Record)| {
+            let record = record.clone().output_in(&records[0].1.units().y)?;
+            if self.skip >= record.duration() {
+                let duration = round(record.duration());
+                let rule = format!("must be less than the duration of this record, {duration} s");
+                return Err(Error::parameter("skip", self.skip, rule));
+            }
+            let validation = model.validate_with(&record, self)?;
+            Ok(Compared { name: name.clone(), record, validation })
+        };
+        let named = |one: &(String, Record)| compare(one).map_err(|e| e.of(&one.0));
+        Ok(Validated { files: records.iter().map(named).collect::<Result<_, _>>()? })
+    }
+}
+
+/// The records in files, with the names of the files.
+pub(super) fn records(data: &[File], columns: &ColumnSelection) -> Result<Vec<(String, Record)>, Error> {
+    data.iter().map(|file| Ok((file.name.clone(), file.record(columns)?))).collect()
 }
 
 impl Compared {

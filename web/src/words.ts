@@ -1,0 +1,34 @@
+// The words of the library as the page says them.
+
+import type { Lists } from "./lists.ts";
+import { prose } from "./plot/ticks.ts";
+
+/** Options whose names are short for something. */
+const LONG: Record<string, string> = {
+  ts: "sampling period",
+  fs: "sampling rate",
+  time_col: "time column",
+  input_col: "input column",
+  output_col: "output column",
+  from: "start",
+  to: "end",
+  low: "lowest voltage",
+  high: "highest voltage",
+  late: "samples late",
+  zvd: "ZVD shaper",
+};
+
+/** The label of an option. */
+export function spoken(name: string): string {
+  const words = LONG[name] ?? name.replaceAll("_", " ");
+  return words.charAt(0).toUpperCase() + words.slice(1);
+}
+
+/** A sentence of the library: options are called by their labels, and what it quotes stands in quotation marks. */
+export function worded(text: string, lists: Lists): string {
+  const all = [...lists.calls, ...lists.excitations, { options: lists.columns }].flatMap(({ options }) => options);
+  const label = (name: string) => (all.some((row) => row.name === name) ? spoken(name) : name);
+  return prose(text)
+    .replace(/(^|: )([a-z_]+)(?= = )/g, (_, before, name) => before + label(name))
+    .replace(/`([^`]*)`/g, (_, name) => `\u201c${label(name)}\u201d`);
+}
