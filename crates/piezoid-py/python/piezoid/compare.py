@@ -84,8 +84,8 @@ def compare(
     >>> compared.best
     'two'
     """
-    alone = isinstance(models, (Model, str, os.PathLike))
-    known = _named("models", [models] if alone else models, as_model, lambda model, _: as_model(model).operator)
+    one = [models] if isinstance(models, (Model, str, os.PathLike)) else models
+    known = _named("models", one, as_model, lambda model, _: as_model(model).operator)
     given = data if isinstance(data, Mapping) else sources(data)
     measured = _named("data", given, as_record, lambda _, number: f"record {number}")
     settings = {"record": record, "skip": skip, "offset": offset}
@@ -99,8 +99,8 @@ def _named(
     if isinstance(given, Mapping):
         named = [(str(key), one) for key, one in given.items()]
     else:
-        is_file = lambda one: isinstance(one, (str, os.PathLike))  # noqa: E731
-        named = [(Path(one).name if is_file(one) else name(one, k), one) for k, one in enumerate(given, 1)]
+        files = (str, os.PathLike)
+        named = [(Path(one).name if isinstance(one, files) else name(one, k), one) for k, one in enumerate(given, 1)]
     if not named:
         raise _piezoid.PiezoidError(f"{what} is empty: give one at least")
     called = [key for key, _ in named]
