@@ -19,7 +19,7 @@ type Work = fn() -> Result<(), String>;
 const VERBS: [(&str, &str, Work); 8] = [
     (
         "test",
-        "format, clippy with warnings denied, all tests, documentation, `tidy`, the page of `serve`, then `python`",
+        "format, clippy with warnings denied, all tests, documentation, `tidy`, then the page beside `python`",
         test,
     ),
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
@@ -97,27 +97,44 @@ fn test() -> Result<(), String> {
     skipped.step(&mut cargo(&["test", "--workspace"]))?;
     step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
     tidy::tidy()?;
-    web::page(&mut skipped)?;
-    python_tests(&mut skipped)?;
-    eprint!("{skipped}");
+    // Each of these keeps about one core busy.
+    let mut of_page = Skipped::default();
+    let (page, python) = std::thread::scope(|scope| {
+        let page = scope.spawn(|| web::page(&mut of_page));
+        let python = python_tests(&mut skipped);
+        (page.join().unwrap_or_else(|_| Err("the tests of the page stopped".into())), python)
+    });
+    page.and(python)?;
+    eprint!("{}", skipped.and(of_page));
     Ok(())
 }
 
-/// Checks that the core compiles without its feature, and with the verbs for web browsers; in CI a missing target is
-/// an error.
+/// Checks that the core compiles without its feature, and with the verbs for web browsers.
 fn core_alone(skipped: &mut Skipped) -> Result<(), String> {
     let bare = ["check", "--package", "piezoid", "--no-default-features"];
     step(&mut cargo(&bare))?;
-    let sysroot = Command::new("rustc").args(["--print", "sysroot"]).output().map(|o| o.stdout).unwrap_or_default();
-    let installed = Path::new(String::from_utf8_lossy(&sysroot).trim()).join("lib/rustlib").join(WEB).is_dir();
-    if !installed && std::env::var_os("CI").is_none() {
-        skipped.add("the core for the web", &format!("no target {WEB}: rustup target add {WEB}"));
+    if !for_the_web(skipped, "the core for the web")? {
         return Ok(());
     }
     for package in [&bare[..], &["check", "--package", "piezoid-wasm", "--all-features"]] {
         step(cargo(package).args(["--target", WEB]))?;
     }
     Ok(())
+}
+
+/// True if code for web browsers can be built; otherwise `test` is added to `skipped`, and in CI this is an error.
+fn for_the_web(skipped: &mut Skipped, test: &str) -> Result<bool, String> {
+    let sysroot = Command::new("rustc").args(["--print", "sysroot"]).output().map(|o| o.stdout).unwrap_or_default();
+    let installed = Path::new(String::from_utf8_lossy(&sysroot).trim()).join("lib/rustlib").join(WEB).is_dir();
+    let missing = format!("no target {WEB}: rustup target add {WEB}");
+    match (installed, std::env::var_os("CI")) {
+        (false, Some(_)) => Err(missing),
+        (false, None) => {
+            skipped.add(test, &missing);
+            Ok(false)
+        }
+        (true, _) => Ok(true),
+    }
 }
 
 /// Builds the Python package into a separate environment, and runs its tests there.

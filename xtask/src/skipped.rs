@@ -20,6 +20,12 @@ impl Skipped {
         self.tests.entry(missing.into()).or_default().insert(test.into());
     }
 
+    /// These and the `others`.
+    pub(crate) fn and(mut self, others: Skipped) -> Self {
+        others.tests.into_iter().for_each(|(missing, tests)| self.tests.entry(missing).or_default().extend(tests));
+        self
+    }
+
     /// Runs a command in the workspace, passes its output on, and adds the skipped tests.
     pub(crate) fn step(&mut self, command: &mut Command) -> Result<(), String> {
         let line = announced(command);
