@@ -160,7 +160,7 @@ export async function taken(files: File[], workspace: Workspace): Promise<void> 
       workspace.failed(new Error(`${file.name}: ${message(error)}`));
     }
   }
-  await workspace.addRecords(records).catch((error) => workspace.failed(error));
+  await workspace.addRecords(records);
 }
 
 async function takeModel(name: string, bytes: Uint8Array, workspace: Workspace): Promise<void> {

@@ -143,10 +143,16 @@ export class Workspace {
     return name;
   }
 
-  /** Adds records in one step; with `look`, the last becomes the one that is looked at. */
+  /** Adds records in one step; with `look`, the last becomes the one that is looked at. What cannot be kept is told. */
   async addRecords(files: { file: File; use: RecordEntry["use"] }[], look = true): Promise<void> {
     const entries: RecordEntry[] = [];
-    for (const { file, use } of files) entries.push({ file: await this.keep(file), columns: {}, prepare: {}, use });
+    for (const { file, use } of files) {
+      try {
+        entries.push({ file: await this.keep(file), columns: {}, prepare: {}, use });
+      } catch (error) {
+        this.failed(new Error(`${file.name}: ${error instanceof Error ? error.message : String(error)}`));
+      }
+    }
     const last = entries.at(-1);
     if (!last) return;
     const looked = look ? { record: last.file } : {};

@@ -1,7 +1,7 @@
 // A static server for the built page, and a browser.
 import { createServer } from "node:http";
 import { existsSync, readFileSync } from "node:fs";
-import { extname } from "node:path";
+import { basename, extname } from "node:path";
 import { chromium } from "playwright-core";
 
 const DIST = new URL("../dist/", import.meta.url);
@@ -10,8 +10,15 @@ const TYPES = { ".html": "text/html", ".js": "text/javascript", ".css": "text/cs
 /** The browser of the tests; `CHROMIUM` names another than Debian's. */
 export const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 
-/** Why tests in a browser are left out; never in CI. */
-export const skip = existsSync(CHROMIUM) || process.env.CI ? false : `no browser ${CHROMIUM}: name one by CHROMIUM`;
+/** Why the tests in a browser are left out, which `cargo xtask test` counts; never in CI. */
+export function lacking(name, path) {
+  if (existsSync(path) || process.env.CI) return false;
+  const why = `no browser ${path}, name one by ${name}`;
+  console.log(`SKIPPED: ${basename(process.argv[1])}: ${why}`);
+  return why;
+}
+
+export const skip = lacking("CHROMIUM", CHROMIUM);
 
 /** Serves dist/ as any static server does. */
 export async function served() {
@@ -32,6 +39,9 @@ export const launched = () =>
     args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
   });
 
+/** True for a request to anywhere else than the page's own server. */
+export const isForeign = (asked, url) => !["blob:", "data:", new URL(url).origin].some((start) => asked.startsWith(start));
+
 /** A page in a context of its own, with what it told and asked that it should not have. */
 export async function opened(browser, url, options = {}) {
   const context = options.context ?? (await browser.newContext({ viewport: { width: 1280, height: 900 }, acceptDownloads: true, ...options }));
@@ -40,8 +50,7 @@ export async function opened(browser, url, options = {}) {
   page.on("console", (message) => ["error", "warning"].includes(message.type()) && faults.push(message.text()));
   page.on("pageerror", (error) => faults.push(error.message));
   page.on("request", (request) => {
-    const own = ["blob:", "data:", new URL(url).origin].some((start) => request.url().startsWith(start));
-    if (!own) faults.push(`asked ${request.url()}`);
+    if (isForeign(request.url(), url)) faults.push(`asked ${request.url()}`);
   });
   await page.goto(url);
   return { page, faults, context };

@@ -112,6 +112,16 @@ test("a project is saved as one file and opened elsewhere", { skip }, async () =
   await other.context.close();
 });
 
+test("a second tab with the same project is told, a reload is not", { skip }, async () => {
+  const { page, context } = await opened(browser, server.url);
+  await page.reload();
+  await page.waitForTimeout(2000);
+  assert.equal(await page.getByRole("alert").count(), 0);
+  const second = await opened(browser, server.url, { context });
+  await second.page.getByText("this project is open in another tab").waitFor();
+  await context.close();
+});
+
 test("work is cancelled, and the next work is done", { skip }, async () => {
   const { page, faults, context } = await opened(browser, server.url);
   await page.getByRole("button", { name: "Open the example" }).click();

@@ -19,7 +19,7 @@ type Work = fn() -> Result<(), String>;
 const VERBS: [(&str, &str, Work); 8] = [
     (
         "test",
-        "format, clippy with warnings denied, all tests, documentation, `tidy`, then the page beside `python`",
+        "format, clippy with warnings denied, all tests, documentation, `tidy`, then the page and `python` at once",
         test,
     ),
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
@@ -104,7 +104,10 @@ fn test() -> Result<(), String> {
         let python = python_tests(&mut skipped);
         (page.join().unwrap_or_else(|_| Err("the tests of the page stopped".into())), python)
     });
-    page.and(python)?;
+    let failed: Vec<String> = [page, python].into_iter().filter_map(Result::err).collect();
+    if !failed.is_empty() {
+        return Err(failed.join("; "));
+    }
     eprint!("{}", skipped.and(of_page));
     Ok(())
 }

@@ -8,18 +8,19 @@ use std::process::{Command, Stdio};
 const MODULES: [&str; 4] = ["files", "models", "reports", "exports"];
 
 /// What `npm run build` writes outside of web/dist: committed, so that cargo alone builds.
-const COMMITTED: [&str; 4] = [
+const COMMITTED: [&str; 5] = [
+    "crates/piezoid-serve/page/icon.svg",
     "crates/piezoid-serve/page/index.html",
     "crates/piezoid-serve/page/main.js",
     "crates/piezoid-serve/page/style.css",
     "crates/piezoid-report/src/page/figures.js",
 ];
 
-/// Tests of the page of `piezoid serve`, and of what needs no module.
+/// Tests that need no module.
 const SERVED: [&str; 4] = ["serve", "server", "spectrum", "words"];
 
-/// Tests that need the modules, beside those of their sizes.
-const OF_MODULES: [&str; 7] = ["bits", "library", "page", "report", "verbs", "views", "work"];
+/// The test that needs the four modules.
+const SIZES: &str = "sizes";
 
 /// Builds everything, and tests it.
 pub(super) fn web() -> Result<(), String> {
@@ -49,18 +50,25 @@ pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
             ));
         }
     }
-    tests(&SERVED)?;
     if !for_the_web(skipped, "the page without a server")? {
-        return Ok(());
+        return tests(skipped, |name| SERVED.contains(&name));
     }
     module(&MODULES.join(","), &MODULES)?;
     lists()?;
-    tests(&OF_MODULES)
+    tests(skipped, |name| name != SIZES)
 }
 
-fn tests(names: &[&str]) -> Result<(), String> {
-    let path = |name: &&str| root().join(format!("web/tests/{name}.test.mjs"));
-    step(Command::new("node").args(["--test", "--test-reporter", "spec"]).args(names.iter().map(path)))
+/// Runs the tests with wanted names.
+fn tests(skipped: &mut Skipped, wanted: impl Fn(&str) -> bool) -> Result<(), String> {
+    let folder = root().join("web/tests");
+    let entries = std::fs::read_dir(&folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
+    let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.retain(|file| {
+        let name = file.file_name().unwrap_or_default().to_string_lossy();
+        name.strip_suffix(".test.mjs").is_some_and(&wanted)
+    });
+    files.sort();
+    skipped.step(Command::new("node").args(["--test", "--test-reporter", "spec"]).args(files))
 }
 
 fn scripts() -> Result<(), String> {

@@ -21,6 +21,7 @@ pub(crate) fn compare(
     let options: CompareOptions = options(given)?;
     let models = models.into_iter().map(|(name, model)| (name, inner(&model))).collect();
     let records: Vec<_> = records.into_iter().map(|(name, record)| (name, record.get().record.clone())).collect();
-    let compared = py.detach(|| options.on(models, &records)).map_err(raised)?;
-    Ok((object(py, &compared.to_json())?, comparison(&compared).html()))
+    let made = py.detach(|| options.on(models, &records).map(|made| (made.to_json(), comparison(&made).html())));
+    let (figures, page) = made.map_err(raised)?;
+    Ok((object(py, &figures)?, page))
 }

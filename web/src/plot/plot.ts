@@ -3,12 +3,13 @@
 // Wheel or pinch: zoom about the pointer. Drag: zoom to a box; with Shift, or with a finger, move. Double click or 0: all.
 // Keys on the plot: arrows move, + and - zoom, 0 shows all.
 
+import { type Point, reading } from "./cursor.ts";
 import { csv, download } from "./download.ts";
-import { areas, CanvasPen, draw, type Frame, pixelX, pixelY, SvgPen, valueX, valueY } from "./draw.ts";
-import { type Figure, place, type Series, type Span, spanX, spanY, within } from "./figure.ts";
+import { areas, CanvasPen, draw, type Frame, SvgPen, valueX, valueY } from "./draw.ts";
+import { type Figure, type Series, type Span, spanX, spanY } from "./figure.ts";
+import { listen } from "./gestures.ts";
 import { Handles } from "./handles.ts";
 import { COLOURS, darkness, light, themed, themeOf } from "./theme.ts";
-import { short, unit } from "./ticks.ts";
 
 /** How a plot looks. */
 export interface Look {
@@ -201,7 +202,7 @@ export class Plot {
   }
 
   /** Zooms by a factor about a point, or moves by shares of the span. */
-  #change(factor: number, at: { x: number; y: number }, move = { x: 0, y: 0 }): void {
+  #change(factor: number, at: Point, move = { x: 0, y: 0 }): void {
     const frame = this.#frames[this.#frameAt(at.y)];
     if (!frame) return;
     const figure = this.#figure;
@@ -223,77 +224,22 @@ export class Plot {
   }
 
   #listen(): void {
-    const canvas = this.#canvas;
-    const at = (event: MouseEvent) => {
-      const box = canvas.getBoundingClientRect();
-      return { x: event.clientX - box.x, y: event.clientY - box.y };
+    const middle = () => {
+      const area = this.#frames[0]?.area;
+      return area && { x: area.x + area.width / 2, y: area.y + area.height / 2 };
     };
-    const held = new Map<number, { x: number; y: number }>();
-    let start: { x: number; y: number } | undefined;
-    canvas.addEventListener("wheel", (event) => {
-      // A page is scrolled over its plots, unless a plot has the focus or a key is held.
-      if (!event.ctrlKey && document.activeElement !== canvas) return;
-      event.preventDefault();
-      this.#change(1.0015 ** event.deltaY, at(event));
-    }, { passive: false });
-    canvas.addEventListener("pointerdown", (event) => {
-      canvas.setPointerCapture(event.pointerId);
-      held.set(event.pointerId, at(event));
-      start = at(event);
-    });
-    canvas.addEventListener("pointermove", (event) => {
-      const now = at(event);
-      const before = held.get(event.pointerId);
-      if (!before || !start) return this.#point(now);
-      held.set(event.pointerId, now);
-      const moves = event.pointerType === "touch" || event.shiftKey;
-      if (held.size === 2) {
-        const other = [...held].find(([id]) => id !== event.pointerId)![1];
-        const apart = (p: { x: number; y: number }) => Math.hypot(p.x - other.x, p.y - other.y) || 1;
-        this.#change(apart(before) / apart(now), other);
-      } else if (moves) {
-        const area = this.#frames[this.#frameAt(start.y)]!.area;
-        const move = { x: (before.x - now.x) / area.width, y: (before.y - now.y) / area.height };
-        this.#change(1, now, { x: move.x, y: this.#figure.loops ? move.y : 0 });
-      } else {
-        this.#box(start, now);
-      }
-    });
-    const up = (event: PointerEvent) => {
-      const now = at(event);
-      if (start && held.size === 1 && event.pointerType !== "touch" && !event.shiftKey) this.#boxed(start, now);
-      held.delete(event.pointerId);
-      if (held.size === 0) start = undefined;
-    };
-    canvas.addEventListener("pointerup", up);
-    canvas.addEventListener("pointercancel", () => {
-      held.clear();
-      start = undefined;
-      this.#clear();
-    });
-    canvas.addEventListener("pointerleave", () => held.size === 0 && this.#clear());
-    canvas.addEventListener("dblclick", () => this.#zoom(undefined, []));
-    canvas.addEventListener("keydown", (event) => this.#key(event));
-  }
-
-  #key(event: KeyboardEvent): void {
-    const area = this.#frames[0]?.area;
-    if (!area || event.ctrlKey || event.metaKey) return;
-    const middle = { x: area.x + area.width / 2, y: area.y + area.height / 2 };
-    const moves: Record<string, () => void> = {
-      ArrowLeft: () => this.#change(1, middle, { x: -0.1, y: 0 }),
-      ArrowRight: () => this.#change(1, middle, { x: 0.1, y: 0 }),
-      ArrowUp: () => this.#change(1, middle, { x: 0, y: -0.1 }),
-      ArrowDown: () => this.#change(1, middle, { x: 0, y: 0.1 }),
-      "+": () => this.#change(0.8, middle),
-      "=": () => this.#change(0.8, middle),
-      "-": () => this.#change(1.25, middle),
-      "0": () => this.#zoom(undefined, []),
-    };
-    const move = moves[event.key];
-    if (!move) return;
-    event.preventDefault();
-    move();
+    listen(this.#canvas, {
+      change: (factor, at, move) => this.#change(factor, at, move),
+      drag: (start, now, way) => {
+        const area = this.#frames[this.#frameAt(start.y)]?.area;
+        if (area) this.#change(1, now, { x: way.x / area.width, y: this.#figure.loops ? way.y / area.height : 0 });
+      },
+      box: (start, now) => this.#box(start, now),
+      boxed: (start, now) => this.#boxed(start, now),
+      point: (at) => this.#point(at),
+      leave: () => this.#clear(),
+      all: () => this.#zoom(undefined, []),
+    }, middle);
   }
 
   #clear(): void {
@@ -301,7 +247,7 @@ export class Plot {
     this.#readout.value = "";
   }
 
-  #box(from: { x: number; y: number }, to: { x: number; y: number }): void {
+  #box(from: Point, to: Point): void {
     const context = this.#cursor.getContext("2d");
     const frame = this.#frames[this.#frameAt(from.y)];
     if (!context || !frame) return;
@@ -312,7 +258,7 @@ export class Plot {
     context.fillRect(from.x, top, to.x - from.x, height);
   }
 
-  #boxed(from: { x: number; y: number }, to: { x: number; y: number }): void {
+  #boxed(from: Point, to: Point): void {
     this.#clear();
     const k = this.#frameAt(from.y);
     const frame = this.#frames[k];
@@ -327,68 +273,25 @@ export class Plot {
   }
 
   /** The cursor: what the series are there. */
-  #point(at: { x: number; y: number }): void {
+  #point(at: Point): void {
     const context = this.#cursor.getContext("2d");
     const frame = this.#frames[this.#frameAt(at.y)];
     if (!context || !frame) return;
     this.#clear();
     const { area } = frame;
     if (at.x < area.x || at.x > area.x + area.width) return;
-    const theme = themeOf(this.#host);
-    context.strokeStyle = theme.line;
-    context.lineWidth = 1;
-    const figure = this.#figure;
-    if (figure.loops) {
-      const found = this.#sample(frame, at);
-      const [x, y] = found
-        ? [place(found.series, found.k), found.series.y[found.k]!]
-        : [valueX(figure, frame, at.x), valueY(frame, at.y)];
-      if (found) {
-        context.beginPath();
-        context.arc(pixelX(figure, frame, x), pixelY(frame, y), 4, 0, 2 * Math.PI);
-        context.stroke();
-      }
-      const name = found?.series.name ? `${found.series.name} ` : "";
-      this.#readout.value = `${name}${short(x)} ${unit(figure.x.unit)}, ${short(y)} ${unit(frame.panel.y.unit)}`;
-      return;
-    }
-    // At a sample, so that all that is told belongs together.
-    const shown = this.#frames.flatMap(({ panel }) =>
-      panel.series.filter((series) => !this.#hidden.has(series.name)).map((series) => ({ panel, series })),
-    );
-    const samples = (x: number) =>
-      shown.flatMap(({ panel, series }) => {
-        const k = nearest(series, x);
-        return k === undefined ? [] : [{ panel, series, k }];
-      });
-    const under = valueX(figure, frame, at.x);
-    const away = (x: number) => Math.abs(pixelX(figure, frame, x) - at.x);
-    const places = samples(under).map(({ series, k }) => place(series, k));
-    const next = places.sort((a, b) => away(a) - away(b)).find((x) => x >= frame.x.from && x <= frame.x.to);
-    const x = next ?? under;
+    const { text, line, ring } = reading(this.#figure, this.#frames, frame, this.#hidden, at);
     const [first, last] = [this.#frames[0]!.area, this.#frames.at(-1)!.area];
-    const line = pixelX(figure, frame, x);
+    context.strokeStyle = themeOf(this.#host).line;
+    context.lineWidth = 1;
     context.beginPath();
-    context.moveTo(line, first.y);
-    context.lineTo(line, last.y + last.height);
-    context.stroke();
-    const values = samples(x).map(
-      ({ panel, series, k }) => `${series.name} ${short(series.y[k]!)} ${unit(panel.y.unit)}`,
-    );
-    this.#readout.value = [`${short(x)} ${unit(figure.x.unit)}`, ...values].join(" \u00b7 ");
-  }
-
-  /** The sample that is drawn nearest to a point, if one is near. */
-  #sample(frame: Frame, at: { x: number; y: number }): { series: Series; k: number } | undefined {
-    let best: { series: Series; k: number } | undefined;
-    let least = 24 ** 2;
-    for (const series of frame.panel.series.filter((one) => !this.#hidden.has(one.name))) {
-      for (let k = 0; k < series.y.length; k++) {
-        const [dx, dy] = [pixelX(this.#figure, frame, place(series, k)) - at.x, pixelY(frame, series.y[k]!) - at.y];
-        if (dx * dx + dy * dy < least) [best, least] = [{ series, k }, dx * dx + dy * dy];
-      }
+    if (ring) context.arc(ring.x, ring.y, 4, 0, 2 * Math.PI);
+    if (line !== undefined) {
+      context.moveTo(line, first.y);
+      context.lineTo(line, last.y + last.height);
     }
-    return best;
+    context.stroke();
+    this.#readout.value = text;
   }
 }
 
@@ -399,17 +302,6 @@ function told(figure: Figure): string {
     return `${y.label} [${y.unit}]${names ? `: ${names}` : ""}`;
   });
   return `${figure.title}. ${panels.join("; ")} against ${figure.x.label} [${figure.x.unit}]`;
-}
-
-/** The sample of a series whose x rises that is nearest to x. */
-function nearest(series: Series, x: number): number | undefined {
-  const n = series.y.length;
-  const [first, last] = within(series, { from: x, to: x });
-  let best: number | undefined;
-  for (let k = first; k < Math.min(last, n); k++) {
-    if (best === undefined || Math.abs(place(series, k) - x) < Math.abs(place(series, best) - x)) best = k;
-  }
-  return best;
 }
 
 /** The drawing context of a canvas with this size in pixels of CSS, cleared. */

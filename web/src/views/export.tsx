@@ -28,7 +28,7 @@ function Exports({ model }: { model: string }) {
   ) as [Options, Options];
   const start = { kind: "sine", unit: document.value?.units?.y ?? "um", frequency: 10, duration: 0.1, ts: document.value?.ts ?? 5e-4 };
   const reference = useReference("export", start);
-  const made = useKept<Answer>(`export ${model}`, [chosen.name, given, reference.key]);
+  const made = useKept<Answer>(`export ${model}`, [chosen.name, given, taken("reference") && reference.key]);
   const write = async () => {
     const files = taken("reference") ? await reference.files() : [];
     const named = { model: [model], reference: files.map((file) => file.name) };

@@ -45,13 +45,13 @@ class ModelComparison:
     @property
     def table(self) -> pd.DataFrame:
         """Rms errors in percent of the peak-to-peak of the record: one row per model, one column per record, and
-        `total` if there are several."""
+        `total` if there are several and none is called so."""
         import pandas as pd
 
         rows = {}
         for model in self.figures["models"]:
             errors = {file["file"]: file["rms_pp_percent"] for file in model["files"]}
-            total = {"total": model["total"]["rms_pp_percent"]} if len(errors) > 1 else {}
+            total = {"total": model["total"]["rms_pp_percent"]} if len(errors) > 1 and "total" not in errors else {}
             rows[model["model"]] = errors | total
         return pd.DataFrame.from_dict(rows, orient="index", dtype=float)
 
@@ -69,8 +69,8 @@ def compare(
 ) -> ModelComparison:
     """Compares free runs of several models with records that none of them has seen.
 
-    models, data: models and records in dicts by their names, or in lists. Files in lists are called by their names,
-    models by their operators, and records by their numbers.
+    models, data: models and records in dicts by their names (not a record as a dict of its columns), or in lists. Files
+    in lists are called by their names, models by their operators, and records by their numbers.
     record: name of the record whose loops and residuals are drawn on the page; default: the first
     skip, offset: as in `Model.validate`
 

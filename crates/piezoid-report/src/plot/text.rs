@@ -37,7 +37,7 @@ pub(super) fn rendered(text: &str) -> String {
 /// The text with true minus signs in its numbers.
 fn numbers(text: &str) -> String {
     let number = |piece: &str| {
-        let word = piece.trim_end_matches(|c: char| c.is_whitespace() || "()[],;:%".contains(c));
+        let word = piece.trim_end_matches(|c: char| c.is_whitespace() || "()[],.;:%°".contains(c));
         if word.parse::<f64>().is_ok() { piece.replace('-', MINUS) } else { piece.into() }
     };
     text.split_inclusive(|c: char| c.is_whitespace() || "([".contains(c)).map(number).collect()
@@ -154,6 +154,7 @@ mod tests {
     #[test]
     fn numbers_have_a_true_minus_and_names_and_dates_keep_theirs() {
         assert_eq!(shown("-40 to -2e-3 V (-3 %, at -3.)"), "−40 to −2e−3 V (−3 %, at −3.)");
+        assert_eq!(shown("at -3).  -3%. -123°, -0.5."), "at −3).  −3%. −123°, −0.5.");
         for name in ["2026-11-23", "run-3.csv", "feed-forward", "-o", "1e-3.csv"] {
             assert_eq!(shown(name), name);
         }

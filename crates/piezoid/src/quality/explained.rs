@@ -17,6 +17,7 @@ pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> 
     let (middle, level, n) = (mean(u), mean(x), u.len());
     let scale = (scatter(u) / n as f64).sqrt();
     let held = |t: isize| (u[t.clamp(0, n as isize - 1) as usize] - middle) / scale;
+    // From the input of the largest lag at the first row to that of the smallest at the last.
     let input: Vec<f64> = (1 - lags.end..n as isize - lags.start).map(held).collect();
     let lagged = Lags::new(&input, lags.len());
     let one = vec![1.0; n];

@@ -6,7 +6,7 @@
 use crate::series::dot_wide;
 use nalgebra::{DMatrix, DVector};
 
-/// Columns of one series, each a sample later in the past than the one before it.
+/// Columns of one series, each one sample earlier than the column before it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lags<'a> {
     /// The samples of the last column before its first row, then the rows of the first column.

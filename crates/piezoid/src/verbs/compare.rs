@@ -22,7 +22,7 @@ options! {
 /// A model and its free runs.
 #[derive(Debug, Clone)]
 pub struct ComparedModel {
-    /// Its name: that of its file.
+    /// Its name: that of its file, if it is one.
     pub name: String,
     /// The model.
     pub model: Model,

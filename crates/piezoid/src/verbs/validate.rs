@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 /// A record and the model's free run on it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Compared {
-    /// Name of the record: that of its file.
+    /// Name of the record: that of its file, if it is one. Pages show it without folders.
     pub name: String,
     /// The record.
     pub record: Record,
