@@ -7,11 +7,11 @@ import { DIST } from "./modules.mjs";
 
 /** The largest sizes [bytes, gzipped]: just above those that were reached. */
 const LARGEST = {
-  "files.wasm": 720_000,
-  "models.wasm": 800_000,
-  "reports.wasm": 990_000,
-  "exports.wasm": 945_000,
-  "lists.json": 9_000,
+  "files.wasm": 712_000,
+  "models.wasm": 790_000,
+  "reports.wasm": 980_000,
+  "exports.wasm": 935_000,
+  "lists.json": 9_200,
 };
 
 for (const [name, largest] of Object.entries(LARGEST)) {

@@ -19,21 +19,15 @@ const COMMITTED: [&str; 5] = [
 /// Tests that need no module.
 const SERVED: [&str; 4] = ["serve", "server", "spectrum", "words"];
 
-/// The test that needs the four modules.
-const SIZES: &str = "sizes";
-
 /// Builds everything, and tests it.
 pub(super) fn web() -> Result<(), String> {
     scripts()?;
-    for name in MODULES {
-        module(name, &[name])?;
-    }
-    lists()?;
+    modules()?;
     run(&["test"])
 }
 
-/// Builds the scripts and tests the page, with one module in place of the four, which takes a third of the time. Adds
-/// what is missing to `skipped`; in CI this is an error.
+/// Builds everything, compares the scripts with those that are committed, and tests it. Adds what is missing to
+/// `skipped`; in CI this is an error.
 pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
     let npm = npm().arg("--version").stdout(Stdio::null()).status().is_ok_and(|status| status.success());
     if !npm && std::env::var_os("CI").is_none() {
@@ -50,25 +44,15 @@ pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
             ));
         }
     }
-    if !for_the_web(skipped, "the page without a server")? {
-        return tests(skipped, |name| SERVED.contains(&name));
+    let mut node = Command::new("node");
+    node.args(["--test", "--test-reporter", "spec"]);
+    if for_the_web(skipped, "the page without a server")? {
+        modules()?;
+        node.arg("web/tests/");
+    } else {
+        node.args(SERVED.map(|name| format!("web/tests/{name}.test.mjs")));
     }
-    module(&MODULES.join(","), &MODULES)?;
-    lists()?;
-    tests(skipped, |name| name != SIZES)
-}
-
-/// Runs the tests with wanted names.
-fn tests(skipped: &mut Skipped, wanted: impl Fn(&str) -> bool) -> Result<(), String> {
-    let folder = root().join("web/tests");
-    let entries = std::fs::read_dir(&folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
-    let mut files: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    files.retain(|file| {
-        let name = file.file_name().unwrap_or_default().to_string_lossy();
-        name.strip_suffix(".test.mjs").is_some_and(&wanted)
-    });
-    files.sort();
-    skipped.step(Command::new("node").args(["--test", "--test-reporter", "spec"]).args(files))
+    skipped.step(&mut node)
 }
 
 fn scripts() -> Result<(), String> {
@@ -91,16 +75,16 @@ fn written(name: &str) -> PathBuf {
     root().join("web/dist").join(name)
 }
 
-/// The module with these features, under these names.
-fn module(features: &str, names: &[&str]) -> Result<(), String> {
-    let mut build = cargo(&["build", "--profile", "page", "--package", "piezoid-wasm", "--target", WEB]);
-    step(build.args(["--features", features]).env("CARGO_ENCODED_RUSTFLAGS", flags().join("\x1f")))?;
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |d| root().join(d));
-    let built = target.join(WEB).join("page/piezoid_wasm.wasm");
-    for module in names.iter().map(|name| written(&format!("{name}.wasm"))) {
+/// The modules, and the lists.
+fn modules() -> Result<(), String> {
+    for name in MODULES {
+        let mut build = cargo(&["build", "--profile", "page", "--package", "piezoid-wasm", "--target", WEB]);
+        step(build.args(["--features", name]).env("CARGO_ENCODED_RUSTFLAGS", flags().join("\x1f")))?;
+        let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |d| root().join(d));
+        let (built, module) = (target.join(WEB).join("page/piezoid_wasm.wasm"), written(&format!("{name}.wasm")));
         std::fs::copy(&built, &module).map_err(|e| format!("{}: {e}", module.display()))?;
     }
-    Ok(())
+    lists()
 }
 
 /// Vector instructions, short addresses, and no paths of this machine, so that the same source gives the same bytes.
