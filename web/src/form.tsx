@@ -46,7 +46,8 @@ export function Form({ rows, values, change, names = {}, first }: Props) {
 }
 
 /** The help of an option without the words of the command line. */
-const inPage = (help: string): string => help.replace(/ \(see `piezoid [a-z]+`\)/, "").replace(/--(?=[a-z])/g, "").replaceAll("`", "");
+const inPage = (help: string): string =>
+  help.replace(/ \(see `piezoid [a-z]+`\)| of `piezoid [a-z]+`/g, "").replace(/--(?=[a-z])/g, "").replaceAll("`", "");
 
 interface FieldProps {
   row: OptionRow;
