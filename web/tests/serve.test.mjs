@@ -11,7 +11,7 @@ const target = process.env.CARGO_TARGET_DIR ?? new URL("../../target", import.me
 const PIEZOID = join(target, "debug/piezoid");
 const skip = noBrowser || (existsSync(PIEZOID) || process.env.CI ? false : `no ${PIEZOID}: cargo build -p piezoid-cli`);
 const folder = mkdtempSync(join(tmpdir(), "piezoid-project-"));
-let browser, running;
+let browser, running, controller;
 
 before(async () => {
   if (!skip) browser = await launched();
@@ -19,19 +19,25 @@ before(async () => {
 after(async () => {
   await browser?.close();
   running?.kill("SIGKILL");
+  controller?.kill();
   rmSync(folder, { recursive: true });
 });
 
-/** Starts the server, and waits for the address that it prints. */
-async function served(port = 0) {
-  running = spawn(PIEZOID, ["serve", folder, "--port", String(port)], { stdio: ["ignore", "pipe", "inherit"] });
-  let printed = "";
-  for await (const piece of running.stdout) {
-    printed += piece;
-    const url = printed.match(/http:\/\/\S+/)?.[0];
-    if (url) return url;
+/** Starts the program, and what it prints up to this. */
+async function printed(process, wanted) {
+  let all = "";
+  for await (const piece of process.stdout) {
+    all += piece;
+    const found = all.match(wanted)?.[0];
+    if (found) return found;
   }
-  throw new Error(`the server ended: ${printed}`);
+  throw new Error(`the program ended: ${all}`);
+}
+
+/** Starts the server, and waits for the address that it prints. */
+function served(port = 0) {
+  running = spawn(PIEZOID, ["serve", folder, "--port", String(port)], { stdio: ["ignore", "pipe", "inherit"] });
+  return printed(running, /http:\/\/\S+/);
 }
 
 /** A record of the simulated bender in a file of its own folder. */
@@ -75,5 +81,37 @@ test("a project lives in a folder, and outlasts a server that is killed", { skip
   await page.reload();
   await page.getByRole("link", { name: "Data", exact: true }).click();
   await page.getByRole("button", { name: "slow.csv", exact: true }).waitFor();
+  await context.close();
+});
+
+test("drives of a plan are measured on a controller", { skip, timeout: 180_000 }, async () => {
+  controller = spawn(PIEZOID, ["instrument", "--plant", "paper", "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
+  const port = (await printed(controller, /port \d+/)).split(" ")[1];
+  const { page, faults, context } = await opened(browser, await served());
+  await page.getByRole("link", { name: "Experiment", exact: true }).click();
+  await page.getByRole("button", { name: "Plan", exact: true }).click();
+  const section = page.locator("section").filter({ has: page.getByRole("heading", { name: "Measure on a controller" }) });
+  await section.waitFor();
+  await section.getByLabel("Port").fill("1");
+  await section.getByRole("button", { name: "Ask the controller" }).click();
+  await section.getByRole("alert").getByText("no controller answers at 127.0.0.1:1").waitFor();
+  await section.getByLabel("Port").fill(port);
+  await section.getByRole("button", { name: "Ask the controller" }).click();
+  await section.getByText(/simulated controller/).waitFor();
+  await section.getByText("\u221230 to 30 V").waitFor();
+
+  await section.getByRole("button", { name: "Measure all drives" }).click();
+  await page.getByRole("button", { name: /Cancel/ }).first().waitFor();
+  await page.waitForTimeout(2500);
+  await page.getByRole("button", { name: /Cancel/ }).first().click();
+  await section.getByRole("button", { name: "Measure all drives", disabled: false }).waitFor();
+
+  await section.getByRole("button", { name: /^Measure (?!all)/ }).click();
+  await section.getByText("1 record is in the project").waitFor({ timeout: 60_000 });
+  const drive = readdirSync(folder).find((name) => name.startsWith("measured-"));
+  const text = readFileSync(join(folder, drive), "utf8");
+  assert.match(text, /^# piezoid: measured by the controller piezoid, paper/);
+  assert.deepEqual(faults, []);
+  if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT, fullPage: true });
   await context.close();
 });

@@ -4,6 +4,8 @@
 mod exports;
 #[cfg(feature = "files")]
 mod files;
+#[cfg(feature = "instruments")]
+mod instruments;
 #[cfg(feature = "models")]
 mod models;
 #[cfg(feature = "reports")]
@@ -21,7 +23,7 @@ pub struct Module {
     pub calls: &'static [Call],
 }
 
-/// The modules that are built in: natively all.
+/// The modules that are built in: natively all. `instruments` is no module of the page in a browser alone.
 pub const MODULES: &[Module] = &[
     #[cfg(feature = "files")]
     Module { name: "files", calls: files::CALLS },
@@ -31,6 +33,8 @@ pub const MODULES: &[Module] = &[
     Module { name: "reports", calls: reports::CALLS },
     #[cfg(feature = "exports")]
     Module { name: "exports", calls: exports::CALLS },
+    #[cfg(feature = "instruments")]
+    Module { name: "instruments", calls: instruments::CALLS },
 ];
 
 const NAME: OptionKind = OptionKind::Text("NAME");

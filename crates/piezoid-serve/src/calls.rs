@@ -6,6 +6,7 @@
 use crate::Server;
 use crate::body::{self, PATIENCE};
 use crate::failure::Failure;
+use crate::worker::STOPPING;
 use axum::body::{Body, Bytes};
 use axum::extract::{Request, State};
 use axum::http::{StatusCode, header};
@@ -46,12 +47,13 @@ impl Calls {
     }
 
     /// Starts a process. Its input stays open as long as it is wanted: it ends when the server ends, however that does.
+    /// It is in a group of its own, so that Ctrl-C in the terminal of the server does not end it in the middle.
     fn start(&self) -> std::io::Result<(Child, ChildStdin)> {
         let (program, arguments) = &self.worker;
         let mut command = Command::new(program);
         #[cfg(unix)]
-        command.arg0("piezoid");
-        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).kill_on_drop(true);
+        command.arg0("piezoid").process_group(0);
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut child = command.spawn()?;
         let input = child.stdin.take().ok_or_else(|| std::io::Error::other("it has no input"))?;
         Ok((child, input))
@@ -91,8 +93,11 @@ pub(crate) async fn call(State(server): State<Arc<Server>>, request: Request) ->
     tokio::spawn(async move {
         relay(&mut child, &pieces).await;
         // If it still runs, nobody waits for it.
-        drop(child.kill().await);
-        drop((input, core, place));
+        drop(input);
+        if timeout(2 * STOPPING, child.wait()).await.is_err() {
+            drop(child.kill().await);
+        }
+        drop((core, place));
     });
     let given = unfold(given, async |mut given| Some((given.recv().await?, given)));
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], Body::from_stream(given)).into_response())

@@ -4,10 +4,17 @@ use piezoid::progress::Stage;
 use serde_json::json;
 use std::io::{Error, Read, Write, stdin, stdout};
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 /// Progress is told so often at most, unless a new task begins or there are figures.
 const PAUSE: Duration = Duration::from_millis(50);
+
+/// Once nobody waits for the answer any more, the work is cancelled, and has so long to stop in an orderly way: an
+/// instrument must not be left running.
+pub(crate) const STOPPING: Duration = Duration::from_millis(400);
+
+static LEFT: AtomicBool = AtomicBool::new(false);
 
 /// Answers one request. On stdin are its length (8 bytes, little-endian) and the request; when stdin ends, nobody waits
 /// for the answer any more, and the process ends. On stdout are lines `{"what": ..., "done": ..., "total": ...,
@@ -25,10 +32,15 @@ pub fn answer() -> Result<(), Error> {
     }
     std::thread::spawn(|| {
         while stdin().read(&mut [0]).is_ok_and(|count| count > 0) {}
+        LEFT.store(true, Ordering::Relaxed);
+        std::thread::sleep(STOPPING);
         std::process::exit(1);
     });
     let mut told: Option<(String, Instant)> = None;
     let mut tell = |stage: Stage| {
+        if LEFT.load(Ordering::Relaxed) {
+            return ControlFlow::Break(());
+        }
         let soon = |(last, at): &(String, Instant)| last == stage.what && at.elapsed() < PAUSE;
         if stage.figures.is_empty() && told.as_ref().is_some_and(soon) {
             return ControlFlow::Continue(());
@@ -42,7 +54,7 @@ pub fn answer() -> Result<(), Error> {
     };
     let answer = piezoid_calls::answered(&request, &mut tell);
     let mut out = stdout().lock();
-    out.write_all(b"\n")?;
-    out.write_all(&answer)?;
-    out.flush()
+    let written = out.write_all(b"\n").and_then(|()| out.write_all(&answer)).and_then(|()| out.flush());
+    // Nobody to read it is no error.
+    if LEFT.load(Ordering::Relaxed) { Ok(()) } else { written }
 }

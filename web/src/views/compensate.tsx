@@ -72,15 +72,20 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
   const points = settings.points ?? MOVES.map((move) => centre + move * height);
   const duration = settings.duration ?? 0.5;
   const of = model.units?.y ?? "um";
-  const path = useLatest(JSON.stringify([settings.path, points, duration, settings.signal, model.ts]), () =>
-    pathOf(workspace, settings, { points, duration, ts: model.ts, of, height, centre }));
-  const made = useLatest(path.value && JSON.stringify([file, settings.path, points, duration, settings.signal, settings.options]), () =>
-    compensated(workspace, file, path.value!, settings.options ?? {}));
+  const wanted = JSON.stringify([settings.path, points, duration, settings.signal, model.ts]);
+  const path = useLatest(wanted, async () =>
+    ({ wanted, file: await pathOf(workspace, settings, { points, duration, ts: model.ts, of, height, centre }) }));
+  // Of the path that is there, which is the one before while another is made.
+  const given = path.value && JSON.stringify([file, path.value.wanted, settings.options]);
+  const made = useLatest(given, async () =>
+    ({ given, answer: await compensated(workspace, file, path.value!.file, settings.options ?? {}) }));
+  const answer = made.value?.answer;
+  const current = path.value?.wanted === wanted && made.value?.given === given;
   return (
     <>
-      <Path settings={settings} change={change} points={points} duration={duration} of={of} answer={made.value} lists={lists} />
+      <Path settings={settings} change={change} points={points} duration={duration} of={of} answer={answer} current={current} lists={lists} />
       <Fault text={path.error ?? made.error} />
-      {made.value && <Voltage answer={made.value} />}
+      {answer && <Voltage answer={answer} current={current} />}
       <Section title="Limits and shaping" help="The voltage keeps the driver's limits; a path with corners is smoothed, or filtered at the resonance.">
         <Form
           rows={optionsOf(lists, "compensate")}
@@ -90,7 +95,7 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
           first={["driver", "clip", "smooth", "zvd"]}
         />
       </Section>
-      {path.value && <Twin file={file} ts={model.ts} path={path.value} settings={settings} change={change} />}
+      {path.value && <Twin file={file} ts={model.ts} path={path.value.file} settings={settings} change={change} />}
     </>
   );
 }

@@ -9,6 +9,7 @@ import { short, si, unit } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
 import { SignalForm, useSignal } from "../signal.tsx";
 import { Chart, Download, Fault, Notes, Section, Stale, Table, TextFile, useKept, useSettings, useShared, Verdict } from "../ui.tsx";
+import { Instrument } from "./instrument.tsx";
 import { Twin } from "./twin.tsx";
 
 /** A drive of the plan. */
@@ -69,6 +70,7 @@ interface DrivesProps {
 }
 
 function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
+  const { lists } = useShared();
   const { result, series, files } = answer;
   const drives: Drive[] = result.drives;
   const shown = drives.find((drive) => drive.name === chosen) ?? drives[0];
@@ -108,6 +110,7 @@ function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
         </Section>
       )}
       <Twin drives={drives} files={files} />
+      {lists.calls.some((call) => call.name === "acquire") && <Instrument drives={drives} files={files} chosen={shown?.name ?? ""} />}
     </>
   );
 }

@@ -2,12 +2,8 @@
 
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
-import type { File } from "../packet.ts";
-import type { Options, Use } from "../project.ts";
 import { Fault, Notes, Section, useKept, useSettings, useShared } from "../ui.tsx";
-
-/** What the records of these drives are used for; of all others, training. */
-const USES: Record<string, Use> = { small: "small-signal", path: "validation" };
+import { type Drives, measured } from "./measured.ts";
 
 /** What became of the records. */
 interface Tried {
@@ -17,7 +13,7 @@ interface Tried {
   reached: string[];
 }
 
-export function Twin({ drives, files }: { drives: { name: string; file: string }[]; files: File[] }) {
+export function Twin({ drives, files }: Drives) {
   const { workspace, lists } = useShared();
   const [values, change] = useSettings("twin");
   const plant = String(values["plant"] ?? "pl140");
@@ -26,19 +22,14 @@ export function Twin({ drives, files }: { drives: { name: string; file: string }
     .filter((row) => row.name === "plant" || row.name === "seed")
     .map((row) => (row.name === "plant" ? { ...row, help: "The actuator that is simulated" } : row));
   const measure = async (): Promise<Tried> => {
-    const made: { file: File; use: Use }[] = [];
     const reached: string[] = [];
-    for (const { name, file } of drives) {
-      const drive = files.find((one) => one.name === file);
-      if (!drive) throw new Error(`the plan lacks its file ${file}`);
-      const record = await workspace.run({ name: `twin: ${name}`, request: asked(values, file), files: [drive] });
-      const [written] = record.files;
-      if (!written) throw new Error(`the twin gave no record of ${file}`);
-      made.push({ file: { name: `${plant}-${name}.csv`, bytes: written.bytes }, use: USES[name] ?? "training" });
-      if (record.result.reached) reached.push(`${name}: ${record.result.reached}`);
-    }
-    await workspace.addRecords(made, false);
-    return { plant, count: made.length, reached };
+    const count = await measured(workspace, { drives, files }, plant, async (name, file) => {
+      const request = { call: "simulate", options: values, files: { input: [file.name] } };
+      const answer = await workspace.run({ name: `twin: ${name}`, request, files: [file] });
+      if (answer.result.reached) reached.push(`${name}: ${answer.result.reached}`);
+      return answer;
+    });
+    return { plant, count, reached };
   };
   const { value } = tried;
   return (
@@ -57,5 +48,3 @@ export function Twin({ drives, files }: { drives: { name: string; file: string }
     </Section>
   );
 }
-
-const asked = (options: Options, file: string) => ({ call: "simulate", options, files: { input: [file] } });

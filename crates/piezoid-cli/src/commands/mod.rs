@@ -1,5 +1,6 @@
 //! One file per verb: arguments -> library call -> output.
 
+mod acquire;
 mod compare;
 mod compensate;
 mod control;
@@ -8,6 +9,7 @@ mod export;
 mod identified;
 mod identify;
 mod inspect;
+mod instrument;
 mod lists;
 mod plan;
 mod prepare;
@@ -37,6 +39,10 @@ pub(crate) enum Verb {
     Excite(excite::Excite),
     /// Run a plant or a model on a drive signal.
     Simulate(simulate::Simulate),
+    /// Play a drive on a controller with PI's GCS 2.0, and record what the actuator does.
+    Acquire(acquire::Acquire),
+    /// Simulate such a controller on this machine, around a plant.
+    Instrument(instrument::Instrument),
     /// Find a model that predicts measured records.
     Identify(Box<identify::Identify>),
     /// Validate a model on records that were not used to identify it.
@@ -84,6 +90,8 @@ impl Verb {
             Verb::Prepare(verb) => verb.run(console),
             Verb::Excite(verb) => verb.run(console),
             Verb::Simulate(verb) => verb.run(console),
+            Verb::Acquire(verb) => verb.run(console),
+            Verb::Instrument(verb) => verb.run(console),
             Verb::Identify(verb) => verb.run(console),
             Verb::Validate(verb) => verb.run(console),
             Verb::Compare(verb) => verb.run(console),

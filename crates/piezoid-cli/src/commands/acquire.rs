@@ -1,0 +1,89 @@
+//! `piezoid acquire`: a drive played and recorded by a controller.
+
+use crate::columns::Columns;
+use crate::console::Console;
+use crate::files;
+use crate::flags::{Flags, failed};
+use crate::layout::table;
+use crate::values::{apart, record};
+use anyhow::{Result, bail};
+use clap::Args;
+use piezoid::Error;
+use piezoid::number::{round, short};
+use piezoid_gcs::{AcquireOptions, Controller};
+use std::path::PathBuf;
+
+const EXAMPLES: &str = "\
+Examples:
+  What a controller is, and the limits that it tells; nothing moves:
+    piezoid acquire --host 192.168.0.10
+  A drive of `piezoid plan` or `piezoid excite`, played in open loop and recorded:
+    piezoid acquire sine20.csv --host 192.168.0.10 --range -20 120 -o record.csv
+  The same without hardware, with `piezoid instrument` in another terminal:
+    piezoid acquire sine20.csv -o record.csv
+
+The actuator moves. Ctrl-C stops the wave generator; the voltage then stays where it is.";
+
+#[derive(Args)]
+#[command(after_help = EXAMPLES)]
+#[command(override_usage = "piezoid acquire [<FILE> -o <FILE>] [--host <HOST>] [OPTIONS]")]
+pub(crate) struct Acquire {
+    /// The drive signal; without it the controller is only asked what it is.
+    #[arg(value_name = "FILE", requires = "output")]
+    drive: Option<PathBuf>,
+    /// The record to write: CSV, or .npz or .mat by the extension; - is stdout.
+    #[arg(short, long, value_name = "FILE", value_parser = record(), requires = "drive")]
+    output: Option<PathBuf>,
+    /// Write what the controller told as JSON; - is stdout.
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    options: Flags<AcquireOptions>,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+impl Acquire {
+    pub(crate) fn run(self, console: &Console) -> Result<()> {
+        let results = [self.output.as_deref(), self.json.as_deref()];
+        apart(&results, &self.drive.iter().collect::<Vec<_>>())?;
+        files::ready(&results)?;
+        let options = self.options.0;
+        let Some(drive) = &self.drive else {
+            let controller = options.connection.connect().map_err(failed)?;
+            if self.json.as_ref().is_none_or(|path| path.as_os_str() != "-") {
+                console.print(&summary(&controller, console))?;
+            }
+            return files::write_json(self.json.as_deref(), &controller.to_json(), console);
+        };
+        let Some(output) = &self.output else { bail!("name the file of the record by -o") };
+        let (drive, columns) = (files::read(drive)?, self.columns.read()?);
+        let outcome = options.run(&drive, &columns, &mut console.progress());
+        if let Err(Error::Cancelled { .. }) = &outcome {
+            console.remark("the wave generator is stopped, and the voltage stays where it is");
+        }
+        let made = console.done(outcome)?;
+        made.notes.iter().for_each(|note| console.remark(note));
+        files::write_record(output, |name| made.record.written(name), console)?;
+        files::write_json(self.json.as_deref(), &made.to_json(), console)
+    }
+}
+
+/// What a controller said of itself.
+fn summary(controller: &Controller, console: &Console) -> String {
+    let Controller { identity, cycle, table: points, recorder, axes, .. } = controller;
+    let count = |points: &Option<usize>| points.map_or("unknown".into(), |points| points.to_string());
+    let head = format!(
+        "{identity}\nservo cycle {} us, wave tables of {} points, recorder of {} points a table\n\n",
+        short(1e6 * cycle),
+        count(points),
+        count(recorder)
+    );
+    let rows = axes.iter().map(|axis| {
+        let range = axis.range.map_or("unknown".into(), |(low, high)| format!("{low} to {high} V"));
+        let voltage = axis.voltage.map_or("unknown".into(), |v| format!("{} V", round(v)));
+        let position = format!("{} {}", round(axis.position), axis.unit);
+        vec![axis.name.clone(), position, voltage, range, if axis.servo { "on" } else { "off" }.into()]
+    });
+    head + &table(&["axis", "position", "voltage", "limits", "servo"], &rows.collect::<Vec<_>>(), console.room())
+}

@@ -1,0 +1,36 @@
+//! Controllers with PI's General Command Set, GCS 2.0, over TCP: a client that plays a drive and returns the measured
+//! record, and a controller that is simulated around a plant.
+//!
+//! ```
+//! use piezoid::{File, formats::ColumnSelection, progress::Stage};
+//! use piezoid_gcs::{AcquireOptions, Simulation};
+//! use std::net::TcpListener;
+//!
+//! let listener = TcpListener::bind("127.0.0.1:0")?;
+//! let port = listener.local_addr()?.port();
+//! let mut controller = Simulation::default().controller()?;
+//! std::thread::spawn(move || controller.serve(&listener));
+//!
+//! let drive = File::new("drive.csv", "t_s,u_V\n0,0\n0.001,5\n0.002,10\n0.003,5\n0.004,0\n");
+//! let options = AcquireOptions { ramp: 0.0, settle: 0.0, ..AcquireOptions::at("127.0.0.1", port) };
+//! let acquired = options.run(&drive, &ColumnSelection::default(), &mut Stage::ignore)?;
+//! assert_eq!(acquired.record.u(), [0.0, 5.0, 10.0, 5.0, 0.0]);
+//! assert_eq!(acquired.record.units().y, "um");
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
+//! Reference: Physik Instrumente, GCS 2.0 commands manual PZ281E, GCS array data format SM146E, E-727 user manual
+//! E727T0005. It does not do: closed loop, several axes at once, serial ports and USB.
+
+mod acquire;
+mod codes;
+mod controller;
+mod line;
+mod recording;
+mod simulated;
+#[cfg(test)]
+mod tests;
+
+pub use acquire::{AcquireOptions, Acquired};
+pub use controller::{Axis, ConnectOptions, Controller};
+pub use simulated::{Simulated, Simulation};

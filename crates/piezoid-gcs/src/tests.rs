@@ -1,0 +1,201 @@
+//! The client against the simulated controller, over TCP.
+
+use crate::{AcquireOptions, Acquired, ConnectOptions, Simulation};
+use piezoid::formats::{ColumnSelection, Table};
+use piezoid::plant::Plant;
+use piezoid::progress::{Progress, Stage};
+use piezoid::{Error, File, System};
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::ops::ControlFlow;
+
+/// A simulated controller on a port of its own.
+fn simulated(simulation: &Simulation) -> u16 {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    let mut controller = simulation.controller().unwrap();
+    std::thread::spawn(move || controller.serve(&listener));
+    port
+}
+
+/// A server that answers every client with these bytes and no more.
+fn strange(answer: &'static [u8]) -> u16 {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = listener.local_addr().unwrap().port();
+    std::thread::spawn(move || {
+        for mut client in listener.incoming().flatten() {
+            client.write_all(answer).unwrap();
+            drop(client.read(&mut [0; 64]));
+        }
+    });
+    port
+}
+
+fn at(port: u16) -> AcquireOptions {
+    AcquireOptions { ramp: 0.1, settle: 0.0, ..AcquireOptions::at("127.0.0.1", port) }
+}
+
+fn drive(ts: f64, u: &[f64]) -> File {
+    File::new("drive.csv", Table::write("drive.csv", ts, &[("u_V", u)]).unwrap())
+}
+
+fn sine(n: usize) -> Vec<f64> {
+    (0..n).map(|t| 20.0 * (0.05 * t as f64).sin()).collect()
+}
+
+fn run(options: &AcquireOptions, drive: &File, progress: &mut Progress) -> Result<Acquired, Error> {
+    options.run(drive, &ColumnSelection::default(), progress)
+}
+
+fn refused(options: &AcquireOptions, drive: &File) -> String {
+    run(options, drive, &mut Stage::ignore).unwrap_err().to_string()
+}
+
+/// The answers of a controller to lines, as a terminal shows them.
+fn said(port: u16, lines: &str) -> String {
+    let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    stream.write_all(lines.as_bytes()).unwrap();
+    stream.shutdown(std::net::Shutdown::Write).unwrap();
+    let mut answer = String::new();
+    stream.read_to_string(&mut answer).unwrap();
+    answer
+}
+
+#[test]
+fn a_record_is_the_drive_and_what_the_plant_makes_of_it() {
+    let port = simulated(&Simulation { plant: "paper".into(), ..Simulation::default() });
+    let u = sine(400);
+    let acquired = run(&at(port), &drive(1e-3, &u), &mut Stage::ignore).unwrap();
+    let record = &acquired.record;
+    assert!(acquired.notes.is_empty(), "{:?}", acquired.notes);
+    assert_eq!((record.len(), record.ts(), &*record.units().u, &*record.units().y), (400, 1e-3, "V", "um"));
+    assert!(u.iter().zip(record.u()).all(|(asked, had)| (asked - had).abs() < 1e-5));
+    // The same drive on the plant alone, held for twenty servo cycles a sample. Its past differs by the check of the
+    // gain, which hysteresis remembers.
+    let plant = Plant::named("paper", 5e-5).unwrap();
+    let held: Vec<f64> = u.iter().flat_map(|u| [*u; 20]).collect();
+    let y = plant.resume(&mut plant.initial(), &held);
+    let stroke = 2e6 * y.iter().fold(0.0, |peak: f64, y| peak.max(y.abs()));
+    let error = record.y().iter().zip(y.iter().step_by(20)).map(|(had, y)| (had - 1e6 * y).abs()).fold(0.0, f64::max);
+    assert!(error < 0.02 * stroke, "{error} um of {stroke} um");
+}
+
+#[test]
+fn two_controllers_with_one_seed_give_the_same_record() {
+    let one = || run(&at(simulated(&Simulation::default())), &drive(5e-4, &sine(100)), &mut Stage::ignore).unwrap();
+    assert_eq!(one(), one());
+}
+
+#[test]
+fn a_controller_tells_its_axis_limits_and_tables() {
+    let port = simulated(&Simulation::default());
+    let connect = ConnectOptions { port, ..ConnectOptions::default() };
+    let controller = connect.connect().unwrap();
+    let axis = &controller.axes[0];
+    assert_eq!((controller.axes.len(), &*axis.name, &*axis.unit, axis.servo), (1, "1", "um", false));
+    assert_eq!((axis.range, controller.cycle), (Some((-30.0, 30.0)), 5e-5));
+    assert_eq!((controller.table, controller.recorder), (Some(262_144), Some(32_768)));
+}
+
+#[test]
+fn a_gain_that_is_not_that_of_the_controller_is_refused_before_the_drive() {
+    let port = simulated(&Simulation { gain: 2.5, ..Simulation::default() });
+    let told = refused(&at(port), &drive(1e-3, &sine(100)));
+    assert_eq!(told, "gain = 1: the controller gives 2.5000 V for an open-loop value of 1: give this gain");
+    assert!(said(port, "VOL?\n").starts_with("1=0.000000"), "the axis is back where it was");
+    let with = AcquireOptions { gain: 2.5, ..at(port) };
+    let record = run(&with, &drive(1e-3, &sine(100)), &mut Stage::ignore).unwrap().record;
+    assert!(sine(100).iter().zip(record.u()).all(|(asked, had)| (asked - had).abs() < 1e-5));
+}
+
+#[test]
+fn drives_that_a_controller_cannot_play_are_refused_with_what_to_do() {
+    let port = simulated(&Simulation::default());
+    for (options, ts, u, told) in [
+        (at(port), 1e-3, vec![0.0, 31.0], "the drive is 31.0000 V at 0.001000 s, outside -30 to 30 V: make it smaller"),
+        (AcquireOptions { range: Some((0.0, 5.0)), ..at(port) }, 1e-3, vec![0.0, -1.0], "outside 0 to 5 V"),
+        (at(port), 3.3e-4, vec![0.0, 1.0], "multiples of its servo cycle of 0.00005 s: make the drive with 0.00035 s"),
+        (at(port), 1e-3, vec![0.0; 40_000], "a table of the recorder of the controller holds 32768: make it 32.768 s"),
+        (
+            AcquireOptions { axis: Some("X".into()), ..at(port) },
+            1e-3,
+            vec![0.0, 1.0],
+            "no axis called `X`: known are 1",
+        ),
+    ] {
+        let error = refused(&options, &drive(ts, &u));
+        assert!(error.contains(told), "{error}");
+    }
+}
+
+#[test]
+fn a_measurement_that_is_cancelled_stops_the_generator() {
+    let port = simulated(&Simulation::default());
+    let mut stop =
+        |stage: Stage| if stage.what.contains("played") { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+    let error = run(&at(port), &drive(1e-3, &sine(20_000)), &mut stop).unwrap_err();
+    assert!(matches!(error, Error::Cancelled { .. }), "{error}");
+    assert_eq!(said(port, "\x09"), "0x0\n");
+}
+
+#[test]
+fn the_servo_is_opened_and_that_is_told() {
+    let port = simulated(&Simulation::default());
+    said(port, "SVO 1 1\nMOV 1 100\n");
+    let acquired = run(&at(port), &drive(1e-3, &sine(50)), &mut Stage::ignore).unwrap();
+    assert_eq!(acquired.notes, ["the servo of axis 1 was on; it is off now"]);
+    assert!(said(port, "SVO?\n").starts_with("1=0"));
+}
+
+#[test]
+fn the_servo_moves_to_its_target() {
+    let port = simulated(&Simulation { plant: "paper".into(), ..Simulation::default() });
+    let told = said(port, "SVO 1 1\nMOV 1 500\nPOS? 1\nONT?\nMOV 1 5000\nERR?\nSVA 1 3\nERR?\n");
+    let lines: Vec<&str> = told.lines().collect();
+    let position: f64 = lines[0].strip_prefix("1=").unwrap().parse().unwrap();
+    assert!((position - 500.0).abs() < 5.0, "{position}");
+    assert_eq!(lines[1..], ["1=1", "7", "79"]);
+}
+
+#[test]
+fn commands_that_are_wrong_have_the_errors_of_gcs() {
+    let port = simulated(&Simulation::default());
+    for (command, code) in [
+        ("FLY 1", 2),
+        ("FLY?", 2),
+        ("POS? 2", 15),
+        ("SVO 2 1", 15),
+        ("SVA 1 x", 25),
+        ("SVA 1 nan", 25),
+        ("SVA 1", 24),
+        ("SVA 1 99", 66),
+        ("MOV 1 0", 5),
+        ("SPA? 1 0x1", 54),
+        ("DRC 9 1 2", 57),
+        ("DRC 1 1 99", 58),
+        ("WGO 1 1", 75),
+        ("DRR? 1 5 1", 77),
+        ("DRR? 0 5 1", 17),
+        ("WAV 1 X PNT 1 2 5", 24),
+        ("WAV 1 Y PNT 1 1 5", 1),
+        ("WAV 1 X SIN_P 99999999 1 0 10 0 5", 67),
+        ("WTR 1 0 0", 17),
+        ("STP", 10),
+    ] {
+        assert_eq!(said(port, &format!("{command}\nERR?\nERR?\n")), format!("{code}\n0\n"), "{command}");
+    }
+}
+
+#[test]
+fn what_is_no_controller_is_told() {
+    let quick = |port| {
+        let connection = ConnectOptions { port, timeout: 0.3, ..ConnectOptions::default() };
+        connection.connect().unwrap_err().to_string()
+    };
+    let closed = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
+    assert!(quick(closed).contains("no controller answers at 127.0.0.1"), "{}", quick(closed));
+    assert!(quick(strange(b"HTTP/1.1 400 Bad Request\r\n")).contains("check that it speaks GCS 2.0"));
+    assert!(quick(strange(b"")).contains("does not answer"));
+    let nowhere = ConnectOptions { host: "no.such.host.invalid".into(), ..ConnectOptions::default() };
+    assert!(nowhere.connect().unwrap_err().to_string().contains("no controller answers at no.such.host.invalid:50000"));
+}

@@ -1,0 +1,83 @@
+// Drives measured on a controller in the network, which `piezoid serve` reaches and a browser alone does not.
+
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import type { Answer } from "../packet.ts";
+import { short, si, unit as unitOf } from "../plot/ticks.ts";
+import { Fault, Notes, Section, Table, useKept, useSettings, useShared } from "../ui.tsx";
+import { type Drives, measured } from "./measured.ts";
+
+interface Axis {
+  name: string;
+  unit: string;
+  servo: boolean;
+  position: number;
+  voltage: number | null;
+  range: [number, number] | null;
+}
+
+interface Props extends Drives {
+  /** The drive that is shown. */
+  chosen: string;
+}
+
+export function Instrument({ drives, files, chosen }: Props) {
+  const { workspace, lists } = useShared();
+  const [values, change] = useSettings("instrument");
+  const where = optionsOf(lists, "controller").filter(({ name }) => name in values);
+  const connection = { call: "controller", options: Object.fromEntries(where.map(({ name }) => [name, values[name]])) };
+  const asked = useKept<Answer>("controller", connection);
+  const made = useKept<{ count: number; notes: string[] }>("instrument", values);
+  const ask = async () => workspace.run({ name: "controller", request: connection, files: [] });
+  const measure = (wanted: string[]) => async () => {
+    const notes: string[] = [];
+    const some = drives.filter(({ name }) => wanted.includes(name));
+    const count = await measured(workspace, { drives: some, files }, "measured", async (drive, file) => {
+      const request = { call: "acquire", options: values, files: { drive: [file.name] } };
+      const answer = await workspace.run({ name: `measure: ${drive}`, request, files: [file] });
+      notes.push(...answer.result.notes.map((note: string) => `${drive}: ${note}`));
+      return answer;
+    });
+    return { count, notes };
+  };
+  const busy = asked.busy || made.busy;
+  return (
+    <Section title="Measure on a controller" wide
+      help="A controller with PI's GCS 2.0 plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the voltage then stays where it is.">
+      <Form rows={optionsOf(lists, "acquire")} values={values} change={change} first={["host", "port", "axis", "range"]} />
+      <div class="row">
+        <button type="button" disabled={busy} onClick={() => asked.start(ask)}>Ask the controller</button>
+        <button type="button" disabled={busy || !chosen} onClick={() => made.start(measure([chosen]))}>Measure {chosen}</button>
+        <button type="button" class="main" disabled={busy} onClick={() => made.start(measure(drives.map(({ name }) => name)))}>
+          Measure all drives
+        </button>
+      </div>
+      <Fault text={asked.error} />
+      {asked.value && !asked.stale && <Told answer={asked.value} />}
+      <Fault text={made.error} />
+      {made.value && (
+        <p role="status">
+          {made.value.count === 1 ? "1 record is" : `${made.value.count} records are`} in the project: <a href="#data">Data</a>
+        </p>
+      )}
+      {made.value && <Notes title="Notes" notes={made.value.notes} />}
+    </Section>
+  );
+}
+
+/** What a controller says of itself. */
+function Told({ answer: { result } }: { answer: Answer }) {
+  const rows = result.axes.map(({ name, unit, servo, position, voltage, range }: Axis) => [
+    name,
+    si(position, unitOf(unit)),
+    voltage === null ? "not told" : si(voltage, "V"),
+    range === null ? "not told" : `${short(range[0])} to ${short(range[1])} V`,
+    servo ? "on" : "off",
+  ]);
+  return (
+    <>
+      <p role="status">{result.identity}, servo cycle {si(result.cycle, "s")}</p>
+      <Table caption="Axes of the controller" head={["Axis", "Position", "Voltage", "Limits", "Servo"]} rows={rows} />
+    </>
+  );
+}

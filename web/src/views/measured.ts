@@ -1,0 +1,37 @@
+// Drives that are run one after the other, on a twin or on a controller; their records go to the project.
+
+import type { Answer, File } from "../packet.ts";
+import type { Use } from "../project.ts";
+import type { Workspace } from "../workspace.ts";
+
+/** Drives of a plan, and their files. */
+export interface Drives {
+  drives: { name: string; file: string }[];
+  files: File[];
+}
+
+/** What the records of these drives are used for; of all others, training. */
+const USES: Record<string, Use> = { small: "small-signal", path: "validation" };
+
+/** Runs every drive, and adds the records, in one step. The number of records. */
+export async function measured(
+  workspace: Workspace,
+  { drives, files }: Drives,
+  prefix: string,
+  run: (drive: string, file: File) => Promise<Answer>,
+): Promise<number> {
+  const made: { file: File; use: Use }[] = [];
+  try {
+    for (const { name, file } of drives) {
+      const drive = files.find((one) => one.name === file);
+      if (!drive) throw new Error(`the plan lacks its file ${file}`);
+      const [written] = (await run(name, drive)).files;
+      if (!written) throw new Error(`there is no record of ${file}`);
+      made.push({ file: { name: `${prefix}-${name}.csv`, bytes: written.bytes }, use: USES[name] ?? "training" });
+    }
+  } finally {
+    // What is measured is kept, even if a later drive fails or is cancelled.
+    if (made.length > 0) await workspace.addRecords(made, false);
+  }
+  return made.length;
+}
