@@ -70,6 +70,12 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
         {workspace.fault && (
           <div class="fault" role="alert">
             {workspace.fault}
+            {workspace.fault.includes("another version") && (
+              <>
+                <button type="button" onClick={() => location.reload()}>Read it again; drop the last change here</button>
+                <button type="button" onClick={() => void workspace.overwrite().catch((error) => workspace.failed(error))}>Keep what is here</button>
+              </>
+            )}
             <button type="button" onClick={() => { workspace.fault = ""; workspace.changed(); }}>Close</button>
           </div>
         )}
@@ -111,7 +117,7 @@ function Header({ workspace, served }: { workspace: Workspace; served: boolean }
           onChange={(event) => {
             const [file] = event.currentTarget.files ?? [];
             event.currentTarget.value = "";
-            if (file) start(async () => workspace.unpack(new Uint8Array(await file.arrayBuffer())));
+            if (file) start(() => taken([file], workspace, true));
           }}
         />
         <button
@@ -148,12 +154,13 @@ async function dropped(event: DragEvent, workspace: Workspace): Promise<void> {
 }
 
 /** Takes files into the project, by what they are. */
-export async function taken(files: File[], workspace: Workspace): Promise<void> {
+export async function taken(files: File[], workspace: Workspace, asProject = false): Promise<void> {
+  workspace.fault = "";
   const records: Parameters<Workspace["addRecords"]>[0] = [];
   for (const file of files) {
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      if (file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await workspace.unpack(bytes);
+      if (asProject || file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await workspace.unpack(bytes);
       else if (file.name.endsWith(".json")) await takeModel(file.name, bytes, workspace);
       else records.push({ file: { name: file.name, bytes }, use: "training" });
     } catch (error) {

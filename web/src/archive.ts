@@ -15,13 +15,21 @@ export function packedProject(project: Project, files: File[]): Uint8Array {
 
 /** The project and its files in such a file. */
 export function unpackedProject(bytes: Uint8Array): { project: Project; files: File[] } {
-  const all = unzipSync(bytes);
+  const all = unzipped(bytes);
   const text = all[PROJECT];
   if (!text) throw new Error(`this archive holds no ${PROJECT}: it is not a project of piezoid`);
   const project = read(strFromU8(text));
   const missing = filesOf(project).filter((name) => !all[name]);
   if (missing.length) throw new Error(`this project lacks its files ${missing.join(", ")}`);
   return { project, files: filesOf(project).map((name) => ({ name, bytes: all[name]! })) };
+}
+
+function unzipped(bytes: Uint8Array): Record<string, Uint8Array> {
+  try {
+    return unzipSync(bytes);
+  } catch {
+    throw new Error("this is no project of piezoid, or it is damaged: open a file that Save has written");
+  }
 }
 
 /** Several files in one. */

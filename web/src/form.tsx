@@ -37,7 +37,7 @@ export function Form({ rows, values, change, names = {}, first }: Props) {
         return (
           <details key={group}>
             <summary>{group}{given > 0 && ` (${given} given)`}</summary>
-            {members.map(field)}
+            <div class="form">{members.map(field)}</div>
           </details>
         );
       })}

@@ -28,6 +28,8 @@ export interface ModelEntry {
   verdict: string;
   /** What else was said of its identification. */
   notes: string[];
+  /** The records that it was identified from, as they were read and prepared; unknown of a model from elsewhere. */
+  from?: RecordEntry[];
 }
 
 /** Everything that is saved, besides the files themselves. */
@@ -67,6 +69,17 @@ export const withSettings = (project: Project, view: string, values: Options): P
   ...project,
   settings: { ...project.settings, [view]: values },
 });
+
+/** True if the model was identified from the record; of a model from elsewhere the use of the record tells. */
+export const isTraining = ({ from }: ModelEntry, { file, use }: RecordEntry): boolean =>
+  from ? from.some((one) => one.file === file) : use === "training" || use === "small-signal";
+
+/** The records that are read or prepared in another way since the model was identified from them. */
+export const changedSince = ({ from = [] }: ModelEntry, { records }: Project): string[] => {
+  const how = ({ columns, prepare }: RecordEntry) => JSON.stringify([columns, prepare]);
+  const now = (file: string) => records.find((one) => one.file === file);
+  return from.filter((one) => now(one.file) && how(now(one.file)!) !== how(one)).map(({ file }) => file);
+};
 
 /** The files that a project needs. */
 export const filesOf = (project: Project): string[] =>

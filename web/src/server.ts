@@ -50,7 +50,8 @@ export class Server {
 }
 
 function gone(signal?: AbortSignal | null): never {
-  throw signal?.aborted ? new Cancelled("cancelled") : new Error(GONE);
+  if (signal?.aborted) throw new Cancelled("cancelled");
+  throw Object.assign(new Error(GONE), { name: "Gone" });
 }
 
 /** The library in processes of this machine. A signal that is aborted ends the call there too. */

@@ -5,16 +5,21 @@ import { type Lists, type OptionRow, optionsOf } from "./lists.ts";
 import type { Answer } from "./packet.ts";
 import type { Options } from "./project.ts";
 import { type Outcome, useOutcome, useShared } from "./ui.tsx";
+import { spoken } from "./words.ts";
 
 const kindOf = (lists: Lists, values: Options) => lists.excitations.find((one) => one.name === (values["kind"] ?? "sine"));
+
+/** Options of a voltage as those of a displacement in a unit. */
+export const inUnit = (rows: OptionRow[], of: string): OptionRow[] =>
+  rows.map((row) =>
+    row.unit === "V" ? { ...row, unit: of, help: row.help.replaceAll("voltage", "displacement").replaceAll("Voltage", "Displacement") } : row);
 
 /** All options of a signal of the chosen kind; of a displacement in the unit `of`, those that it has. */
 function rowsOf(lists: Lists, values: Options, of?: string): OptionRow[] {
   const kind = kindOf(lists, values);
   const choices = lists.excitations.map(({ name, summary }): [string, string] => [name, summary]);
   const [first, ...common] = optionsOf(lists, "excite");
-  const own = (kind?.options ?? []).map((row) =>
-    of && row.unit === "V" ? { ...row, unit: of, help: row.help.replaceAll("voltage", "displacement").replaceAll("Voltage", "Displacement") } : row);
+  const own = of ? inUnit(kind?.options ?? [], of) : (kind?.options ?? []);
   const others = common.filter((row) => !of || row.name === "ts" || row.name === "duration");
   return [{ ...first!, kind: "choice", choices, help: kind?.summary ?? "" }, ...own, ...others];
 }
@@ -41,5 +46,5 @@ export function useSignal(values: Options | undefined): Outcome<Answer> & { lack
   const key = `excite ${JSON.stringify(values)}`;
   const made = useOutcome(values && needed.length === 0 ? key : undefined, () =>
     workspace.answer(key, () => ({ name: "signal", request: { call: "excite", options: values! }, files: [] })));
-  return { ...made, lacks: needed.map((row) => row.name) };
+  return { ...made, lacks: needed.map((row) => spoken(row.name)) };
 }

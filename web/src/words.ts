@@ -7,9 +7,9 @@ import { prose } from "./plot/ticks.ts";
 const LONG: Record<string, string> = {
   ts: "sampling period",
   fs: "sampling rate",
-  time_col: "time column",
-  input_col: "input column",
-  output_col: "output column",
+  time_col: "role time",
+  input_col: "role input",
+  output_col: "role output",
   from: "start",
   to: "end",
   low: "lowest voltage",

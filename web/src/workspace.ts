@@ -33,6 +33,9 @@ export interface Task {
 /** How long the project may differ from what is stored [ms]. */
 const DELAY = 200;
 
+/** Time until what could not be stored is tried again [ms]. */
+const AGAIN = 2000;
+
 /** Number of answers that are kept. */
 const KEPT = 24;
 
@@ -46,6 +49,8 @@ export class Workspace {
   #files = new Map<string, Uint8Array>();
   #answers = new Map<string, Promise<Answer>>();
   #listeners = new Set<() => void>();
+  /** The fault that told that the project could not be stored. */
+  #untold = "";
   #saving: ReturnType<typeof setTimeout> | undefined;
 
   constructor(library: Library, store: Store) {
@@ -110,9 +115,31 @@ export class Workspace {
     await this.store.write(PROJECT, new TextEncoder().encode(written(this.project)));
   }
 
-  #save(): void {
+  /** Stores the project in the place of another version of it, which another tab or program has written. */
+  async overwrite(): Promise<void> {
+    await this.store.read(PROJECT);
+    await this.flush();
+    this.fault = "";
+    this.changed();
+  }
+
+  #save(delay = DELAY): void {
     clearTimeout(this.#saving);
-    this.#saving = setTimeout(() => this.flush().catch((error) => this.failed(error)), DELAY);
+    this.#saving = setTimeout(() => this.flush().then(() => this.#stored(), (error) => this.#unstored(error)), delay);
+  }
+
+  /** What could not be stored before is stored now. */
+  #stored(): void {
+    if (this.fault !== this.#untold) return;
+    this.#untold = this.fault = "";
+    this.changed();
+  }
+
+  #unstored(error: Error): void {
+    this.failed(error);
+    this.#untold = this.fault;
+    // A server that is gone may come back.
+    if (error.name === "Gone") this.#save(AGAIN);
   }
 
   /** Shows a fault. */
@@ -134,9 +161,11 @@ export class Workspace {
     return { name, bytes: await this.bytes(name) };
   }
 
-  /** Keeps a content under its name, or under one like it that is free; the result is the name. */
-  async keep(file: File): Promise<string> {
+  /** Keeps a content under its name, or under one like it that is free; the result is the name. With `same`, a file that
+   * is there already with this name and content will do. */
+  async keep(file: File, same = false): Promise<string> {
     const stored = new Set(await this.store.names());
+    if (same && (this.#files.has(file.name) || stored.has(file.name)) && equal(await this.bytes(file.name), file.bytes)) return file.name;
     const name = free(file.name.replace(/[/\\]/g, "-"), (one) => this.#files.has(one) || stored.has(one));
     this.#files.set(name, file.bytes);
     await this.store.write(name, file.bytes);
@@ -148,7 +177,7 @@ export class Workspace {
     const entries: RecordEntry[] = [];
     for (const { file, use } of files) {
       try {
-        entries.push({ file: await this.keep(file), columns: {}, prepare: {}, use });
+        entries.push(await this.#usable({ file: await this.keep(file), columns: {}, prepare: {}, use }));
       } catch (error) {
         this.failed(new Error(`${file.name}: ${error instanceof Error ? error.message : String(error)}`));
       }
@@ -157,6 +186,18 @@ export class Workspace {
     if (!last) return;
     const looked = look ? { record: last.file } : {};
     this.change((project) => ({ ...project, records: [...project.records, ...entries], ...looked }));
+  }
+
+  /** Adds files that are in the store already. */
+  async addStored(names: string[]): Promise<void> {
+    const entries: RecordEntry[] = [];
+    for (const file of names) entries.push(await this.#usable({ file, columns: {}, prepare: {}, use: "training" }));
+    this.change((project) => ({ ...project, records: [...project.records, ...entries], record: names.at(-1)! }));
+  }
+
+  /** The entry; a file that cannot be read at all is not used. */
+  async #usable(entry: RecordEntry): Promise<RecordEntry> {
+    return this.inspected(entry).then(() => entry, () => ({ ...entry, use: "none" as const }));
   }
 
   /** Adds a model, which becomes the one that is used. */
@@ -176,13 +217,13 @@ export class Workspace {
   async unpack(bytes: Uint8Array): Promise<void> {
     const { project, files } = unpackedProject(bytes);
     const names = new Map<string, string>();
-    for (const file of files) names.set(file.name, await this.keep(file));
-    const named = <E extends { file: string }>(entry: E): E => ({ ...entry, file: names.get(entry.file)! });
+    for (const file of files) names.set(file.name, await this.keep(file, true));
+    const named = <E extends { file: string }>(entry: E): E => ({ ...entry, file: names.get(entry.file) ?? entry.file });
     const name = (old: string | undefined) => (old === undefined ? {} : names.get(old));
     this.change(() => ({
       ...project,
       records: project.records.map(named),
-      models: project.models.map(named),
+      models: project.models.map((entry) => ({ ...named(entry), ...(entry.from && { from: entry.from.map(named) }) })),
       ...(project.record && { record: name(project.record) as string }),
       ...(project.model && { model: name(project.model) as string }),
     }));
@@ -243,11 +284,11 @@ export class Workspace {
     }));
   }
 
-  /** The prepared record as a file named like its own: `log.mat` becomes `log.mat.csv`. */
+  /** The prepared record as CSV, under the name of its file. */
   async ready(entry: RecordEntry): Promise<File> {
     const [made] = (await this.prepared(entry)).files;
     if (!made) throw new Error(`${entry.file}: nothing was prepared`);
-    return { name: entry.file.endsWith(".csv") ? entry.file : `${entry.file}.csv`, bytes: made.bytes };
+    return { name: entry.file, bytes: made.bytes };
   }
 
   /** Changes what is said of a record. */
@@ -255,3 +296,5 @@ export class Workspace {
     this.change((project) => withRecord(project, entry), passing);
   }
 }
+
+const equal = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);

@@ -1,7 +1,7 @@
 // The page from `piezoid serve`: the same work, in native processes, with the project in a folder.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { copyFileSync, existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -36,6 +36,7 @@ async function printed(process, wanted) {
 
 /** Starts the server, and waits for the address that it prints. */
 function served(port = 0) {
+  running?.kill("SIGKILL");
   running = spawn(PIEZOID, ["serve", folder, "--port", String(port)], { stdio: ["ignore", "pipe", "inherit"] });
   return printed(running, /http:\/\/\S+/);
 }
@@ -81,6 +82,22 @@ test("a project lives in a folder, and outlasts a server that is killed", { skip
   await page.reload();
   await page.getByRole("link", { name: "Data", exact: true }).click();
   await page.getByRole("button", { name: "slow.csv", exact: true }).waitFor();
+  await context.close();
+});
+
+test("files of the folder become records where they are", { skip, timeout: 60_000 }, async () => {
+  const { page, faults, context } = await opened(browser, await served());
+  copyFileSync(measured("other.csv"), join(folder, "other.csv"));
+  await page.reload();
+  await page.getByText(/more file.* in the project folder/).waitFor();
+  const add = page.getByRole("button", { name: "Add other.csv" });
+  if (!(await add.isVisible())) await page.getByText(/more file.* in the project folder/).click();
+  await add.click();
+  await page.getByText(/4,000 samples/).waitFor();
+  await page.waitForTimeout(500);
+  assert.equal(readdirSync(folder).filter((name) => name.startsWith("other")).join(), "other.csv");
+  assert.match(readFileSync(join(folder, "project.json"), "utf8"), /"file": "other.csv"/);
+  assert.deepEqual(faults, []);
   await context.close();
 });
 

@@ -2,7 +2,7 @@
 
 use piezoid::progress::Stage;
 use serde_json::json;
-use std::io::{Error, Read, Write, stdin, stdout};
+use std::io::{Error, ErrorKind, Read, Write, stdin, stdout};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -55,6 +55,6 @@ pub fn answer() -> Result<(), Error> {
     let answer = piezoid_calls::answered(&request, &mut tell);
     let mut out = stdout().lock();
     let written = out.write_all(b"\n").and_then(|()| out.write_all(&answer)).and_then(|()| out.flush());
-    // Nobody to read it is no error.
-    if LEFT.load(Ordering::Relaxed) { Ok(()) } else { written }
+    // It is no error if nobody reads it any more.
+    written.or_else(|e| if e.kind() == ErrorKind::BrokenPipe { Ok(()) } else { Err(e) })
 }

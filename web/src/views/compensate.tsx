@@ -3,6 +3,7 @@
 import { useMemo } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { type Lists, optionsOf } from "../lists.ts";
+import { ModelChoice } from "../models.tsx";
 import type { Answer, File } from "../packet.ts";
 import { csv, drawn } from "../path.ts";
 import type { Figure, Series } from "../plot/figure.ts";
@@ -10,7 +11,8 @@ import { download } from "../plot/download.ts";
 import { prose, short, unit } from "../plot/ticks.ts";
 import { type Options, withSettings } from "../project.ts";
 import { runsFigure } from "../schemes.ts";
-import { Chart, Entry, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";
+import { inUnit } from "../signal.tsx";
+import { Chart, Entry, Fault, Missing, Notes, Section, Stale, Table, useKept, useLatest, useOutcome, useShared, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
 
 /** What this view remembers. */
@@ -72,9 +74,10 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
   const points = settings.points ?? MOVES.map((move) => centre + move * height);
   const duration = settings.duration ?? 0.5;
   const of = model.units?.y ?? "um";
+  const usual = { amplitude: height, offset: centre, frequency: 4 / duration };
   const wanted = JSON.stringify([settings.path, points, duration, settings.signal, model.ts]);
   const path = useLatest(wanted, async () =>
-    ({ wanted, file: await pathOf(workspace, settings, { points, duration, ts: model.ts, of, height, centre }) }));
+    ({ wanted, file: await pathOf(workspace, settings, { points, duration, ts: model.ts, of, usual }) }));
   // Of the path that is there, which is the one before while another is made.
   const given = path.value && JSON.stringify([file, path.value.wanted, settings.options]);
   const made = useLatest(given, async () =>
@@ -83,7 +86,7 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
   const current = path.value?.wanted === wanted && made.value?.given === given;
   return (
     <>
-      <Path settings={settings} change={change} points={points} duration={duration} of={of} answer={answer} current={current} lists={lists} />
+      <Path settings={settings} change={change} points={points} duration={duration} of={of} answer={answer} lists={lists} usual={usual} />
       <Fault text={path.error ?? made.error} />
       {answer && <Voltage answer={answer} current={current} />}
       <Section title="Limits and shaping" help="The voltage keeps the driver's limits; a path with corners is smoothed, or filtered at the resonance.">
@@ -95,7 +98,7 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
           first={["driver", "clip", "smooth", "zvd"]}
         />
       </Section>
-      {path.value && <Twin file={file} ts={model.ts} path={path.value.file} settings={settings} change={change} />}
+      {path.value && <Twin file={file} ts={model.ts} path={path.value.file} wanted={path.value.wanted} settings={settings} change={change} />}
     </>
   );
 }
@@ -113,12 +116,12 @@ const compensated = async (workspace: Workspace, file: string, path: File, optio
 async function pathOf(
   workspace: Workspace,
   { path = "drawn", signal = {} }: Settings,
-  { points, duration, ts, of, height, centre }: { points: number[]; duration: number; ts: number; of: string; height: number; centre: number },
+  { points, duration, ts, of, usual }: { points: number[]; duration: number; ts: number; of: string; usual: Record<string, number> },
 ): Promise<File> {
   if (path === "drawn") return csv("path.csv", of, ts, drawn(points, duration, ts));
   const record = workspace.project.records.find((one) => one.file === path);
   if (record) return { ...(await workspace.ready(record)), name: "path.csv" };
-  const options = { kind: path, ts, unit: of, duration, amplitude: height, offset: centre, frequency: 4 / duration, ...signal };
+  const options = { kind: path, ts, unit: of, duration, ...usual, ...signal };
   const answer = await workspace.run({ name: "path", request: { call: "excite", options }, files: [], quiet: true });
   return { name: "path.csv", bytes: answer.files[0]!.bytes };
 }
@@ -130,8 +133,8 @@ interface Changing {
 
 const KINDS = ["sine", "triangle", "staircase"];
 
-function Path({ settings, change, points, duration, of, answer, lists }: Changing & {
-  points: number[]; duration: number; of: string; answer: Answer | undefined; lists: Lists;
+function Path({ settings, change, points, duration, of, answer, lists, usual }: Changing & {
+  points: number[]; duration: number; of: string; answer: Answer | undefined; lists: Lists; usual: Record<string, number>;
 }) {
   const { workspace } = useShared();
   const { path = "drawn" } = settings;
@@ -155,6 +158,7 @@ function Path({ settings, change, points, duration, of, answer, lists }: Changin
   );
   return (
     <Section title="Path" wide help={path === "drawn" ? "Drag the points, or move them with the arrow keys." : ""}>
+      <ModelChoice />
       <div class="row">
         <label>
           Path{" "}
@@ -169,7 +173,7 @@ function Path({ settings, change, points, duration, of, answer, lists }: Changin
           change({ points: Array.from({ length: Math.max(2, Math.min(40, Math.round(value))) }, (_, k) => points[k] ?? 0) }))}
       </div>
       {isKind && kind && (
-        <Form rows={kind.options.map((row) => ({ ...row, required: false, ...(row.name === "amplitude" && { unit: of }), ...(row.name === "offset" && { unit: of }) }))}
+        <Form rows={inUnit(kind.options, of).map((row) => ({ ...row, required: false, ...(row.name in usual && { usual: String(usual[row.name]) }) }))}
           values={settings.signal ?? {}} change={(signal) => change({ signal })} />
       )}
       {figure && <Chart figure={figure} height={380} bare />}
@@ -198,7 +202,7 @@ function pathFigure(answer: Answer): Figure {
   };
 }
 
-function Voltage({ answer }: { answer: Answer }) {
+function Voltage({ answer, current }: { answer: Answer; current: boolean }) {
   const { result } = answer;
   const { usage } = result;
   const rows = Object.values(usage ?? {})
@@ -214,7 +218,7 @@ function Voltage({ answer }: { answer: Answer }) {
       <Notes title="Notes" notes={result.notes ?? []} />
       <div class="row">
         {answer.files.map((one) => (
-          <button key={one.name} type="button" class="main" onClick={() => download(one.name, one.bytes as BlobPart, "text/csv")}>
+          <button key={one.name} type="button" class="main" disabled={!current} onClick={() => download(one.name, one.bytes as BlobPart, "text/csv")}>
             Download {one.name}
           </button>
         ))}
@@ -226,22 +230,14 @@ function Voltage({ answer }: { answer: Answer }) {
 /** The schemes that are compared on the twin: before and after. */
 const SCHEMES = ["gain", "feed-forward"];
 
-function Twin({ file, ts, path, settings, change }: Changing & { file: string; ts: number; path: File }) {
+function Twin({ file, ts, path, wanted, settings, change }: Changing & { file: string; ts: number; path: File; wanted: string }) {
   const { workspace, lists } = useShared();
   const plant = settings.plant ?? "pl140";
-  const work = useWork<Answer>();
+  const options = { plant, controller: SCHEMES, ...pick(settings.options ?? {}) };
+  const work = useKept<Answer>("twin of compensate", [file, wanted, options]);
+  const request = { call: "control", options, files: { model: [file], reference: [path.name] } };
   const start = () =>
-    work.start(async () =>
-      workspace.run({
-        name: `path on the twin ${plant}`,
-        request: {
-          call: "control",
-          options: { plant, controller: SCHEMES, ...pick(settings.options ?? {}) },
-          files: { model: [file], reference: [path.name] },
-        },
-        files: [await workspace.file(file), path],
-      }),
-    );
+    work.start(async () => workspace.run({ name: `path on the twin ${plant}`, request, files: [await workspace.file(file), path] }));
   const figure = useMemo(() => work.value && runsFigure(work.value, 0, ts), [work.value]);
   const schemes: any[] = work.value?.result.schemes ?? [];
   return (
@@ -258,6 +254,8 @@ function Twin({ file, ts, path, settings, change }: Changing & { file: string; t
       </div>
       <p class="help">{prose(lists.plants.find((one) => one.name === plant)?.summary ?? "")}</p>
       <Fault text={work.error} />
+      <Stale stale={work.stale} />
+      {work.value && <Notes title="" notes={work.value.result.notes ?? []} />}
       {work.value && (
         <Table caption="Errors on the twin" head={["Scheme", "Error, rms", "Largest error", "Of the stroke"]}
           rows={schemes.map(({ scheme, tracking: [one] }) => [

@@ -3,6 +3,7 @@
 import { useMemo } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
+import { ModelChoice } from "../models.tsx";
 import type { Answer } from "../packet.ts";
 import { short } from "../plot/ticks.ts";
 import { ReferenceForm, useReference } from "../reference.tsx";
@@ -41,14 +42,15 @@ function Comparison({ model }: { model: string }) {
   const pairs = both.map(({ name, summary }) => ({ name: `feed-forward+${name}`, summary: `the inverse of the model, and: ${summary}` }));
   return (
     <>
-      <Section title="Comparison" help={`Schemes are tuned to the model ${model}, and drive a plant that is simulated.`} wide>
+      <Section title="Comparison" help="Schemes are tuned to the model, and drive a plant that is simulated." wide>
+        <ModelChoice />
         <Form rows={optionsOf(lists, "control")} values={options} change={change}
           names={{
             plant: lists.plants, driver: lists.drivers, controller: [...feeds, ...both, ...pairs],
             reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),
           }}
           first={["plant", "controller", "reference", "amplitude", "noise"]} />
-        <ReferenceForm reference={reference} label="One more reference" none="none" />
+        <ReferenceForm reference={reference} label="In place of the named references" none="no other" />
         <div class="row">
           <button type="button" class="main" disabled={made.busy || !document.value} onClick={() => made.start(compare)}>Compare</button>
         </div>

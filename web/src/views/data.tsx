@@ -8,7 +8,7 @@ import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
 import type { Figure } from "../plot/figure.ts";
 import { short, si, unit } from "../plot/ticks.ts";
-import type { RecordEntry, Use } from "../project.ts";
+import { filesOf, type RecordEntry, type Use } from "../project.ts";
 import { Chart, Fault, Notes, Section, Table, useOutcome, useShared } from "../ui.tsx";
 
 const USES: [Use, string][] = [
@@ -55,9 +55,32 @@ function Drop() {
           void taken(files, workspace);
         }}
       />
+      {!workspace.store.own && <Folder />}
     </div>
   );
 }
+
+/** Files of the project folder that are no records of the project yet. */
+function Folder() {
+  const { workspace } = useShared();
+  const { records } = workspace.project;
+  const found = useOutcome(JSON.stringify(records.map((one) => one.file)), () => workspace.store.names());
+  const known = new Set(filesOf(workspace.project));
+  const names = (found.value ?? []).filter((name) => !known.has(name) && !NO_RECORDS.test(name));
+  const add = (some: string[]) => workspace.addStored(some).catch((error) => workspace.failed(error));
+  return names.length === 0 ? null : (
+    <details open={records.length === 0 && names.length <= 12}>
+      <summary>{names.length} more {names.length === 1 ? "file" : "files"} in the project folder</summary>
+      <div class="row">
+        {names.map((name) => <button key={name} type="button" class="choice" onClick={() => void add([name])}>Add {name}</button>)}
+        {names.length > 1 && <button type="button" onClick={() => void add(names)}>Add all</button>}
+      </div>
+    </details>
+  );
+}
+
+/** Files with these endings are no records. */
+const NO_RECORDS = /^\.|\.(json|zip|html|md|toml|png|svg|pdf|py|m|c|h)$/i;
 
 function Records({ shown }: { shown: RecordEntry | undefined }) {
   const { workspace } = useShared();
@@ -80,13 +103,31 @@ function Records({ shown }: { shown: RecordEntry | undefined }) {
     >
       {USES.map(([use, title]) => <option key={use} value={use}>{title}</option>)}
     </select>,
+    <State entry={entry} />,
     <button type="button" aria-label={`Remove ${entry.file}`} onClick={() => remove(entry.file)}>Remove</button>,
   ]);
   return (
     <Section title="Records" wide>
-      <Table caption="Records and their use" head={["Record", "Use", ""]} rows={rows} marked={shown ? records.indexOf(shown) : -1} />
+      <Table caption="Records and their use" head={["Record", "Use", "State", ""]} rows={rows} marked={shown ? records.indexOf(shown) : -1} />
     </Section>
   );
+}
+
+/** The record without its cut. */
+function whole(entry: RecordEntry): RecordEntry {
+  const { from: _f, to: _t, ...columns } = entry.columns;
+  return { ...entry, columns };
+}
+
+/** Whether a record can be used. */
+function State({ entry }: { entry: RecordEntry }) {
+  const { workspace } = useShared();
+  const seen = useOutcome(JSON.stringify(whole(entry)), () => workspace.inspected(whole(entry)));
+  const count = seen.value?.result.problems.length ?? 0;
+  if (seen.error) return <span class="bad">cannot be read</span>;
+  if (!seen.value) return <>{"\u2026"}</>;
+  if (!seen.value.result.record) return <span class="bad">roles are open</span>;
+  return <>{count === 0 ? "read" : `read; ${count} ${count === 1 ? "problem" : "problems"}`}</>;
 }
 
 interface Channel {
@@ -103,9 +144,8 @@ const ROLES = { time: "time_col", input: "input_col", output: "output_col" } as 
 
 function RecordView({ entry }: { entry: RecordEntry }) {
   const { workspace, lists } = useShared();
-  const { from, to, ...columns } = entry.columns;
-  const whole = { ...entry, columns };
-  const seen = useOutcome(JSON.stringify(whole.columns), () => workspace.inspected(whole));
+  const { from, to } = entry.columns;
+  const seen = useOutcome(JSON.stringify(whole(entry)), () => workspace.inspected(whole(entry)));
   const changed = from !== undefined || to !== undefined || Object.keys(entry.prepare).length > 0;
   const made = useOutcome(changed && seen.value?.result.record ? JSON.stringify(entry) : undefined, () => workspace.prepared(entry));
   const result = seen.value?.result;

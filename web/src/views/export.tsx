@@ -2,6 +2,7 @@
 
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
+import { ModelChoice } from "../models.tsx";
 import type { Answer } from "../packet.ts";
 import { short } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
@@ -37,7 +38,8 @@ function Exports({ model }: { model: string }) {
   };
   return (
     <>
-      <Section title="Target" wide help={`What is made of the model ${model}${operator && `, whose operator is ${operator}`}.`}>
+      <Section title="Target" wide help={`What is made of the model${operator && `, whose operator is ${operator}`}.`}>
+        <ModelChoice />
         <div class="cards" role="group" aria-label="Target">
           {lists.targets.map(({ name, summary, operators }) => {
             const makes = operators[operator] ?? [];

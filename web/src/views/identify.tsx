@@ -6,6 +6,7 @@ import { optionsOf } from "../lists.ts";
 import { type Figure } from "../plot/figure.ts";
 import { download } from "../plot/download.ts";
 import { prose, short } from "../plot/ticks.ts";
+import { Outdated } from "../models.tsx";
 import { type ModelEntry, type RecordEntry, withSettings } from "../project.ts";
 import { Chart, Fault, Missing, Notes, Section, Table, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
@@ -56,7 +57,7 @@ export function IdentifyView() {
         />
         <div class="row">
           <button type="button" class="main" disabled={!ready || work.busy} onClick={start}>Identify</button>
-          {work.busy && <span role="status">Identifying. Cancel stands at the lower right.</span>}
+          {work.busy && <span role="status">Identifying. Cancel is at the lower right.</span>}
         </div>
         <Fault text={work.error} />
       </Section>
@@ -85,7 +86,7 @@ async function identify(workspace: Workspace, small: RecordEntry[], large: Recor
   const { model, told, notes, reasons } = answer.result;
   const operator = String(answer.result.found.operator);
   await workspace.addModel({ name: `${operator}.json`, bytes: file.bytes }, {
-    summary: model, verdict: told ?? "", notes: [...(notes ?? []), ...(reasons ?? [])],
+    summary: model, verdict: told ?? "", notes: [...(notes ?? []), ...(reasons ?? [])], from: [...small, ...large],
   });
 }
 
@@ -154,7 +155,7 @@ function Ranking({ trials }: { trials: Trial[] }) {
   return (
     <Table
       caption="Operators by their larger error"
-      head={["Operator", "Parameters", "Held-out error", "Free-run error", "Larger, logarithmic", ""]}
+      head={["Operator", "Parameters", "Held-out error", "Free-run error", "Larger of the two, on a logarithmic scale", ""]}
       rows={rows}
       marked={sorted.findIndex((trial) => trial.verdict === "taken")}
     />
@@ -203,6 +204,7 @@ function ModelView({ entry }: { entry: ModelEntry }) {
         <Fault text={read.error} />
         <p>{prose(entry.summary)}</p>
         <Verdict text={entry.verdict} />
+        <Outdated entry={entry} />
         <div class="row">
           <button type="button" onClick={() => void save()}>Download the model</button>
           <a href="#validate">Validate it</a>

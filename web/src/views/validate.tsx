@@ -7,7 +7,8 @@ import type { Answer } from "../packet.ts";
 import type { Figure, Series } from "../plot/figure.ts";
 import { download } from "../plot/download.ts";
 import { short } from "../plot/ticks.ts";
-import { type ModelEntry, type Options, type RecordEntry, withSettings } from "../project.ts";
+import { isTraining, type ModelEntry, type Options, type RecordEntry, withSettings } from "../project.ts";
+import { Outdated } from "../models.tsx";
 import { Chart, Fault, Missing, Notes, Section, Table, useOutcome, useShared, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
 
@@ -45,8 +46,11 @@ function Validation() {
   const set = (values: Options) =>
     workspace.change((project) => withSettings(project, "validate", { ...project.settings["validate"], ...values }));
   const usedModels = models.filter((one) => (chosenModels as string[] | undefined)?.includes(one.file) ?? one.file === (model ?? models.at(-1)!.file));
-  const unseen = records.filter((one) => one.use === "validation");
-  const usual = unseen.length > 0 ? unseen : records;
+  const training = (record: RecordEntry) => usedModels.some((one) => isTraining(one, record));
+  const used = records.filter((one) => one.use !== "none");
+  const unseen = used.filter((one) => !training(one));
+  const meant = unseen.filter((one) => one.use === "validation");
+  const usual = [meant, unseen, used, records].find((some) => some.length > 0)!;
   const usedRecords = (chosenRecords as string[] | undefined) ? records.filter((one) => (chosenRecords as string[]).includes(one.file)) : usual;
   const key = JSON.stringify([usedModels.map((one) => one.file), usedRecords, options]);
   const ready = usedModels.length > 0 && usedRecords.length > 0;
@@ -83,7 +87,7 @@ function Validation() {
             <label key={one.file}>
               <input type="checkbox" checked={usedRecords.includes(one)}
                 onChange={(event) => set({ records: toggled(records, usedRecords, one.file, event.currentTarget.checked) })} />{" "}
-              {one.file}{one.use === "training" || one.use === "small-signal" ? " (identified from)" : ""}
+              {one.file}{training(one) ? " (identified from)" : ""}
             </label>
           ))}
         </div>
@@ -130,6 +134,8 @@ function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry
         {runs.map(({ entry, answer }) => (
           <div key={entry.file}>
             <Verdict of={nameOf(entry)} text={answer.result.told} />
+            <Outdated entry={entry} />
+            <Seen entry={entry} records={records} />
           </div>
         ))}
         <div class="row">
@@ -172,6 +178,16 @@ function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry
         </Section>
       )}
     </>
+  );
+}
+
+/** Says which of the records say nothing new of a model. */
+function Seen({ entry, records }: { entry: ModelEntry; records: RecordEntry[] }) {
+  const files = records.filter((record) => isTraining(entry, record)).map(({ file }) => file);
+  return files.length === 0 ? null : (
+    <p class="stale" role="status">
+      {nameOf(entry)} was identified from {files.join(", ")}: this is no validation{files.length < records.length ? " on these" : ""}.
+    </p>
   );
 }
 
@@ -228,13 +244,15 @@ interface Bin {
 
 /** Errors of all records by frequency or amplitude, and the noise floor. */
 function binsFigure(runs: Run[], by: "by_frequency" | "by_amplitude", x: Figure["x"]): Figure | undefined {
-  const all = runs.map((run, i): Series => {
-    const bins: Bin[] = run.answer.result.total[by] ?? [];
-    return {
-      name: nameOf(run.entry), x: Float64Array.from(bins, (bin) => bin.at), y: Float64Array.from(bins, (bin) => bin.rms_pp_percent),
-      style: "marks", colour: 1 + i,
-    };
-  });
+  const all = runs.flatMap((run, i) =>
+    run.answer.result.files.map((file: Record<typeof by, Bin[] | undefined>, j: number): Series => {
+      const bins = file[by] ?? [];
+      return {
+        // One entry of the legend for all records.
+        name: j === 0 ? nameOf(run.entry) : "", x: Float64Array.from(bins, (bin) => bin.at),
+        y: Float64Array.from(bins, (bin) => bin.rms_pp_percent), style: "marks", colour: 1 + i,
+      };
+    }));
   if (all.every((one) => one.y.length === 0)) return undefined;
   const floor = runs[0]!.answer.result.total.floor?.rms_pp_percent;
   return {

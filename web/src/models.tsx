@@ -1,0 +1,33 @@
+// The model that is used: its choice, and whether its records have changed.
+
+import { changedSince, type ModelEntry } from "./project.ts";
+import { useShared } from "./ui.tsx";
+
+/** The choice of the model that is used, where there are several. */
+export function ModelChoice() {
+  const { workspace } = useShared();
+  const { models, model } = workspace.project;
+  const entry = models.find((one) => one.file === model) ?? models.at(-1);
+  return (
+    <>
+      <div class="row">
+        <label>
+          Model{" "}
+          <select value={entry?.file} onChange={(event) => workspace.change((project) => ({ ...project, model: event.currentTarget.value }))}>
+            {models.map(({ file }) => <option key={file} value={file}>{file}</option>)}
+          </select>
+        </label>
+      </div>
+      {entry && <Outdated entry={entry} />}
+    </>
+  );
+}
+
+/** Says that the records of a model are read in another way since it was identified. */
+export function Outdated({ entry }: { entry: ModelEntry }) {
+  const { project } = useShared().workspace;
+  const files = changedSince(entry, project);
+  return files.length > 0
+    ? <p class="stale" role="status">{files.join(", ")} {files.length > 1 ? "are" : "is"} read or prepared in another way since {entry.file} was identified: identify again.</p>
+    : null;
+}
