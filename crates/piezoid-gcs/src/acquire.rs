@@ -234,6 +234,9 @@ impl Run<'_, '_> {
     fn check_gain(&mut self, u: &[f64], start: f64, notes: &mut Vec<String>) -> Result<(), Error> {
         let farther = |far: f64, u: f64| if (u - start).abs() > (far - start).abs() { u } else { far };
         let step = PROBE * (u.iter().copied().fold(start, farther) - start);
+        if step == 0.0 {
+            return Ok(());
+        }
         let query = format!("VOL? {}", self.channel);
         let before = self.controller.value(&query)?;
         self.ramp(start, start + step, PROBE_TIME)?;

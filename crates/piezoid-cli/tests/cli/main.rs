@@ -14,6 +14,7 @@ mod exports;
 mod files;
 mod fmu;
 mod inspect;
+mod instrument;
 mod joint;
 mod lists;
 mod measured;

@@ -1,8 +1,8 @@
 //! A controller that is simulated around a plant, for programs that are tried without hardware.
 //!
-//! It has one axis, `1`, one client at a time, and speaks on the loopback interface alone. Its time is not that of the
-//! clock: a command to move takes [`MOVE`](axis::MOVE), and a wave takes as long as it is, so that the same commands give
-//! the same numbers. The generator says that it runs for as long as a real one would.
+//! It has one axis, `1`, and serves one client after the other. Its time is not that of the clock: a command to move
+//! takes [`MOVE`](axis::MOVE), and a wave takes as long as it is. So the same commands give the same numbers. The
+//! generator says that it runs for as long as a real one would.
 
 mod axis;
 mod commands;
