@@ -167,7 +167,7 @@ export function Fault({ text }: { text: string | undefined }) {
 
 /** What the records prove of a model, or a model of a voltage. */
 export const Verdict = ({ text, of }: { text: string | undefined | null; of?: string }) =>
-  text ? <p class={text.startsWith("good to") ? "verdict" : "verdict poor"}>{of && <b>{of}: </b>}{prose(text)}</p> : null;
+  text ? <p class={/^(the model is )?good to/.test(text) ? "verdict" : "verdict poor"}>{of && <b>{of}: </b>}{prose(text)}</p> : null;
 
 /** Remarks. */
 export function Notes({ title, notes }: { title: string; notes: string[] }) {

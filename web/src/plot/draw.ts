@@ -49,7 +49,7 @@ export interface Frame {
 }
 
 const FONT = 12;
-const LEFT = 64;
+const LEFT = 70;
 const RIGHT = 12;
 const BOTTOM = 40;
 const TOP = 8;
