@@ -96,6 +96,7 @@ function Records({ shown }: { shown: RecordEntry | undefined }) {
     >
       {entry.file}
     </button>,
+    <State entry={entry} />,
     <select
       aria-label={`Use of ${entry.file}`}
       value={entry.use}
@@ -103,12 +104,11 @@ function Records({ shown }: { shown: RecordEntry | undefined }) {
     >
       {USES.map(([use, title]) => <option key={use} value={use}>{title}</option>)}
     </select>,
-    <State entry={entry} />,
     <button type="button" aria-label={`Remove ${entry.file}`} onClick={() => remove(entry.file)}>Remove</button>,
   ]);
   return (
     <Section title="Records" wide>
-      <Table caption="Records and their use" head={["Record", "Use", "State", ""]} rows={rows} marked={shown ? records.indexOf(shown) : -1} />
+      <Table caption="Records and their use" head={["Record", "State", "Use", ""]} rows={rows} marked={shown ? records.indexOf(shown) : -1} />
     </Section>
   );
 }
