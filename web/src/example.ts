@@ -18,6 +18,6 @@ export async function example(workspace: Workspace): Promise<void> {
     const drive = (await workspace.run({ ...ask, request: excite, files: [] })).files[0]!;
     const simulate = { call: "simulate", options: { plant: "pl140" }, files: { input: [drive.name] } };
     const record = (await workspace.run({ ...ask, request: simulate, files: [drive] })).files[0]!;
-    await workspace.addRecords([{ file: { name, bytes: record.bytes }, use }], k === 0);
+    await workspace.addRecords([{ file: { name, bytes: record.bytes }, use }], { look: k === 0 });
   }
 }

@@ -173,7 +173,7 @@ export class Workspace {
   }
 
   /** Adds records in one step; with `look`, the last becomes the one that is looked at. What cannot be kept is told. */
-  async addRecords(files: { file: File; use: RecordEntry["use"] }[], look = true): Promise<void> {
+  async addRecords(files: { file: File; use: RecordEntry["use"] }[], { look = false, passing = false } = {}): Promise<void> {
     const entries: RecordEntry[] = [];
     for (const { file, use } of files) {
       try {
@@ -185,7 +185,7 @@ export class Workspace {
     const last = entries.at(-1);
     if (!last) return;
     const looked = look ? { record: last.file } : {};
-    this.change((project) => ({ ...project, records: [...project.records, ...entries], ...looked }));
+    this.change((project) => ({ ...project, records: [...project.records, ...entries], ...looked }), passing);
   }
 
   /** Adds files that are in the store already. */

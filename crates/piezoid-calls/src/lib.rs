@@ -26,7 +26,7 @@ mod verbs;
 
 #[cfg(feature = "lists")]
 pub use lists::lists;
-pub use packet::{answered, refused};
+pub use packet::{answered, moves, refused};
 pub use request::Request;
 pub use verbs::{MODULES, Module};
 

@@ -44,6 +44,11 @@ pub fn answered(request: &[u8], progress: &mut Progress) -> Vec<u8> {
     }
 }
 
+/// True if the request moves an instrument, which must be stopped in an orderly way.
+pub fn moves(request: &[u8]) -> bool {
+    unpacked(request).is_ok_and(|(request, _)| request.call == "acquire")
+}
+
 /// An error as a packed answer.
 pub fn refused(error: &str) -> Vec<u8> {
     head(&json!({"error": error}))

@@ -6,6 +6,9 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use std::time::Duration;
 
+/// More axes are not asked.
+const MOST_AXES: usize = 64;
+
 /// Parameters of a controller, by the numbers of PI's manuals.
 const SERVO_UPDATE_TIME: u32 = 0x0E00_0200;
 const RECORDER_POINTS: u32 = 0x1600_0200;
@@ -20,7 +23,7 @@ options! {
         /// TCP port of the controller.
         port: u16 = 50000, OptionRow::new(OptionKind::Integer(1, 65535));
         /// Time to wait for an answer.
-        timeout: f64 = 5.0, OptionRow::positive("s");
+        timeout: f64 = 5.0, OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: true, below: 3600.0 }) };
     }
 }
 
@@ -39,16 +42,11 @@ impl ConnectOptions {
         let identity = line.query("*IDN?")?.concat();
         let names: Vec<String> =
             line.query("SAI?")?.iter().flat_map(|l| l.split_whitespace()).map(String::from).collect();
-        let mut controller = Controller { line, identity, cycle: 0.0, table: None, recorder: None, axes: Vec::new() };
-        controller.cycle = controller.parameter(SERVO_UPDATE_TIME)?.filter(|cycle| *cycle > 0.0).ok_or_else(|| {
-            Error::Content(
-                "the controller does not tell its servo update time (parameter 0x0E000200): it has no known rate"
-                    .into(),
-            )
-        })?;
+        let mut controller = Controller { line, identity, cycle: None, table: None, recorder: None, axes: Vec::new() };
+        controller.cycle = controller.parameter(SERVO_UPDATE_TIME)?.filter(|cycle| *cycle > 0.0);
         controller.table = controller.value("WMS? 1")?.map(|points| points as usize);
         controller.recorder = controller.capacity()?;
-        for (k, name) in names.into_iter().enumerate() {
+        for (k, name) in names.into_iter().enumerate().take(MOST_AXES) {
             let axis = controller.axis(name, k + 1)?;
             controller.axes.push(axis);
         }
@@ -62,8 +60,8 @@ pub struct Controller {
     pub(crate) line: Line,
     /// What it answers to `*IDN?`.
     pub identity: String,
-    /// Servo update time, the period of its wave generators and recorder [s].
-    pub cycle: f64,
+    /// Servo update time, the period of its wave generators and recorder, if it tells it [s].
+    pub cycle: Option<f64>,
     /// Points of a wave table, if it tells them.
     pub table: Option<usize>,
     /// Points of a table of the recorder, if it tells them.
@@ -72,7 +70,7 @@ pub struct Controller {
     pub axes: Vec<Axis>,
 }
 
-/// An axis of a controller, as it was found.
+/// An axis of a controller, as it was found. What the controller does not tell of it is `None`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// Its name.
@@ -80,11 +78,9 @@ pub struct Axis {
     /// Unit of its position.
     pub unit: String,
     /// True in closed loop.
-    pub servo: bool,
-    /// Its open-loop value.
-    pub value: f64,
+    pub servo: Option<bool>,
     /// Its position.
-    pub position: f64,
+    pub position: Option<f64>,
     /// Voltage of the output channel with the number of the axis, if it is told [V].
     pub voltage: Option<f64>,
     /// Lowest and highest voltage of that channel, if they are told [V].
@@ -104,13 +100,20 @@ impl Controller {
     pub(crate) fn value(&mut self, query: &str) -> Result<Option<f64>, Error> {
         let Some(lines) = self.line.asked(query)? else { return Ok(None) };
         let text = lines[0].rsplit('=').next().unwrap_or_default().trim().to_string();
-        text.parse().map(Some).map_err(|_| self.line.strange(&lines[0], "a number"))
+        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+        number.map(Some).ok_or_else(|| self.line.strange(&lines[0], "a number"))
     }
 
     /// The number that answers a query that every controller knows.
     pub(crate) fn needed(&mut self, query: &str) -> Result<f64, Error> {
         let refused = || Error::Content(format!("the controller does not answer `{query}`, which is needed"));
         self.value(query)?.ok_or_else(refused)
+    }
+
+    /// True while the wave generator of this number runs.
+    pub(crate) fn runs(&mut self, generator: usize) -> Result<bool, Error> {
+        let all = self.line.number(b"\x09", 16)?;
+        Ok(all.checked_shr(generator as u32 - 1).is_some_and(|one| one & 1 == 1))
     }
 
     fn parameter(&mut self, number: u32) -> Result<Option<f64>, Error> {
@@ -132,9 +135,8 @@ impl Controller {
         let lowest = self.value(&format!("VMI? {channel}"))?;
         Ok(Axis {
             unit: if unit.is_empty() { "um".into() } else { unit.replace('\u{b5}', "u") },
-            servo: self.needed(&format!("SVO? {name}"))? != 0.0,
-            value: self.needed(&format!("SVA? {name}"))?,
-            position: self.needed(&format!("POS? {name}"))?,
+            servo: self.value(&format!("SVO? {name}"))?.map(|servo| servo != 0.0),
+            position: self.value(&format!("POS? {name}"))?,
             voltage: self.value(&format!("VOL? {channel}"))?,
             range: lowest.zip(self.value(&format!("VMA? {channel}"))?),
             name,

@@ -27,6 +27,7 @@ mod codes;
 mod controller;
 mod line;
 mod recording;
+mod run;
 mod simulated;
 #[cfg(test)]
 mod tests;

@@ -9,8 +9,11 @@ use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-/// An answer has at most so many bytes.
-const LONGEST: u64 = 1 << 28;
+/// An answer has at most so many bytes, unless it has tables.
+const LONGEST: u64 = 1 << 16;
+
+/// The error of an unknown command.
+const UNKNOWN: i32 = 2;
 
 /// A connection to a controller.
 #[derive(Debug)]
@@ -49,50 +52,74 @@ impl Line {
 
     /// Gives a command. It is an error if the controller refuses it.
     pub(crate) fn command(&mut self, command: &str) -> Result<(), Error> {
-        self.send(format!("{command}\nERR?\n").as_bytes())?;
-        let code = self.code()?;
-        if code == 0 {
-            return Ok(());
+        match self.given(command)? {
+            0 => Ok(()),
+            code => Err(self.refused(command, code)),
         }
+    }
+
+    /// Gives a command that not every controller knows.
+    pub(crate) fn command_if_known(&mut self, command: &str) -> Result<(), Error> {
+        match self.given(command)? {
+            0 | UNKNOWN => Ok(()),
+            code => Err(self.refused(command, code)),
+        }
+    }
+
+    /// Gives a command; its error, or 0.
+    fn given(&mut self, command: &str) -> Result<i32, Error> {
+        self.send(format!("{command}\nERR?\n").as_bytes())?;
+        let text = self.lines(LONGEST)?.concat();
+        self.code(&text)
+    }
+
+    fn refused(&self, command: &str, code: i32) -> Error {
         let short: String = command.chars().take(60).collect();
         let (address, meaning) = (&self.address, meaning(code));
-        Err(Error::Content(format!("the controller at {address} refuses `{short}`: error {code}, {meaning}")))
+        Error::Content(format!("the controller at {address} refuses `{short}`: error {code}, {meaning}"))
     }
 
     /// The lines of the answer to a query that the controller knows.
     pub(crate) fn query(&mut self, query: &str) -> Result<Vec<String>, Error> {
+        self.query_long(query, LONGEST)
+    }
+
+    /// The same for an answer of at most so many bytes.
+    pub(crate) fn query_long(&mut self, query: &str, longest: u64) -> Result<Vec<String>, Error> {
         self.send(format!("{query}\n").as_bytes())?;
-        self.lines()
+        self.lines(longest)
     }
 
     /// The lines of the answer to a query whose answer has an equals sign; `None` if the controller refuses it.
     pub(crate) fn asked(&mut self, query: &str) -> Result<Option<Vec<String>>, Error> {
         self.send(format!("{query}\nERR?\n").as_bytes())?;
-        let lines = self.lines()?;
-        if lines.iter().all(|line| !line.contains('=')) {
-            return Ok(None);
+        let lines = self.lines(LONGEST)?;
+        if lines.iter().any(|line| line.contains('=')) {
+            self.lines(LONGEST)?;
+            return Ok(Some(lines));
         }
-        self.code()?;
-        Ok(Some(lines))
+        // Without an answer, this is the number of the error.
+        match self.code(&lines.concat())? {
+            0 => Err(self.strange("", &format!("an answer to `{query}`"))),
+            _ => Ok(None),
+        }
     }
 
     /// The number that is the whole answer to a query or to a byte, in this base.
     pub(crate) fn number(&mut self, query: &[u8], base: u32) -> Result<u64, Error> {
         self.send(query)?;
-        let lines = self.lines()?;
-        let text = lines.concat();
+        let text = self.lines(LONGEST)?.concat();
         let digits = text.trim().trim_start_matches("0x");
         u64::from_str_radix(digits, base).map_err(|_| self.strange(&text, "a whole number"))
     }
 
-    fn code(&mut self) -> Result<i32, Error> {
-        let text = self.lines()?.concat();
-        text.trim().parse().map_err(|_| self.strange(&text, "the number of an error"))
+    fn code(&self, text: &str) -> Result<i32, Error> {
+        text.trim().parse().map_err(|_| self.strange(text, "the number of an error"))
     }
 
-    fn lines(&mut self) -> Result<Vec<String>, Error> {
+    fn lines(&mut self, longest: u64) -> Result<Vec<String>, Error> {
         let mut lines = Vec::new();
-        let mut left = LONGEST;
+        let mut left = longest;
         loop {
             let mut line = Vec::new();
             match self.input.by_ref().take(left).read_until(b'\n', &mut line) {

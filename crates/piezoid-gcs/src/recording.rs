@@ -17,7 +17,8 @@ impl Sources {
     /// The options of this controller.
     pub(crate) fn of(line: &mut Line) -> Result<Self, Error> {
         let rows: Vec<(u32, String)> = line
-            .query("HDR?")?
+            .asked("HDR?")?
+            .ok_or_else(|| Error::Content("the controller has no recorder that lists what it records (`HDR?`)".into()))?
             .iter()
             .skip_while(|line| !line.starts_with("#RecordOptions"))
             .skip(1)
@@ -42,9 +43,17 @@ impl Sources {
     }
 }
 
-/// The first `count` points of the tables 1 and 2 as a record in volts and `unit`.
-pub(crate) fn read(controller: &mut Controller, count: usize, unit: &str) -> Result<Record, Error> {
-    let lines = controller.line.query(&format!("DRR? 1 {count} 1 2"))?;
+/// Bytes of a row of two tables, and of the head, at most.
+const ROW: u64 = 64;
+const HEAD: u64 = 1 << 14;
+
+/// The lines of the first `count` points of the tables 1 and 2.
+pub(crate) fn points(controller: &mut Controller, count: usize) -> Result<Vec<String>, Error> {
+    controller.line.query_long(&format!("DRR? 1 {count} 1 2"), HEAD + ROW * count as u64)
+}
+
+/// These lines as a record of `count` samples in volts and `unit`.
+pub(crate) fn record(lines: Vec<String>, count: usize, unit: &str, identity: &str) -> Result<Record, Error> {
     let columns = ColumnSelection {
         input_col: Some("1".into()),
         output_col: Some("2".into()),
@@ -53,6 +62,10 @@ pub(crate) fn read(controller: &mut Controller, count: usize, unit: &str) -> Res
         ..ColumnSelection::default()
     };
     let read = File::new("the answer of the recorder", lines.join("\n")).record(&columns)?;
+    if read.len() != count {
+        let have = read.len();
+        return Err(Error::Content(format!("the recorder answers {have} samples, not the {count} of the drive")));
+    }
     let record = Record::new(read.ts(), read.u().into(), read.y().into())?.with_units(read.units().clone());
-    Ok(record.with_step(format!("measured by the controller {}", controller.identity)))
+    Ok(record.with_step(format!("measured by the controller {identity}")))
 }

@@ -92,8 +92,8 @@ fn a_controller_tells_its_axis_limits_and_tables() {
     let connect = ConnectOptions { port, ..ConnectOptions::default() };
     let controller = connect.connect().unwrap();
     let axis = &controller.axes[0];
-    assert_eq!((controller.axes.len(), &*axis.name, &*axis.unit, axis.servo), (1, "1", "um", false));
-    assert_eq!((axis.range, controller.cycle), (Some((-30.0, 30.0)), 5e-5));
+    assert_eq!((controller.axes.len(), &*axis.name, &*axis.unit, axis.servo), (1, "1", "um", Some(false)));
+    assert_eq!((axis.range, controller.cycle), (Some((-30.0, 30.0)), Some(5e-5)));
     assert_eq!((controller.table, controller.recorder), (Some(262_144), Some(32_768)));
 }
 
@@ -101,11 +101,40 @@ fn a_controller_tells_its_axis_limits_and_tables() {
 fn a_gain_that_is_not_that_of_the_controller_is_refused_before_the_drive() {
     let port = simulated(&Simulation { gain: 2.5, ..Simulation::default() });
     let told = refused(&at(port), &drive(1e-3, &sine(100)));
-    assert_eq!(told, "gain = 1: the controller gives 2.5000 V for an open-loop value of 1: give this gain");
+    let wanted = "gain = 1: the controller gives about 2.5000 V for an open-loop value of 1: give this gain; axis 1";
+    assert!(told.starts_with(wanted), "{told}");
     assert!(said(port, "VOL?\n").starts_with("1=0.000000"), "the axis is back where it was");
-    let with = AcquireOptions { gain: 2.5, ..at(port) };
+    let with = AcquireOptions { gain: Some(2.5), ..at(port) };
     let record = run(&with, &drive(1e-3, &sine(100)), &mut Stage::ignore).unwrap().record;
     assert!(sine(100).iter().zip(record.u()).all(|(asked, had)| (asked - had).abs() < 1e-5));
+    // A gain that is far too small would make the first move a large one: it is seen in its first step.
+    let far = AcquireOptions { gain: Some(0.1), ..at(port) };
+    let told = refused(&far, &drive(1e-3, &sine(100)));
+    assert!(told.contains("the controller gives about 2.5"), "{told}");
+}
+
+#[test]
+fn an_offset_of_the_generator_and_other_programs_settings_do_not_move_the_drive() {
+    let port = simulated(&Simulation::default());
+    said(port, "WOS 1 20\nWGC 1 7\nRTR 3\n");
+    let u = sine(50);
+    let record = run(&at(port), &drive(1e-3, &u), &mut Stage::ignore).unwrap().record;
+    assert!(u.iter().zip(record.u()).all(|(asked, had)| (asked - had).abs() < 1e-5));
+}
+
+#[test]
+fn a_generator_that_runs_already_is_left_alone() {
+    let port = simulated(&Simulation::default());
+    said(port, "WAV 1 X PNT 1 2 0 1\nWSL 1 1\nWTR 1 100 0\nWGC 1 0\nWGO 1 1\n");
+    assert!(refused(&at(port), &drive(1e-3, &sine(50))).contains("wave generator 1 runs already"));
+    assert_eq!(said(port, "\x09"), "0x1\n");
+}
+
+#[test]
+fn an_output_that_does_not_follow_its_axis_is_told() {
+    let gain = Simulation { gain: 1e-3, ..Simulation::default() };
+    let told = refused(&at(simulated(&gain)), &drive(1e-3, &sine(50)));
+    assert!(told.contains("output channel 1 does not follow axis 1"), "{told}");
 }
 
 #[test]

@@ -94,7 +94,7 @@ pub(crate) async fn call(State(server): State<Arc<Server>>, request: Request) ->
         relay(&mut child, &pieces).await;
         // If it still runs, nobody waits for it.
         drop(input);
-        if timeout(2 * STOPPING, child.wait()).await.is_err() {
+        if timeout(STOPPING, child.wait()).await.is_err() {
             drop(child.kill().await);
         }
         drop((core, place));

@@ -10,9 +10,8 @@ use std::time::{Duration, Instant};
 /// Progress is told so often at most, unless a new task begins or there are figures.
 const PAUSE: Duration = Duration::from_millis(50);
 
-/// Once nobody waits for the answer any more, the work is cancelled, and has so long to stop in an orderly way: an
-/// instrument must not be left running.
-pub(crate) const STOPPING: Duration = Duration::from_millis(400);
+/// Once nobody waits for the answer any more, work that moves an instrument has so long to stop it.
+pub(crate) const STOPPING: Duration = Duration::from_secs(6);
 
 static LEFT: AtomicBool = AtomicBool::new(false);
 
@@ -30,10 +29,13 @@ pub fn answer() -> Result<(), Error> {
     if request.len() as u64 != length {
         return Err(Error::other(format!("the request has {} bytes of {length}", request.len())));
     }
-    std::thread::spawn(|| {
+    let moves = piezoid_calls::moves(&request);
+    std::thread::spawn(move || {
         while stdin().read(&mut [0]).is_ok_and(|count| count > 0) {}
         LEFT.store(true, Ordering::Relaxed);
-        std::thread::sleep(STOPPING);
+        if moves {
+            std::thread::sleep(STOPPING);
+        }
         std::process::exit(1);
     });
     let mut told: Option<(String, Instant)> = None;

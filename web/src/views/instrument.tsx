@@ -1,5 +1,6 @@
 // Drives measured on a controller in the network, which `piezoid serve` reaches and a browser alone does not.
 
+import { useState } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
@@ -10,8 +11,8 @@ import { type Drives, measured } from "./measured.ts";
 interface Axis {
   name: string;
   unit: string;
-  servo: boolean;
-  position: number;
+  servo: boolean | null;
+  position: number | null;
   voltage: number | null;
   range: [number, number] | null;
 }
@@ -27,23 +28,24 @@ export function Instrument({ drives, files, chosen }: Props) {
   const where = optionsOf(lists, "controller").filter(({ name }) => name in values);
   const connection = { call: "controller", options: Object.fromEntries(where.map(({ name }) => [name, values[name]])) };
   const asked = useKept<Answer>("controller", connection);
-  const made = useKept<{ count: number; notes: string[] }>("instrument", values);
+  const made = useKept<number>("instrument", values);
+  // What was said of drives that were measured, also if a later one failed.
+  const [notes, setNotes] = useState<string[]>([]);
   const ask = async () => workspace.run({ name: "controller", request: connection, files: [] });
   const measure = (wanted: string[]) => async () => {
-    const notes: string[] = [];
+    setNotes([]);
     const some = drives.filter(({ name }) => wanted.includes(name));
-    const count = await measured(workspace, { drives: some, files }, "measured", async (drive, file) => {
+    return measured(workspace, { drives: some, files }, "measured", async (drive, file) => {
       const request = { call: "acquire", options: values, files: { drive: [file.name] } };
       const answer = await workspace.run({ name: `measure: ${drive}`, request, files: [file] });
-      notes.push(...answer.result.notes.map((note: string) => `${drive}: ${note}`));
+      setNotes((before) => [...before, ...answer.result.notes.map((note: string) => `${drive}: ${note}`)]);
       return answer;
     });
-    return { count, notes };
   };
   const busy = asked.busy || made.busy;
   return (
     <Section title="Measure on a controller" wide
-      help="A controller with PI's GCS 2.0 plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the voltage then stays where it is.">
+      help="A controller with PI's GCS 2.0 plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the axis is then in open loop, and its voltage stays where it is.">
       <Form rows={optionsOf(lists, "acquire")} values={values} change={change} first={["host", "port", "axis", "range"]} />
       <div class="row">
         <button type="button" disabled={busy} onClick={() => asked.start(ask)}>Ask the controller</button>
@@ -57,26 +59,28 @@ export function Instrument({ drives, files, chosen }: Props) {
       <Fault text={made.error} />
       {made.value && (
         <p role="status">
-          {made.value.count === 1 ? "1 record is" : `${made.value.count} records are`} in the project: <a href="#data">Data</a>
+          {made.value === 1 ? "1 record is" : `${made.value} records are`} in the project: <a href="#data">Data</a>
         </p>
       )}
-      {made.value && <Notes title="Notes" notes={made.value.notes} />}
+      <Notes title="Notes" notes={notes} />
     </Section>
   );
 }
+
+const told = <T,>(value: T | null, text: (value: T) => string): string => (value === null ? "not told" : text(value));
 
 /** What a controller says of itself. */
 function Told({ answer: { result } }: { answer: Answer }) {
   const rows = result.axes.map(({ name, unit, servo, position, voltage, range }: Axis) => [
     name,
-    si(position, unitOf(unit)),
-    voltage === null ? "not told" : si(voltage, "V"),
-    range === null ? "not told" : `${short(range[0])} to ${short(range[1])} V`,
-    servo ? "on" : "off",
+    told(position, (value) => si(value, unitOf(unit))),
+    told(voltage, (value) => si(value, "V")),
+    told(range, ([low, high]) => `${short(low)} to ${short(high)} V`),
+    told(servo, (on) => (on ? "on" : "off")),
   ]);
   return (
     <>
-      <p role="status">{result.identity}, servo cycle {si(result.cycle, "s")}</p>
+      <p role="status">{result.identity}, servo cycle {told(result.cycle as number | null, (cycle) => si(cycle, "s"))}</p>
       <Table caption="Axes of the controller" head={["Axis", "Position", "Voltage", "Limits", "Servo"]} rows={rows} />
     </>
   );

@@ -20,18 +20,20 @@ export async function measured(
   prefix: string,
   run: (drive: string, file: File) => Promise<Answer>,
 ): Promise<number> {
-  const made: { file: File; use: Use }[] = [];
+  let count = 0;
   try {
     for (const { name, file } of drives) {
       const drive = files.find((one) => one.name === file);
       if (!drive) throw new Error(`the plan lacks its file ${file}`);
       const [written] = (await run(name, drive)).files;
       if (!written) throw new Error(`there is no record of ${file}`);
-      made.push({ file: { name: `${prefix}-${name}.csv`, bytes: written.bytes }, use: USES[name] ?? "training" });
+      const record = { name: `${prefix}-${name}.csv`, bytes: written.bytes };
+      await workspace.addRecords([{ file: record, use: USES[name] ?? "training" }], { passing: true });
+      count += 1;
     }
   } finally {
-    // What is measured is kept, even if a later drive fails or is cancelled.
-    if (made.length > 0) await workspace.addRecords(made, false);
+    // What is measured is kept, even if a later drive fails or is cancelled, and is undone in one step.
+    if (count > 0) workspace.change((project) => project);
   }
-  return made.length;
+  return count;
 }

@@ -60,7 +60,8 @@ impl Acquire {
         let (drive, columns) = (files::read(drive)?, self.columns.read()?);
         let outcome = options.run(&drive, &columns, &mut console.progress());
         if let Err(Error::Cancelled { .. }) = &outcome {
-            console.remark("the wave generator is stopped, and the voltage stays where it is");
+            console
+                .remark("the wave generator is stopped; the axis is in open loop, and its voltage stays where it is");
         }
         let made = console.done(outcome)?;
         made.notes.iter().for_each(|note| console.remark(note));
@@ -72,18 +73,21 @@ impl Acquire {
 /// What a controller said of itself.
 fn summary(controller: &Controller, console: &Console) -> String {
     let Controller { identity, cycle, table: points, recorder, axes, .. } = controller;
-    let count = |points: &Option<usize>| points.map_or("unknown".into(), |points| points.to_string());
+    let told = |value: Option<String>| value.unwrap_or_else(|| "not told".into());
     let head = format!(
-        "{identity}\nservo cycle {} us, wave tables of {} points, recorder of {} points a table\n\n",
-        short(1e6 * cycle),
-        count(points),
-        count(recorder)
+        "{identity}\nservo cycle {}; points of a wave table {}, of a table of the recorder {}\n\n",
+        told(cycle.map(|cycle| format!("{} us", short(1e6 * cycle)))),
+        told(points.map(|points| points.to_string())),
+        told(recorder.map(|points| points.to_string()))
     );
     let rows = axes.iter().map(|axis| {
-        let range = axis.range.map_or("unknown".into(), |(low, high)| format!("{low} to {high} V"));
-        let voltage = axis.voltage.map_or("unknown".into(), |v| format!("{} V", round(v)));
-        let position = format!("{} {}", round(axis.position), axis.unit);
-        vec![axis.name.clone(), position, voltage, range, if axis.servo { "on" } else { "off" }.into()]
+        vec![
+            axis.name.clone(),
+            told(axis.position.map(|position| format!("{} {}", round(position), axis.unit))),
+            told(axis.voltage.map(|voltage| format!("{} V", round(voltage)))),
+            told(axis.range.map(|(low, high)| format!("{low} to {high} V"))),
+            told(axis.servo.map(|servo| if servo { "on".into() } else { "off".into() })),
+        ]
     });
     head + &table(&["axis", "position", "voltage", "limits", "servo"], &rows.collect::<Vec<_>>(), console.room())
 }

@@ -1,6 +1,6 @@
 //! The commands that the simulated controller knows.
 
-use super::waves::{POINTS, RECORDED, SOURCES, TABLES};
+use super::waves::{POINTS, RECORDED, SOURCES, TABLES, WAVES};
 use super::{CYCLE, Simulated};
 
 /// Numbers of errors.
@@ -229,7 +229,9 @@ impl Simulated {
             ("WAV", [table, mode, shape, numbers @ ..]) => {
                 refused(&[(waves.running(), GENERATOR_RUNS)])?;
                 let segment = segment(shape, numbers)?;
-                let points = waves.tables.entry(whole(table)?).or_default();
+                let table = whole(table)?;
+                refused(&[(!(1..=WAVES).contains(&table), RANGE)])?;
+                let points = waves.tables.entry(table).or_default();
                 match *mode {
                     "X" => points.clear(),
                     "&" => (),

@@ -11,7 +11,7 @@ mod waves;
 use axis::SimulatedAxis;
 use piezoid::plant::{Plant, Preset, Spec};
 use piezoid::{Error, OptionKind, OptionRow, options};
-use std::io::{BufRead, BufReader, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Write};
 use std::net::{TcpListener, TcpStream};
 use waves::Waves;
 
@@ -78,9 +78,12 @@ impl Simulated {
     /// Returns the error of the listener.
     pub fn serve(&mut self, listener: &TcpListener) -> std::io::Result<()> {
         loop {
-            let (client, _) = listener.accept()?;
-            // A client that goes in the middle of a line has ended.
-            drop(self.converse(client));
+            match listener.accept() {
+                // A client that goes in the middle of a line has ended.
+                Ok((client, _)) => drop(self.converse(client)),
+                Err(e) if matches!(e.kind(), ErrorKind::ConnectionAborted | ErrorKind::Interrupted) => (),
+                Err(e) => return Err(e),
+            }
         }
     }
 

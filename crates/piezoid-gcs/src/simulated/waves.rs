@@ -5,13 +5,16 @@ use super::axis::SimulatedAxis;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
+/// Wave tables.
+pub(super) const WAVES: usize = 16;
+
 /// Points of a wave table.
 pub(super) const POINTS: usize = 1 << 18;
 
 /// Points of a table of the recorder.
 pub(super) const RECORDED: usize = 1 << 15;
 
-/// Wave tables, and tables of the recorder.
+/// Tables of the recorder.
 pub(super) const TABLES: usize = 4;
 
 /// What is recorded, as `HDR?` lists it.
