@@ -153,8 +153,8 @@ mod tests {
     use super::*;
     use crate::plant::Preset;
 
-    /// A sine of 50 Hz every 1 ms is planned with a quarter of the driver's current; the twin then told that the current
-    /// was at its limit.
+    /// A sine of 50 Hz every 1 ms is planned with a seventh of the driver's current; the twin then told that the
+    /// current was at its limit.
     #[test]
     fn a_drive_that_the_driver_follows_is_told_to_reach_the_limit_in_jumps_only() {
         let reached = |volts: f64, ts: f64| {
