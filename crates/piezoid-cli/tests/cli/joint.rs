@@ -71,7 +71,7 @@ fn auto_takes_the_law_the_actuator_has() {
 fn records_of_one_amplitude_cannot_tell_minor_loops_and_the_note_says_so() {
     let bench = stocked();
     let line = "identify --data sine5.csv sine20.csv --elements 6 -o m.json --json f.json";
-    bench.run(line).ok().says(&["have no minor loops", "add a rising sine"]);
+    bench.run(line).ok().says(&["never turn back inside the range", "add a rising sine"]);
     let found = bench.json("f.json");
     let tried: Vec<&str> = found["trials"].as_array().unwrap().iter().filter_map(|t| t["operator"].as_str()).collect();
     assert!(tried.contains(&"prandtl-ishlinskii"), "{tried:?}");

@@ -178,6 +178,13 @@ class Verdict:
     """What no record has proven."""
     sentence: str = field(repr=False)
     """All of this in words."""
+    worst_record: str | None = None
+    """Of several validation records, the one with the largest error over its own peak-to-peak."""
+    worst_percent: float | None = None
+    """Its error [%]."""
+    times_worse: float | None = None
+    """The error of a validation over that at identification, if it is more than three times as large and noise does not
+    explain it."""
 
     @classmethod
     def _of(cls, found: tuple[dict[str, Any], str]) -> Verdict:

@@ -17,8 +17,8 @@ mod summary;
 
 pub use domain::Domain;
 pub use initial_condition::InitialCondition;
+pub(crate) use joint::{FEW, JointOptions, identify_joint};
 pub use joint::{FittedParameter, OperatorTrial};
-pub(crate) use joint::{JointOptions, identify_joint};
 pub use large_signal::LinearPart;
 pub use loops::HiddenLoop;
 pub use paper::Identified;

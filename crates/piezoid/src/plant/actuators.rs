@@ -51,6 +51,7 @@ pub(super) fn stack() -> Spec {
             curvature: 0.0,
             range_m: Some(40e-6),
             bits: Some(18),
+            zero_m: 0.0,
         },
         logged: Logged::Before,
         inner_steps: 20,
@@ -72,6 +73,7 @@ pub(super) fn stage() -> Spec {
             curvature: 0.008,
             range_m: Some(240e-6),
             bits: Some(18),
+            zero_m: 0.0,
         },
         ..stack()
     }

@@ -135,6 +135,7 @@ fn bench(bender: &Bender, hysteresis: HysteresisSpec) -> Spec {
             curvature: 0.0,
             range_m: Some(2.0 * bender.displacement),
             bits: Some(16),
+            zero_m: 0.0,
         },
         logged: Logged::Before,
         inner_steps: 20,

@@ -1,9 +1,11 @@
 //! The displacement sensor: a lag, a curve, noise, and a converter with a range.
 //!
 //! ```text
-//! s' = (y - s) / tau,   v = s + c s^2 / range,   reading = q clamp(round((v + rms n) / q)),   q = 2 range / 2^bits
+//! s' = (y - s) / tau,   v = s + c s^2 / range,   reading = zero + q clamp(round((v + rms n) / q)),
+//! q = 2 range / 2^bits
 //! ```
-//! The codes are from -2^(bits-1) to 2^(bits-1) - 1, so the highest reading is one q below +range. The noise n depends
+//! The codes are from -2^(bits-1) to 2^(bits-1) - 1, so the highest reading is one q below +range (from the
+//! zero). The noise n depends
 //! only on the seed and the number of the sample, so a copied state has the same future.
 //!
 //! Reference: J. K. Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC'11, DOI 10.1145/2063384.2063405
@@ -33,6 +35,8 @@ pub(super) struct Sensor {
     max: f64,
     /// One code [m]; 0 without a converter.
     code: f64,
+    /// Reading at rest [m].
+    zero: f64,
     generator: ChaCha8Rng,
 }
 
@@ -59,9 +63,11 @@ impl Sensor {
                 ));
             }
         };
+        let rule = "must be a number of metres, 0 for a sensor that was zeroed";
+        let zero = require(spec.zero_m.is_finite(), "sensor.zero_m", spec.zero_m, rule)?;
         let keep = if lag > 0.0 { (-h / lag).exp() } else { 0.0 };
         let generator = ChaCha8Rng::seed_from_u64(seed);
-        Ok(Sensor { keep, bend: spec.curvature / range, rms, min: -range, max: range - code, code, generator })
+        Ok(Sensor { keep, bend: spec.curvature / range, rms, min: -range, max: range - code, code, zero, generator })
     }
 
     /// The same sensor with other noise.
@@ -84,7 +90,7 @@ impl Sensor {
         let s = s + self.bend * s * s;
         let noisy = if self.rms > 0.0 { s + self.rms * self.normal(n) } else { s };
         let coded = if self.code > 0.0 { (noisy / self.code).round() * self.code } else { noisy };
-        (coded.clamp(self.min, self.max), coded < self.min || coded > self.max)
+        (self.zero + coded.clamp(self.min, self.max), coded < self.min || coded > self.max)
     }
 
     /// The n-th standard normal number of the seed.

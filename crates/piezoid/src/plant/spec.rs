@@ -161,6 +161,8 @@ pub(crate) struct SensorSpec {
     pub(crate) range_m: Option<f64>,
     /// Bits of the converter over the range; `None` (`null`) is no quantisation.
     pub(crate) bits: Option<u32>,
+    /// Reading at rest, which is added after the range: the zero of a position sensor is anywhere [m].
+    pub(crate) zero_m: f64,
 }
 
 /// Time at which a sample of y is logged, in the interval of its u.

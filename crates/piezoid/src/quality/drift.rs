@@ -31,9 +31,19 @@ const RIDGE: f64 = 1e-3;
 /// Number of blocks, and the minimum number for a trend.
 const BLOCKS: (usize, usize) = (10, 4);
 
+/// An input rests in a block in which it moves by less than this share of its range, and a record rests if this share
+/// of its blocks do.
+const STILL: f64 = 0.05;
+const MOSTLY: f64 = 0.5;
+
 pub(super) fn drift(record: &Record) -> Option<Finding> {
     let n = record.len();
-    let period = dominant_frequency(record.u(), record.ts()).map_or(1.0, |hz| 1.0 / (hz * record.ts()));
+    let period = match dominant_frequency(record.u(), record.ts()) {
+        Some(hz) => 1.0 / (hz * record.ts()),
+        // Within one cycle the hysteresis is a trend too. Where the input rests, only creep and drift are.
+        None if rests(record.u()) => 1.0,
+        None => return None,
+    };
     // Whole periods per block; the period need not be a whole number of samples.
     let periods = (n as f64 / BLOCKS.0 as f64 / period).max(1.0).floor();
     let blocks = (n as f64 / (periods * period)).floor() as usize;
@@ -65,4 +75,15 @@ pub(super) fn drift(record: &Record) -> Option<Finding> {
         short(100.0 * share)
     );
     Some(Finding { defect: Defect::Drift, samples: Vec::new(), text })
+}
+
+/// True if the input rests for most of a record.
+fn rests(u: &[f64]) -> bool {
+    let range = |u: &[f64]| {
+        let (low, high) = ends(u.iter().copied());
+        high - low
+    };
+    let (all, size) = (range(u), (u.len() / BLOCKS.0).max(1));
+    let still = u.chunks(size).filter(|block| range(block) < STILL * all).count();
+    still as f64 >= MOSTLY * u.chunks(size).count() as f64
 }

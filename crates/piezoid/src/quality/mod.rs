@@ -183,6 +183,20 @@ pub(crate) fn inspect(record: &Record, need: &Need) -> Inspection {
     seen
 }
 
+/// Defects of a record that make its loop wrong, and what to do, one sentence each. Drawing a loop must be quick, so
+/// only these are looked for.
+pub(crate) fn loop_defects(record: &Record) -> Vec<String> {
+    if unfit(record, &Need::default()).is_some() {
+        return Vec::new();
+    }
+    let saturated = flat::saturated(record).map(|f| (f, "lower the voltage or take a larger range of the sensor"));
+    let drifting = drift::drift(record).map(|f| (f, "remove the trend first, or choose a part of few cycles"));
+    let wrong = |(Finding { text, .. }, remedy): (Finding, &str)| {
+        format!("Width and branches of this loop are wrong, because {text}: {remedy}")
+    };
+    saturated.into_iter().chain(drifting).map(wrong).collect()
+}
+
 /// A fatal defect, if there is one.
 fn unfit(record: &Record, need: &Need) -> Option<Finding> {
     let (n, units) = (record.len(), record.units());

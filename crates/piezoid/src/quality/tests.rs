@@ -154,6 +154,34 @@ fn a_drift_is_reported_and_creep_is_not() {
     }
 }
 
+/// A single period of 20 samples of a stack was told to drift by 11.5 %: its loop is open at the start.
+#[test]
+fn the_hysteresis_of_a_single_cycle_is_no_drift_but_the_drift_of_a_resting_input_is() {
+    for n in [20, 40, 200] {
+        let u: Vec<f64> = (0..n).map(|t| 60.0 - 60.0 * (6.0 * f64::from(t) / f64::from(n)).cos()).collect();
+        let y = Plant::named("p885", 0.01).unwrap().run(&u).y.iter().map(|y| 1e6 * y).collect();
+        let seen = inspect(&Record::new(0.01, u, y).unwrap(), &Need::default()).findings;
+        assert!(seen.iter().all(|f| f.defect != Defect::Drift), "{n}: {seen:?}");
+    }
+    let u: Vec<f64> = (0..2000).map(|t| if t < 20 { 0.0 } else { 80.0 }).collect();
+    let y = u.iter().zip(0..).map(|(u, t)| 0.1 * u + 0.001 * f64::from(t)).collect();
+    assert_eq!(found(&Record::new(0.01, u, y).unwrap()), [Defect::Drift]);
+}
+
+#[test]
+fn a_loop_of_a_clipped_or_drifting_sensor_is_told_to_be_wrong() {
+    let record = measured("pl140", sine(28.0, 7.0, 4000));
+    let (low, high) = ends(record.y().iter().copied());
+    let clipped = with(&record, |_, y| y.min(high - 0.2 * (high - low)));
+    let drifting = with(&record, |t, y| y + 0.2 * (high - low) * t as f64 / 4000.0);
+    for (record, cause) in [(clipped, "saturated"), (drifting, "drifts by")] {
+        let told = loop_defects(&record);
+        assert!(told.len() == 1 && told[0].starts_with("Width and branches of this loop are wrong"), "{told:?}");
+        assert!(told[0].contains(cause), "{told:?}");
+    }
+    assert_eq!(loop_defects(&record), Vec::<String>::new());
+}
+
 #[test]
 fn a_record_with_a_fatal_defect_is_an_error() {
     let refused = |u: Vec<f64>, y: Vec<f64>| {

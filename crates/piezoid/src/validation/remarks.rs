@@ -8,7 +8,7 @@ use crate::number::short;
 use crate::quality::{Defect, Finding, Need, around, excites, inspect, likely_cause};
 use crate::record::Record;
 use crate::series::{ends, mean, scatter};
-use crate::waveform::dominant_frequency;
+use crate::waveform::cycle_rate;
 
 /// Share of the identified range by which an input must return to count as a reversal, and stay off the ends to count
 /// as an inner reversal.
@@ -142,7 +142,7 @@ fn identified_range(model: &Model) -> Option<(f64, f64)> {
 /// A remark if the input oscillates at a frequency outside those of the hysteresis block.
 fn at_frequency(model: &Model, record: &Record) -> Option<String> {
     let (slowest, fastest) = model.hysteresis().frequencies()?;
-    let hz = dominant_frequency(record.u(), record.ts())?;
+    let hz = cycle_rate(record.u(), record.ts())?;
     (!((1.0 - BEYOND) * slowest..=(1.0 + BEYOND) * fastest).contains(&hz)).then(|| {
         format!(
             "the input oscillates at {} Hz, but the model was identified from {} to {} Hz: outside this range it \

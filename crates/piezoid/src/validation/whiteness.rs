@@ -9,6 +9,9 @@
 //! all without the mean. In a free run the error of a good model is coloured if the actuator's own noise is, so the
 //! second test is more important than the first. The size of the errors is a separate question: see the figures.
 //!
+//! No correlation exceeds 1. If input and errors both change slowly, P is large, and so is the bound: a wrong model
+//! passes as well as a right one. Then the second test says nothing, and its text says so.
+//!
 //! Reference: Ljung & Box 1978, doi:10.1093/biomet/65.2.297; Ljung 1998, System Identification, section 16.6.
 
 use crate::number::short;
@@ -21,6 +24,9 @@ const LAGS: usize = 40;
 /// Bound of the correlations in standard deviations: uncorrelated signals exceed it at any lag once in a hundred
 /// records.
 const BOUND: f64 = 3.85;
+
+/// Bound of the correlation with the input from which the test says nothing when no correlation exceeds it.
+const BLUNT: f64 = 0.5;
 
 /// Probability below which errors are not white.
 const SELDOM: f64 = 0.01;
@@ -116,6 +122,12 @@ impl Whiteness {
         let (c, k) = self.largest_correlation();
         let (c, bound) = (short(c), short(self.cross_correlation_bound));
         match (self.correlates_with_input(), k) {
+            (false, _) if self.cross_correlation_bound > BLUNT => format!(
+                "the correlation of the residuals with the input says nothing here: it is {c} at most, and only values \
+                 above {bound} would be significant, because input and residuals change slowly, or there are few \
+                 samples. A record with a PRBS or a multisine as input makes this test sharp; until then, judge the \
+                 error by its size, beside the noise floor"
+            ),
             (false, _) => format!(
                 "residuals are uncorrelated with the input (at most {c}, bound {bound}): the model covers the linear \
                  response to the input"
@@ -209,6 +221,15 @@ mod tests {
             seen.verdict
         );
         assert_close(&[seen.cross_correlation[40 + 7]], &[0.2 / 1.04f64.sqrt()], 0.2, 0.0);
+    }
+
+    /// A sine with the error of a wrong gain and phase: the bound was 1.1, and the model "covered the linear response".
+    #[test]
+    fn a_bound_that_nothing_could_exceed_is_no_proof_of_a_model() {
+        let wave = |phase: f64| -> Vec<f64> { (0..4000).map(|t| (0.004 * f64::from(t) + phase).sin()).collect() };
+        let seen = Whiteness::of(&wave(0.0), &wave(2.0)).unwrap();
+        assert!(seen.cross_correlation_bound > BLUNT && !seen.correlates_with_input(), "{seen:?}");
+        assert!(seen.verdict[1].contains("says nothing here") && !seen.verdict[1].contains("covers"), "{seen:?}");
     }
 
     #[test]

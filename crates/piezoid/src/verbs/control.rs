@@ -1,5 +1,6 @@
 //! Control schemes along references, on a simulated actuator.
 
+use super::same_actuator::matched;
 use super::{File, blamed};
 use crate::compensation::{FeedForward, FeedForwardSettings};
 use crate::control::{
@@ -38,6 +39,10 @@ const FREQUENCY: f64 = 5.0;
 
 /// Peak of a named reference, as a share of the displacement that the model can hold.
 const SHARE: f64 = 0.8;
+
+/// Named references run about 0 if the displacement that can be held on both sides of it is at least this share of
+/// half of the whole, otherwise about the middle of the whole.
+const SIDED: f64 = 0.2;
 
 /// Minimum duration of a named reference [s], and its minimum number of periods.
 const SECONDS: f64 = 1.0;
@@ -84,7 +89,8 @@ options! {
                                                                                references");
         /// Peak of named references, in the model's output unit.
         amplitude: Option<f64> = None, OptionRow::positive("").absent("0.8 of the displacement that the model can \
-                                                            hold on both sides of 0");
+                                                            hold on both sides of 0, or of its middle if it can hold \
+                                                            (nearly) none on one side");
         /// Number of future samples of the reference that controllers may use.
         preview: Option<usize> = None, OptionRow::new(COUNT).absent("all");
         /// Noise of the sensor, rms in the model's output unit.
@@ -137,15 +143,18 @@ impl ControlOptions {
             true => ALONG.to_vec(),
             false => self.reference.iter().map(String::as_str).collect(),
         };
+        let mut about = None;
         let wanted = |name: &str| match (named(name), files.iter().find(|file| file.name == name)) {
-            (Some((kind, hz)), _) => self.repeated(name, kind, hz?, &model, settings),
+            (Some((kind, hz)), _) => self.repeated(name, kind, hz?, &model, settings, &mut about),
             (None, Some(file)) => Ok(NamedReference::new(file.short(), model.ts(), file.reference(columns, &model)?)),
             (None, None) => {
                 Err(Reference::find(name).err().unwrap_or_else(|| Error::parameter("reference", name, "no file")))
             }
         };
         let wanted = names.into_iter().map(wanted).collect::<Result<_, _>>()?;
-        self.along((plant, &spec), &model, wanted, progress).map_err(|e| blamed(e, file))
+        let mut made = self.along((plant, &spec), &model, wanted, progress).map_err(|e| blamed(e, file))?;
+        made.notes.extend(about);
+        Ok(made)
     }
 
     /// The same along given references.
@@ -160,7 +169,9 @@ impl ControlOptions {
         wanted: Vec<NamedReference>,
         progress: &mut Progress,
     ) -> Result<Comparison, Error> {
-        let (settings, mut drives, mut notes) = (self.settings()?, Vec::new(), Vec::new());
+        let (settings, mut drives) = (self.settings()?, Vec::new());
+        let (spec, note) = matched(plant, model, &settings)?;
+        let mut notes: Vec<String> = note.into_iter().collect();
         for scheme in self.schemes()? {
             match self.tuning.drive(scheme, model, settings) {
                 // Default schemes that the model does not allow are left out.
@@ -179,6 +190,7 @@ impl ControlOptions {
             drives.first().map_or(Ok(()), |drive| drive.check(r)).map_err(|e| e.of(name))?;
         }
         let share = |percent: f64| Tolerance { share: percent / 100.0, draws: self.draws, seed: self.seed };
+        let plant = (plant.0, &spec);
         let mut compared =
             Comparison::run(plant, drives, wanted, self.seed, self.tolerance.map(share).as_ref(), progress)?;
         compared.notes = notes;
@@ -196,7 +208,7 @@ impl ControlOptions {
         }
     }
 
-    /// The samples of a named reference.
+    /// The samples of a named reference; `about` becomes a note if it does not run about 0.
     fn repeated(
         &self,
         name: &str,
@@ -204,21 +216,38 @@ impl ControlOptions {
         hz: f64,
         model: &Model,
         settings: FeedForwardSettings,
+        about: &mut Option<String>,
     ) -> Result<NamedReference, Error> {
-        let (peak, ts) = (self.amplitude.map_or_else(|| held(model, settings), Ok)?, model.ts());
+        let (ts, unit) = (model.ts(), &model.units().y);
+        let (middle, peak) = match (held(model, settings), self.amplitude) {
+            (Ok(Held { half, both, .. }), None) if both >= SIDED * half => (0.0, SHARE * both),
+            (Ok(Held { half, both, .. }), Some(peak)) if both >= (SIDED * half).min(peak) => (0.0, peak),
+            (Ok(Held { middle, half, .. }), peak) => {
+                let [low, high, at] = [middle - half, middle + half, middle].map(short);
+                *about = Some(format!(
+                    "The model can hold {low} to {high} {unit}: named references run about {at} {unit}, the middle, and \
+                     not about 0"
+                ));
+                (middle, peak.unwrap_or(SHARE * half))
+            }
+            // Feedback alone needs no inverse.
+            (Err(_), Some(peak)) => (0.0, peak),
+            (Err(error), None) => return Err(error),
+        };
         let n = (SECONDS.max(PERIODS / hz) / ts).round();
         if n > LONGEST {
             let least = short(PERIODS / (LONGEST * ts));
             let rule = format!("four periods are {n} samples, more than 1000000: choose {least} Hz or more");
             return Err(Error::parameter("reference", name, rule));
         }
-        let r = (kind.samples)(ts, n as usize, peak, hz).map_err(|e| match e {
+        let mut r = (kind.samples)(ts, n as usize, peak, hz).map_err(|e| match e {
             // The frequency stands in the name of the reference.
             Error::Parameter { name: field, rule, .. } if field.starts_with("frequency") || field == "hz" => {
                 Error::parameter("reference", name, rule)
             }
             other => other,
         })?;
+        r.iter_mut().for_each(|r| *r += middle);
         Ok(NamedReference::new(format!("{} {} Hz", kind.name, round(hz)), ts, r))
     }
 }
@@ -285,15 +314,78 @@ fn named(text: &str) -> Option<(&'static Reference, Result<f64, Error>)> {
     Some((kind, hz))
 }
 
-/// The peak of named references: 0.8 of the displacement that can be held on both sides of 0.
-fn held(model: &Model, settings: FeedForwardSettings) -> Result<f64, Error> {
+/// The displacement that a model can hold: its middle, half of it, and the smaller of its parts above and below 0.
+struct Held {
+    middle: f64,
+    half: f64,
+    both: f64,
+}
+
+fn held(model: &Model, settings: FeedForwardSettings) -> Result<Held, Error> {
     let (low, high) = FeedForward::new(model, settings)?.reach();
-    let both = high.min(-low);
-    if both > 0.0 {
-        return Ok(SHARE * both);
+    Ok(Held { middle: 0.5 * low + 0.5 * high, half: 0.5 * high - 0.5 * low, both: high.min(-low) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hammerstein::Domain;
+    use crate::hysteresis::Proportional;
+    use crate::linear::Arx;
+    use crate::plant::Preset;
+    use crate::progress::Stage;
+    use std::sync::Arc;
+
+    const TS: f64 = 1e-3;
+
+    /// A gain with an offset, identified from `low` to `high` [V].
+    fn model(gain: f64, offset: f64, [low, high]: [f64; 2]) -> File {
+        let model = Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), Arx::gain(TS, gain).unwrap(), offset);
+        let domain = Domain::of_input(&[low, high, low], TS);
+        File::new("m.json", model.unwrap().with_identified(domain).to_json())
     }
-    let (low, high, unit) = (round(low), round(high), &model.units().y);
-    Err(Error::Content(format!(
-        "the model can hold {low} to {high} {unit}, but named references need both signs: give a file as reference"
-    )))
+
+    fn compared(plant: &str, model: &File) -> Comparison {
+        let spec = (Preset::find(plant).unwrap().spec)();
+        let options = ControlOptions {
+            controller: vec!["gain".into()],
+            reference: vec!["sine:5".into()],
+            ..ControlOptions::default()
+        };
+        options.run((plant, &spec), model, &[], &ColumnSelection::default(), &mut Stage::ignore).unwrap()
+    }
+
+    fn percent(compared: &Comparison) -> f64 {
+        compared.driven[0].attempts[0].as_ref().unwrap().tracking.percent_of_stroke
+    }
+
+    #[test]
+    fn a_plant_of_another_actuator_is_told_first_with_the_numbers() {
+        // A stack of 9 um at 100 V on a bender of 2 mm at +-30 V.
+        let made = compared("pl140", &model(0.09, 0.0, [0.0, 100.0]));
+        let first = &made.remarks()[0];
+        assert!(first.starts_with("The plant `pl140` is not the actuator of this model: the model is used"), "{first}");
+        for number in ["from 0 to 100.0 V", "gives -30.00 to 30.00 V", "moves by ", "model by 2.700 um", "say nothing"]
+        {
+            assert!(first.contains(number), "{number}: {first}");
+        }
+        let made = compared("pl140", &model(33.0, 0.0, [-30.0, 30.0]));
+        assert_eq!(made.notes, Vec::<String>::new());
+        assert!(percent(&made) < 20.0, "{}", percent(&made));
+    }
+
+    #[test]
+    fn a_displacement_on_one_side_of_zero_is_tracked_about_its_middle_with_the_zero_of_its_sensor() {
+        let made = compared("p885", &model(0.15, -131.0, [0.0, 120.0]));
+        let (low, high) = crate::series::ends(made.wanted[0].r.iter().copied());
+        assert!((0.5 * (low + high) + 122.0).abs() < 0.1 && (high - low - 15.84).abs() < 0.1, "{low} {high}");
+        let notes = made.notes.join("\n");
+        assert!(notes.contains("named references run about -122.0 um"), "{notes}");
+        assert!(notes.contains("the zeros of their sensors differ. That of the plant is moved by -13"), "{notes}");
+        assert!(percent(&made) < 20.0, "{}", percent(&made));
+        // Without an offset, a unipolar actuator needs no other zero.
+        let made = compared("p885", &model(0.15, 0.0, [0.0, 120.0]));
+        assert!(made.notes.len() == 1 && made.notes[0].contains("run about 9.000 um"), "{:?}", made.notes);
+        assert!(percent(&made) < 20.0, "{}", percent(&made));
+    }
 }

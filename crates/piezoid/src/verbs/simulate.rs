@@ -4,6 +4,7 @@ use super::File;
 use crate::error::Error;
 use crate::formats::{ColumnSelection, Table};
 use crate::hammerstein::InitialCondition;
+use crate::number::quantity;
 use crate::options::{OptionKind, OptionRow, options};
 use crate::plant::{Plant, Spec};
 use crate::record::{Record, Units};
@@ -52,11 +53,16 @@ impl SimulateOptions {
     /// Returns an error for a file without an input. The errors of [`Plant::new`].
     pub fn plant(&self, plant: &Spec, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
         let (ts, u) = input_in("V", input, columns)?;
-        let plant = Plant::new(plant, ts)?.with_seed(self.seed);
+        let spec = plant;
+        let plant = Plant::new(spec, ts)?.with_seed(self.seed);
         let mut x = self.before(&plant, &u);
         let y = plant.resume(&mut x, &u).iter().map(|y| y * 1e6).collect();
         let saturation = plant.saturation(&x);
-        let reached = if saturation.any() { saturation.to_string() } else { String::new() };
+        let mut reached = if saturation.any() { saturation.to_string() } else { String::new() };
+        if saturation.current_limited > 0 {
+            let first = if self.begin == InitialCondition::Rest { 0.0 } else { u.first().copied().unwrap_or_default() };
+            reached += &jumps(spec, first, &u, ts).unwrap_or_default();
+        }
         Simulated { ts, u, y, units: Units::default(), reached }.bounded()
     }
 
@@ -96,6 +102,26 @@ impl SimulateOptions {
     }
 }
 
+/// Why the current is at its limit although the drive is slow enough for the driver, after the voltage `first` [V]: a
+/// held voltage jumps from sample to sample, and a plan counts the mean current over a sampling period. `None` if the
+/// drive is too fast.
+fn jumps(spec: &Spec, first: f64, u: &[f64], ts: f64) -> Option<String> {
+    let (limit, farad) = (spec.driver.current_a?, spec.driver.capacitance_f);
+    let inside = std::iter::once(first).chain(u.iter().copied()).map(|u| u.clamp(spec.driver.min_v, spec.driver.max_v));
+    let inside: Vec<f64> = inside.collect();
+    let most = inside.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max) * farad / ts;
+    let rounded = |current: f64| format!("{current:.3e}").parse().unwrap_or(current);
+    (most <= limit).then(|| {
+        format!(
+            " at the jump from one held voltage to the next only. The driver follows: the mean current over a sampling \
+             period, which plans and limits of drives count, is at most {} of {}. A shorter sampling period makes the \
+             jumps smaller",
+            quantity(rounded(most), "A"),
+            quantity(limit, "A")
+        )
+    })
+}
+
 /// The sampling period and the input in a file, in a unit.
 fn input_in(unit: &str, file: &File, columns: &ColumnSelection) -> Result<(f64, Vec<f64>), Error> {
     let input = file.input(columns)?;
@@ -119,5 +145,28 @@ impl Simulated {
     pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
         let (u, y) = (format!("u_{}", self.units.u), format!("y_{}", self.units.y));
         Table::write(name, self.ts, &[(&u, &self.u), (&y, &self.y)])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::Preset;
+
+    /// A sine of 50 Hz every 1 ms is planned with a seventh of the driver's current; the twin then told that the
+    /// current was at its limit.
+    #[test]
+    fn a_drive_that_the_driver_follows_is_told_to_reach_the_limit_in_jumps_only() {
+        let reached = |volts: f64, ts: f64| {
+            let u: Vec<f64> = (0..200).map(|t| volts * (0.314_159 * f64::from(t)).sin()).collect();
+            let input = File::new("u.csv", Table::write("u.csv", ts, &[("u_V", &u)]).unwrap());
+            let spec = (Preset::find("pl140").unwrap().spec)();
+            SimulateOptions::default().plant(&spec, &input, &ColumnSelection::default()).unwrap().reached
+        };
+        let (slow, fast) = (reached(28.0, 1e-3), reached(28.0, 5e-5));
+        assert!(slow.contains("samples limited by the driver's current at the jump from one held"), "{slow}");
+        assert!(slow.contains("is at most 70.95 mA of 500 mA"), "{slow}");
+        assert!(fast.ends_with("samples limited by the driver's current"), "{fast}");
+        assert_eq!(reached(10.0, 1e-3), "");
     }
 }

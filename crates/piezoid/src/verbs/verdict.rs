@@ -1,12 +1,12 @@
 //! How good a model is, and where, in one sentence.
 
 use super::{Compared, Validated};
-use crate::hammerstein::{Domain, Identified, Model};
+use crate::hammerstein::{Domain, FEW, Identified, Model};
 use crate::quality::{around, excites};
 use crate::record::Record;
-use crate::series::ends;
+use crate::series::{ends, mean};
 use crate::system::System;
-use crate::validation::{inner_reversals, rough};
+use crate::validation::{Validation, inner_reversals, rough};
 use serde::{Deserialize, Serialize};
 
 /// Share of the whole range from which a record counts as a large signal.
@@ -14,6 +14,12 @@ const LARGE: f64 = 0.2;
 
 /// Error from which a model is *only* good to so much [%].
 const POOR: f64 = 5.0;
+
+/// Error, without noise and offset, over that at identification from which a model is worse, not good.
+const WORSE: f64 = 3.0;
+
+/// Share of the whole range that an input must go up and down for its hysteresis to show.
+const BACK: f64 = 0.2;
 
 /// Ratio of two frequencies up to which they are one, and share of the Nyquist frequency up to which a band ends below
 /// it.
@@ -53,6 +59,17 @@ pub struct Verdict {
     pub hz: Option<[f64; 2]>,
     /// What no record has proven.
     pub unproven: Vec<String>,
+    /// Of several validation records, the one with the largest error over its own peak-to-peak; `None` for one record,
+    /// and after an identification.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_record: Option<String>,
+    /// Its error [%].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub worst_percent: Option<f64>,
+    /// The error of a validation (of its worst record) over that at identification, if it is more than three times as
+    /// large and neither noise nor a constant offset explain it [-].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub times_worse: Option<f64>,
 }
 
 impl Verdict {
@@ -70,6 +87,19 @@ impl Verdict {
         let (model, unit) = (&found.model, &verdict.unit);
         let large: Vec<&Compared> = training.iter().filter(|c| is_large(&c.record, verdict.u)).collect();
         let mut unproven = Vec::new();
+        let samples: usize = records().map(Record::len).sum();
+        if let Some(trial) = taken.filter(|trial| samples < FEW * trial.parameters) {
+            let few = format!("the hysteresis ({samples} samples are few for its {} parameters)", trial.parameters);
+            unproven.push(few);
+        }
+        // Hysteresis is the difference of the two branches: one of them alone does not show it.
+        let swings = |of: fn(f64, f64) -> f64| records().map(|r| swing(r.u(), of)).fold(0.0, f64::max);
+        let back = BACK * (verdict.u[1] - verdict.u[0]);
+        for (most, never) in [(swings(|a, b| a - b), "falls"), (swings(|a, b| b - a), "rises")] {
+            if most < back {
+                unproven.push(format!("the hysteresis (the input never {never})"));
+            }
+        }
         let amplitudes = large.iter().flat_map(|c| &c.validation.by_amplitude).map(|bin| bin.low);
         let least = amplitudes.fold(f64::INFINITY, f64::min);
         if least.is_finite() && least > 0.5 * LARGE * (verdict.u[1] - verdict.u[0]) {
@@ -101,13 +131,24 @@ impl Verdict {
 
     /// The verdict of a validation of `model`.
     fn of_validated(validated: &Validated, model: &Model) -> Option<Self> {
-        let before = model.verdict().map(|before| format!("; {} % at identification", rough(before.error_percent)));
+        let identified = model.verdict().map(|verdict| verdict.error_percent);
+        let before = identified.map(|before| format!("; {} % at identification", rough(before)));
         let on = match &validated.files[..] {
             [one] => one.short().to_string(),
             several => format!("{} records", several.len()),
         };
         let measured = format!("free run on {on}{}", before.unwrap_or_default());
         let mut verdict = Verdict::of(validated, validated.total().rms_pp_percent, measured)?;
+        // A small signal has a large error over its own peak-to-peak, most of it noise.
+        let whole = verdict.u;
+        let large = validated.files.iter().filter(|c| validated.files.len() == 1 || is_large(&c.record, whole));
+        let finite = large.filter(|c| c.percent().is_finite());
+        if let Some(worst) = finite.max_by(|a, b| a.percent().total_cmp(&b.percent())) {
+            if validated.files.len() > 1 {
+                (verdict.worst_record, verdict.worst_percent) = (Some(worst.short().into()), Some(worst.percent()));
+            }
+            verdict.times_worse = identified.and_then(|before| worst.times_worse(before));
+        }
         let subject = |text: &String| text.split(':').next().unwrap_or_default().to_string();
         verdict.unproven = validated.not_covered().iter().map(subject).collect();
         if let Some(domain) = model.identified()
@@ -126,9 +167,49 @@ impl Verdict {
         let unit = records().next()?.units().u.clone();
         let noise_percent = validated.floor().map(|floor| 100.0 * floor.rms / validated.total().peak_to_peak);
         let hz = Domain::of(large).and_then(|domain| domain.hz);
-        let found = Verdict { error_percent, measured, noise_percent, u: whole.u, unit, hz, unproven: Vec::new() };
+        let found = Verdict {
+            error_percent,
+            measured,
+            noise_percent,
+            u: whole.u,
+            unit,
+            hz,
+            unproven: Vec::new(),
+            worst_record: None,
+            worst_percent: None,
+            times_worse: None,
+        };
         error_percent.is_finite().then_some(found)
     }
+}
+
+impl Compared {
+    /// Rms error over peak-to-peak of this record [%].
+    fn percent(&self) -> f64 {
+        self.validation.metrics.rms_pp_percent
+    }
+
+    /// The error over that at identification `before` [%]; `None` if it is not much larger, or if noise or a constant
+    /// offset explain it: identification estimates an offset for each record.
+    fn times_worse(&self, before: f64) -> Option<f64> {
+        let Validation { metrics, simulated, start, floor, .. } = &self.validation;
+        let constant = mean(&self.record.y()[*start..]) - mean(&simulated[*start..]);
+        let noise = floor.map_or(0.0, |floor| floor.rms);
+        let rest = (metrics.mse - constant * constant - noise * noise).max(0.0).sqrt();
+        let is_worse = 100.0 * rest / metrics.peak_to_peak > WORSE * before;
+        is_worse.then(|| self.percent() / before).filter(|times| times.is_finite())
+    }
+}
+
+/// The largest difference, by `of`, of a sample from an earlier one: with `b - a` the largest rise.
+fn swing(u: &[f64], of: fn(f64, f64) -> f64) -> f64 {
+    let mut base = u[0];
+    u.iter().fold(0.0, |most: f64, &u| {
+        if of(base, u) < 0.0 {
+            base = u;
+        }
+        most.max(of(base, u))
+    })
 }
 
 /// True if the input of a record covers much of this range.
@@ -145,10 +226,20 @@ fn range([low, high]: [f64; 2], unit: &str) -> String {
 
 impl std::fmt::Display for Verdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let only = if self.error_percent > POOR { "only " } else { "" };
         let noise = self.noise_percent.map(|noise| format!("; noise {} %", rough(noise))).unwrap_or_default();
-        let (error, on) = (rough(self.error_percent), &self.measured);
-        write!(f, "{only}good to {error} % of stroke ({on}{noise}), ")?;
+        let (error, measured) = (rough(self.error_percent), &self.measured);
+        match self.times_worse {
+            Some(times) => write!(f, "{} times worse than at identification: ", rough(times))?,
+            None if self.worst_percent.unwrap_or(self.error_percent) > POOR => f.write_str("only good to ")?,
+            None => f.write_str("good to ")?,
+        }
+        match self.worst_percent.zip(self.worst_record.as_ref()) {
+            Some((worst, record)) => {
+                let worst = rough(worst);
+                write!(f, "{worst} % of stroke at worst ({record}; {error} % in the {measured}{noise}), ")?;
+            }
+            None => write!(f, "{error} % of stroke ({measured}{noise}), ")?,
+        }
         match self.hz {
             Some([low, high]) if high < ONE * low => write!(f, "{} Hz, ", rough(high))?,
             Some([low, high]) => write!(f, "{} to {} Hz, ", rough(low), rough(high))?,
@@ -186,5 +277,93 @@ impl Validated {
     /// How good `model` is on these records; `None` without records, or if the error is not finite.
     pub fn verdict(&self, model: &Model) -> Option<Verdict> {
         Verdict::of_validated(self, model)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hysteresis::Proportional;
+    use crate::identification::{IdentifyOptions, Records};
+    use crate::linear::Arx;
+    use crate::progress::Stage;
+    use crate::testing::noise;
+    use crate::validation::ValidateOptions;
+    use serde_json::{Value, json};
+    use std::sync::Arc;
+
+    const TS: f64 = 1e-3;
+
+    /// A gain of 1 um/V whose verdict says 0.1 %.
+    fn model() -> Model {
+        let model =
+            Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+        let before = json!({"error_percent": 0.1, "measured": "free run on held-out parts", "noise_percent": null,
+            "u": [-10.0, 10.0], "unit": "V", "hz": [8.0, 8.0], "unproven": []});
+        model.with_provenance(json!({"verdict": before}))
+    }
+
+    /// A sine of +-10 V, with an output of another gain, an offset and noise [um].
+    fn record(name: &str, gain: f64, offset: f64, rms: f64) -> (String, Record) {
+        let u: Vec<f64> = (0..4000).map(|t| 10.0 * (0.05 * f64::from(t)).sin()).collect();
+        let y = u.iter().zip(noise(3, 4000)).map(|(u, e)| gain * u + offset + rms * e).collect();
+        (name.into(), Record::new(TS, u, y).unwrap())
+    }
+
+    fn verdict_on(records: &[(String, Record)]) -> Verdict {
+        let model = model();
+        ValidateOptions::default().on(&model, records).unwrap().verdict(&model).unwrap()
+    }
+
+    #[test]
+    fn of_several_records_the_worst_is_named_with_its_error() {
+        let records = [record("a/2Hz.csv", 1.0, 0.0, 0.02), record("a/80Hz.csv", 1.002, 0.0, 0.05)];
+        let verdict = verdict_on(&records);
+        let (worst, all) = (verdict.worst_percent.unwrap(), verdict.error_percent);
+        assert!(worst > 1.2 * all && all > 0.1, "{worst} {all}");
+        let (worst, all) = (rough(worst), rough(all));
+        let said = format!(
+            "good to {worst} % of stroke at worst (80Hz.csv; {all} % in the free run on 2 records; 0.1 % at \
+             identification; noise "
+        );
+        assert!(verdict.to_string().starts_with(&said), "{verdict}");
+        let alone = verdict_on(&records[1..]).to_string();
+        assert!(alone.starts_with(&format!("good to {worst} % of stroke (free run on 80Hz.csv; 0.1 % at")), "{alone}");
+    }
+
+    #[test]
+    fn an_error_far_above_that_at_identification_is_not_called_good() {
+        let verdict = verdict_on(&[record("r.csv", 1.1, 0.0, 0.02)]);
+        assert!((verdict.times_worse.unwrap() - 32.0).abs() < 0.1, "{verdict:?}");
+        assert!(verdict.to_string().starts_with("32 times worse than at identification: 3.2 % of stroke (free run"));
+        assert_eq!(serde_json::from_value::<Verdict>(json!(verdict)).unwrap(), verdict);
+        // Noise, or a constant offset, does not make the model worse.
+        for same in [record("r.csv", 1.0, 0.0, 0.2), record("r.csv", 1.0, 0.5, 0.02)] {
+            let verdict = verdict_on(&[same]);
+            assert!(verdict.error_percent > 0.7 && verdict.to_string().starts_with("good to "), "{verdict}");
+        }
+    }
+
+    #[test]
+    fn an_input_that_never_falls_or_a_short_record_leaves_the_hysteresis_unproven() {
+        let said = |operator: &str, u: Vec<f64>| {
+            let y = u.iter().zip(noise(5, u.len())).map(|(u, e)| 0.1 * u + 0.001 * e).collect();
+            let records = [Record::new(0.02, u, y).unwrap()];
+            let options = IdentifyOptions { operator: operator.into(), order: Some(0), ..IdentifyOptions::default() };
+            let made = options.prove(Records::from(&records), &["r"], "", Value::Null, &mut Stage::ignore).unwrap();
+            made.model.verdict().unwrap().unproven
+        };
+        let step = |from: f64, to: f64| (0..1500).map(|t| if t < 100 { from } else { to }).collect::<Vec<f64>>();
+        for (u, wanted) in [
+            (step(0.0, 80.0), Some("the hysteresis (the input never falls)")),
+            (step(80.0, 0.0), Some("the hysteresis (the input never rises)")),
+            ((0..1500).map(|t| 40.0 * (0.05 * f64::from(t)).sin()).collect(), None),
+        ] {
+            let unproven = said("proportional", u);
+            let found = unproven.iter().find(|text| text.starts_with("the hysteresis"));
+            assert_eq!(found.map(String::as_str), wanted, "{unproven:?}");
+        }
+        let short = said("prandtl-ishlinskii", (0..24).map(|t| 50.0 - 50.0 * (0.3 * f64::from(t)).cos()).collect());
+        assert!(short[0].starts_with("the hysteresis (24 samples are few for its "), "{short:?}");
     }
 }

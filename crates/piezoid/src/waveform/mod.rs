@@ -1,20 +1,31 @@
-//! Properties of an input: dominant frequency, period, cycles, and frequency band.
+//! Properties of an input: dominant frequency, rate of its cycles, period, cycles, and frequency band.
 
 mod band;
 mod cycles;
 mod motion;
+mod rate;
 mod repetition;
 
 pub(crate) use band::band;
 pub use cycles::{Cycle, REVERSAL, cycles, reversals};
 pub(crate) use motion::{in_motion, inputs_before};
+pub(crate) use rate::cycle_rate;
 pub use repetition::period;
 
 use crate::series::ends;
 
 /// The frequency at which `u` crosses its mid-value upwards [Hz], averaged over whole periods; `ts` is the sampling
-/// period [s]. `None` if there is no whole period.
+/// period [s]. `None` if there is no whole period. It exists for broad inputs too, as a measure of their speed; the
+/// frequency that a user is told is [`cycle_rate`].
 pub(crate) fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
+    let crossings = crossings(u);
+    let (first, last) = (crossings.first()?, crossings.last()?);
+    let periods = (crossings.len() - 1) as f64;
+    (last > first).then(|| periods / ((last - first) * ts))
+}
+
+/// The times [samples] at which `u` crosses its mid-value upwards.
+fn crossings(u: &[f64]) -> Vec<f64> {
     let (low, high) = ends(u.iter().copied());
     let (middle, guard) = (0.5 * (low + high), 0.1 * (high - low));
     // A crossing counts only after the input was clearly below; its time is interpolated.
@@ -27,7 +38,5 @@ pub(crate) fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
             armed = false;
         }
     }
-    let (first, last) = (crossings.first()?, crossings.last()?);
-    let periods = (crossings.len() - 1) as f64;
-    (last > first).then(|| periods / ((last - first) * ts))
+    crossings
 }

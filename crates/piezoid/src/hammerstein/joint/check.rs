@@ -17,7 +17,7 @@ const MUCH: f64 = 0.3;
 const ALL: f64 = 0.98;
 
 /// Samples per hysteresis parameter below which there is a note.
-const FEW: usize = 5;
+pub(crate) const FEW: usize = 5;
 
 /// Distance of an input after a reversal, over its range, from which it starts a loop.
 const BACK: f64 = 0.05;

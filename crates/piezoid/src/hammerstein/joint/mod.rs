@@ -46,6 +46,7 @@ mod tests;
 mod trials;
 mod uncertainty;
 
+pub(crate) use check::FEW;
 pub use trials::OperatorTrial;
 pub use uncertainty::FittedParameter;
 

@@ -16,21 +16,27 @@ pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<(bo
     let signed: Vec<f64> = Prior::of(estimate).signed().collect();
     let zeros = signed.iter().filter(|value| **value == 0.0).count();
     let shape = estimate.basis.shape().into_iter();
-    let limits =
-        shape.filter(|p| p.value <= p.low || p.value >= p.high).map(|p| format!("{} = {}", p.name, short(p.value)));
-    let limits: Vec<String> = std::iter::once(format!("{zeros} of {} weights and creep gains are zero", signed.len()))
-        .chain(limits)
+    let limits: Vec<String> = shape
+        .filter(|p| p.value <= p.low || p.value >= p.high)
+        .map(|p| format!("{} = {}", p.name, short(p.value)))
         .collect();
-
     let point = Iterate::at(estimate.with_linear(estimate.linear.clone())?, runs, &fitted.own, FreeParameters::All);
     let promised = 100.0 * (1.0 - point.predicted(lambda) / point.cost(lambda));
     let is_minimum = promised < UNFINISHED;
-    let ends = if is_minimum { "at a minimum" } else { "not at a minimum" };
-    let promised = if promised < NEXT_TO_NOTHING { format!("less than {NEXT_TO_NOTHING}") } else { short(promised) };
-    let note = format!(
-        "search: {ends}: one more step promises {promised} % less of the sum of squares; at their limits: {}",
-        limits.join(", ")
-    );
+    let promised = match promised {
+        least if least < NEXT_TO_NOTHING => format!("by less than {NEXT_TO_NOTHING} %"),
+        more => format!("by {} %", short(more)),
+    };
+    let ends = match is_minimum {
+        true => format!("the fit is at its minimum (another step would lower the sum of squared errors {promised})"),
+        false => format!(
+            "the fit ended before its minimum (another step would still lower the sum of squared errors {promised})"
+        ),
+    };
+    let mut note = format!("search: {ends}; {zeros} of {} weights and creep gains are zero", signed.len());
+    if !limits.is_empty() {
+        note += &format!("; at the limit of what is allowed: {}", limits.join(", "));
+    }
     Some((is_minimum, note))
 }
 
@@ -56,12 +62,14 @@ mod tests {
         let mut fit = refine_from(start, Smoothness::Any, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
         let (is_minimum, note) = optimality(&fit, &runs).unwrap();
         assert!(
-            is_minimum && note.starts_with("search: at a minimum: one more step promises less than 0.01 %"),
+            is_minimum
+                && note.starts_with("search: the fit is at its minimum (another step would lower")
+                && note.contains(" by less than 0.01 %)"),
             "{note}"
         );
         assert!(note.contains(" of 7 weights and creep gains are zero"), "{note}");
         fit.estimate = fit.estimate.with_linear(Arx::new(5e-4, vec![0.8], vec![0.2]).unwrap()).unwrap();
         let (is_minimum, note) = optimality(&fit, &runs).unwrap();
-        assert!(!is_minimum && note.starts_with("search: not at a minimum"), "{note}");
+        assert!(!is_minimum && note.starts_with("search: the fit ended before its minimum"), "{note}");
     }
 }

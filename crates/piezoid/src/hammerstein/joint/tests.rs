@@ -227,7 +227,10 @@ fn unsuitable_records_are_errors_or_noted() {
         assert!(notes.iter().any(|note| note.contains(says)), "{says}: {notes:?}");
     }
     let Identified { reasons, notes, .. } = identified(&small, &good, &settings);
-    assert!(reasons[0].starts_with("linear block: ") && reasons[1].starts_with("search: at a minimum"), "{reasons:?}");
+    assert!(
+        reasons[0].starts_with("linear block: ") && reasons[1].starts_with("search: the fit is at its minimum"),
+        "{reasons:?}"
+    );
     assert!(reasons.len() == 2 && notes.is_empty(), "{reasons:?} {notes:?}");
 }
 

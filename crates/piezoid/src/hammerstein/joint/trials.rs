@@ -70,14 +70,20 @@ pub(super) fn candidates(
         true => Err(Error::parameter("operator", name, "leaves out every operator that suits the records: name one")),
         false => Ok(suited),
     };
-    if large_signal.iter().map(inner).sum::<usize>() >= ENOUGH {
+    let inside = large_signal.iter().map(inner).sum::<usize>();
+    if inside >= ENOUGH {
         return any(all().collect());
     }
-    notes.push(
-        "the records have no minor loops, so smaller amplitudes are extrapolated; only operators with the wiping-out \
-         property were tried, as for measured ceramics, whose minor loops follow from the major loops: add a rising sine"
-            .into(),
-    );
+    let times = match inside {
+        0 => "never turn back inside the range of the input".into(),
+        1 => "turn back only once inside the range of the input".into(),
+        _ => format!("turn back only {inside} times inside the range of the input"),
+    };
+    notes.push(format!(
+        "the records {times}, so they do not show which operator has the right minor loops. Only operators whose minor \
+         loops follow from the major loops were tried, because those of measured ceramics do. To compare all \
+         operators, add a rising sine"
+    ));
     any(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())
 }
 

@@ -57,7 +57,8 @@ impl Plan {
             page += &format!("- **{name}**: {reason}\n");
         }
         page += "\nPercentages are shares of the limits; those of voltages are measured from the middle of the allowed \
-                 range.\n\n## How to measure\n\n";
+                 range. Currents are means over a sampling period: where a converter holds each voltage, the jump to the \
+                 next one draws more for an instant.\n\n## How to measure\n\n";
         let middle = round(rig.middle());
         let first = match rig.middle() {
             0.0 => "Every drive starts and ends at 0 V.".to_string(),
