@@ -135,7 +135,11 @@ impl Role {
     /// True if it makes no difference which of two columns is taken.
     fn is_same(self, a: &Column, b: &Column) -> bool {
         let linked = a.name != b.name && a.leaf() == b.leaf() && a.stated() == b.stated() && a.has_numbers();
-        a.samples == b.samples && (self == Role::Time || linked)
+        // A gap is no number, which equals nothing.
+        let equal = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+        a.samples.len() == b.samples.len()
+            && a.samples.iter().zip(&b.samples).all(equal)
+            && (self == Role::Time || linked)
     }
 
     /// The column of the table with this role.
@@ -297,7 +301,9 @@ impl Column {
     }
 
     fn has_numbers(&self) -> bool {
-        self.flaw.is_none() && !self.samples.is_empty()
+        let numbers = self.samples.iter().filter(|sample| sample.is_finite()).count();
+        // Remarks may hold some numbers too.
+        self.doubt.is_none() && numbers > 0 && 2 * numbers >= self.samples.len()
     }
 
     /// True if these are the stamps of a time: they increase evenly, and not by a whole number as numbers of rows do.

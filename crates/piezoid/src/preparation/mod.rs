@@ -77,7 +77,7 @@ options! {
         delay: Option<f64> = None, OptionRow::number("s");
         /// Keep one of this many samples, after an anti-alias filter.
         decimate: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, u64::MAX));
-        /// New sampling period, by band-limited interpolation.
+        /// New sampling period, by band-limited interpolation; uneven times of a file are made even first.
         resample: Option<f64> = None, OptionRow::positive("s");
     }
 }

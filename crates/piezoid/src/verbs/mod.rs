@@ -8,6 +8,7 @@ mod excite;
 mod identify;
 mod inspect;
 mod plan;
+mod prepare;
 mod simulate;
 mod validate;
 mod verdict;

@@ -20,15 +20,16 @@ impl Table {
         let found: Vec<_> = roles.iter().map(|role| (role.what(), role.find(self, selection).ok())).collect();
         let one = |column: &Column| {
             let role = found.iter().find(|(_, found)| found.is_some_and(|found| std::ptr::eq(found, column)));
-            let (low, high) = crate::series::ends(column.samples.iter().copied());
+            let numbers = || column.samples.iter().copied().filter(|sample| sample.is_finite());
+            let (low, high) = crate::series::ends(numbers());
             json!({
                 "name": self.title(column),
                 "unit": column.stated(),
-                "samples": column.samples.len(),
+                "samples": numbers().count(),
                 "low": low,
                 "high": high,
                 "role": role.map(|(what, _)| what),
-                "flaw": column.flaw.as_ref().map(ToString::to_string),
+                "flaw": column.doubt.as_ref().or(column.flaw.as_ref()).map(ToString::to_string),
             })
         };
         self.columns.iter().chain(&self.others).map(one).collect()
@@ -107,7 +108,7 @@ impl Table {
         // Without another statement there is nothing to doubt, and the times need not be read again.
         stated.or(self.ts)?;
         let time = Role::Time.find(self, selection).ok();
-        let stamps = time.and_then(|time| self.period(time, selection, None).ok());
+        let stamps = time.and_then(|time| self.period(time, 0..time.samples.len(), selection, None).ok());
         let differs = |a: f64, b: f64| (a / b - 1.0).abs() > DIFFERENT;
         let Some(stated) = stated else {
             let own = self.ts?;
