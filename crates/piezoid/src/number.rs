@@ -46,6 +46,26 @@ pub fn quantity(x: f64, unit: &str) -> String {
     format!("{} {}{unit}", round(x / 1000f64.powf(thousands)), PREFIXES[(thousands + 4.0) as usize])
 }
 
+/// `x` with all its digits, and with an exponent from 1e15 on: never with hundreds of zeros.
+///
+/// ```
+/// use piezoid::number::exact;
+/// assert_eq!([0.1, 0.0005, 1234567.0, 1e15, 1e300, 5e-324].map(exact), ["0.1", "0.0005", "1234567", "1e15", "1e300", "5e-324"]);
+/// ```
+pub fn exact(x: f64) -> String {
+    let plain = x == 0.0 || !x.is_finite() || (1e-15..1e15).contains(&x.abs());
+    if plain { x.to_string() } else { format!("{x:e}") }
+}
+
+/// A text that begins with a number, such as `1000000000000000000000 s`, with this number as [`exact`] writes it.
+pub(crate) fn tamed(text: String) -> String {
+    let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(text.len());
+    match text[..end].parse::<f64>() {
+        Ok(x) if x.is_finite() && end > 15 => exact(x) + &text[end..],
+        _ => text,
+    }
+}
+
 /// Items as text: "a, b and c".
 pub fn join(items: &[impl ToString]) -> String {
     let texts: Vec<String> = items.iter().map(ToString::to_string).collect();

@@ -1,6 +1,7 @@
 //! A measured (or simulated) voltage/displacement record, the input of every identification.
 
 use crate::error::{Error, finite, positive};
+use crate::number::exact;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -163,7 +164,7 @@ impl Record {
 
     /// The step of a cut at these times [s].
     pub(crate) fn cut(from: Option<f64>, to: Option<f64>) -> String {
-        let end = |t: Option<f64>, name: &str| t.map(|t| format!(" {name} {t} s")).unwrap_or_default();
+        let end = |t: Option<f64>, name: &str| t.map(|t| format!(" {name} {} s", exact(t))).unwrap_or_default();
         format!("cut{}{}", end(from, "from"), end(to, "to"))
     }
 
@@ -215,7 +216,8 @@ impl Record {
             let rule = "must not lie before the first sample, which is at 0 s";
             return Error::parameter("from", format!("{from} s"), rule);
         }
-        let interval = if to.is_finite() { format!("from {from} s to {to} s") } else { format!("from {from} s on") };
+        let [start, end] = [from, to].map(exact);
+        let interval = if to.is_finite() { format!("from {start} s to {end} s") } else { format!("from {start} s on") };
         Error::Content(format!("no sample lies {interval}: the data span 0 s to {} s", crate::number::round(last)))
     }
 

@@ -85,27 +85,36 @@ impl Column {
         self.stated().and_then(units::known).is_some_and(|(unit, _)| unit == "counts")
     }
 
-    /// The unit that a column has in this role, in its file.
-    pub(super) fn unit(&self, role: Role) -> String {
+    /// The unit that its file states for this role.
+    pub(super) fn own_unit(&self, role: Role) -> Option<String> {
         let own =
             || self.name.strip_prefix(role.prefix()).map(|rest| plain(rest.trim())).filter(|unit| !unit.is_empty());
         match (self.has_unit_apart(), self.stated()) {
-            (true, Some(unit)) => units::written(unit),
-            (_, unit) => own().or(unit.map(units::written)).unwrap_or_else(|| match role {
-                Role::Input => VOLT.into(),
-                _ => ARBITRARY.into(),
-            }),
+            (true, Some(unit)) => Some(units::written(unit)),
+            (_, unit) => own().or(unit.map(units::written)),
         }
+    }
+
+    /// The unit that a column has in this role, in its file.
+    pub(super) fn unit(&self, role: Role) -> String {
+        self.own_unit(role).unwrap_or_else(|| match role {
+            Role::Input => VOLT.into(),
+            _ => ARBITRARY.into(),
+        })
     }
 
     /// The unit that a column has in this role, and the factor that brings it there.
     pub(super) fn unit_and_factor(&self, role: Role, selection: &ColumnSelection) -> Result<(String, f64), Error> {
-        let (unit, scale, option) = match role {
-            Role::Input => (&selection.input_unit, &selection.input_scale, "input_scale"),
-            _ => (&selection.output_unit, &selection.output_scale, "output_scale"),
+        let (unit, scale, [option, name]) = match role {
+            Role::Input => (&selection.input_unit, &selection.input_scale, ["input_scale", "input_unit"]),
+            _ => (&selection.output_unit, &selection.output_scale, ["output_scale", "output_unit"]),
         };
         let scale = scale.as_ref().map(|text| Scale::read(option, text)).transpose()?;
         let given = unit.as_ref().map(|unit| units::written(unit));
+        // The file may call its unit as it likes.
+        if let Some(unit) = given.as_ref().filter(|unit| !units::is_word(unit) && **unit != self.unit(role)) {
+            return Err(Error::parameter(name, unit, "must be a word of letters such as um, or %, or counts"));
+        }
         Ok(match scale {
             Some(scale) => {
                 let factor = scale.of(option, self.stated())?;

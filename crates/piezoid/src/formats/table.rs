@@ -202,7 +202,7 @@ impl Table {
             look(Role::Time, &mut needed);
         }
         if !missing.is_empty() {
-            return Err(Missing::error(missing, self));
+            return Err(Missing::error(missing, self, selection));
         }
         self.usable(&needed)?;
         if needed.len() == count {
@@ -417,6 +417,28 @@ mod tests {
         let record = table.record(&selection).unwrap();
         assert_eq!((record.u(), record.y()), (&[1.0, 2.0][..], &[2.0, 3.0][..]));
         assert_eq!(record.units(), &Units { u: "V".into(), y: "nm".into() });
+    }
+
+    #[test]
+    fn a_stated_unit_that_the_file_contradicts_is_told_and_one_that_is_none_refused() {
+        let table = parsed("t (s),u (V),y (um)\n0,1,2\n1e-3,2,3\n");
+        let said = |unit: &str| ColumnSelection { output_unit: Some(unit.into()), ..ColumnSelection::default() };
+        let record = table.record(&said("nm")).unwrap();
+        assert_eq!((record.y(), &*record.units().y), (&[2.0, 3.0][..], "nm"));
+        let told = "unit of the output nm as stated, the file says um";
+        assert!(record.history().iter().any(|step| step == told), "{:?}", record.history());
+        assert_eq!(table.described(&said("nm"))[2]["unit"], "nm");
+        for agrees in ["um", "\u{b5}m"] {
+            assert_eq!(table.record(&said(agrees)).unwrap().history().len(), 1, "{agrees}");
+        }
+        let millis = ColumnSelection { time_unit: Some("ms".into()), ..ColumnSelection::default() };
+        let record = table.record(&millis).unwrap();
+        assert!(record.history().iter().any(|step| step == "unit of the time ms as stated, the file says s"));
+        assert_eq!(table.record(&said("furlong")).unwrap().units().y, "furlong");
+        for none in ["", "5", "12um", "--"] {
+            let refused = table.record(&said(none)).unwrap_err().to_string();
+            assert!(refused.ends_with("must be a word of letters such as um, or %, or counts"), "{refused}");
+        }
     }
 
     #[test]

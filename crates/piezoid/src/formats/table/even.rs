@@ -66,10 +66,10 @@ impl Even {
         }
         let step = format!(
             "uneven times (steps of {} s to {} s, {} s in the median): interpolated by straight lines, every {} s",
-            rounded(least, 3),
-            rounded(most, 3),
-            rounded(median, 3),
-            rounded(ts, 6)
+            round(least),
+            round(most),
+            round(median),
+            round(ts)
         );
         Ok(Even { ts, step, places })
     }

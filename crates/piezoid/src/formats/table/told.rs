@@ -17,18 +17,19 @@ impl Table {
     /// All columns, with their units, ranges and roles.
     pub(crate) fn described(&self, selection: &ColumnSelection) -> Vec<Value> {
         let roles = [Role::Time, Role::Input, Role::Output];
-        let found: Vec<_> = roles.iter().map(|role| (role.what(), role.find(self, selection).ok())).collect();
+        let found: Vec<_> = roles.iter().map(|role| (role, role.find(self, selection).ok())).collect();
         let one = |column: &Column| {
             let role = found.iter().find(|(_, found)| found.is_some_and(|found| std::ptr::eq(found, column)));
+            let unit = role.and_then(|(role, _)| selection.stated_unit(**role));
             let numbers = || column.samples.iter().copied().filter(|sample| sample.is_finite());
             let (low, high) = crate::series::ends(numbers());
             json!({
                 "name": self.title(column),
-                "unit": column.stated(),
+                "unit": unit.or(column.stated().map(String::from)),
                 "samples": numbers().count(),
                 "low": low,
                 "high": high,
-                "role": role.map(|(what, _)| what),
+                "role": role.map(|(role, _)| role.what()),
                 "flaw": column.doubt.as_ref().or(column.flaw.as_ref()).map(ToString::to_string),
             })
         };
@@ -72,6 +73,7 @@ impl Table {
                 steps.push(format!("the unit of the {} is not stated: {assumed} is assumed", role.what()));
             }
         }
+        steps.extend(self.relabelled(selection));
         steps.extend(self.timing(selection));
         steps.extend(self.doubt(selection));
         if !guessed.is_empty() {
@@ -84,6 +86,21 @@ impl Table {
             steps.push(Record::cut(selection.from, selection.to));
         }
         steps
+    }
+
+    /// The units that the user states and the file contradicts: the numbers stay as they are.
+    fn relabelled(&self, selection: &ColumnSelection) -> Vec<String> {
+        let one = |role: Role| {
+            let (stated, column) = (selection.stated_unit(role)?, role.find(self, selection).ok()?);
+            let own = column.own_unit(role).filter(|own| *own != stated)?;
+            Some(format!("unit of the {} {stated} as stated, the file says {own}", role.what()))
+        };
+        let roles = if selection.period() == Ok(None) {
+            &[Role::Time, Role::Input, Role::Output][..]
+        } else {
+            &[Role::Input, Role::Output]
+        };
+        roles.iter().filter_map(|role| one(*role)).collect()
     }
 
     /// Where the sampling period comes from, if that is not a time in a stated unit.
