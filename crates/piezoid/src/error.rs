@@ -3,7 +3,7 @@
 //! Every message says what is wrong, the value, where, and what to do. The outcome of a search is data, not an error
 //! (see [`crate::optimize`]).
 
-use crate::number::exact;
+use crate::number::{exact, tamed};
 use serde_json::Value;
 use thiserror::Error;
 
@@ -173,7 +173,8 @@ pub enum Error {
 impl Error {
     /// A setting outside its domain.
     pub fn parameter(name: impl Into<String>, value: impl ToString, rule: impl Into<String>) -> Self {
-        Error::Parameter { name: name.into(), value: crate::number::tamed(value.to_string()), rule: rule.into() }
+        let (value, rule) = (tamed(&value.to_string()), tamed(&rule.into()));
+        Error::Parameter { name: name.into(), value, rule }
     }
 
     /// An unknown name, with all known names.
@@ -352,6 +353,9 @@ mod tests {
         assert_eq!(told(&1e300), "from = 1e300: must be less");
         assert_eq!(told(&format!("{} s", -1.5e200)), "from = -1.5e200 s: must be less");
         assert_eq!(told(&0.000_012_5), "from = 0.0000125: must be less");
+        assert_eq!(told(&12_345_678_901_234_567_890_u64), "from = 12345678901234567890: must be less");
+        let samples = Error::parameter("ts", "1e-9 s", format!("gives {:.0} samples, at {} s.", 1e30, 1e200));
+        assert_eq!(samples.to_string(), "ts = 1e-9 s: gives 1e30 samples, at 1e200 s.");
         assert_eq!(told(&"a name"), "from = a name: must be less");
     }
 

@@ -46,7 +46,7 @@ pub fn quantity(x: f64, unit: &str) -> String {
     format!("{} {}{unit}", round(x / 1000f64.powf(thousands)), PREFIXES[(thousands + 4.0) as usize])
 }
 
-/// `x` with all its digits, and with an exponent from 1e15 on: never with hundreds of zeros.
+/// `x` with all its digits, and with an exponent beyond 1e15: never with hundreds of zeros.
 ///
 /// ```
 /// use piezoid::number::exact;
@@ -57,13 +57,23 @@ pub fn exact(x: f64) -> String {
     if plain { x.to_string() } else { format!("{x:e}") }
 }
 
-/// A text that begins with a number, such as `1000000000000000000000 s`, with this number as [`exact`] writes it.
-pub(crate) fn tamed(text: String) -> String {
-    let end = text.find(|c: char| !(c.is_ascii_digit() || "+-.".contains(c))).unwrap_or(text.len());
-    match text[..end].parse::<f64>() {
-        Ok(x) if x.is_finite() && end > 15 => exact(x) + &text[end..],
-        _ => text,
+/// A text such as `from 1000000000000000000000 s`, with its numbers as [`exact`] writes them.
+pub(crate) fn tamed(text: &str) -> String {
+    let digit = |c: char| c.is_ascii_digit() || c == '.';
+    let mut told = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        let end = rest[start..].find(|c| !digit(c)).map_or(rest.len(), |length| start + length);
+        let number = rest[start..end].trim_end_matches('.');
+        told += &rest[..start];
+        // A seed has up to 20 digits of its own.
+        match number.parse::<f64>() {
+            Ok(x) if number.len() > 20 || number.len() > 15 && x.to_string() == number => told += &exact(x),
+            _ => told += number,
+        }
+        rest = &rest[start + number.len()..];
     }
+    told + rest
 }
 
 /// Items as text: "a, b and c".

@@ -11,7 +11,7 @@
 
 use super::super::time::{GAP, rounded};
 use crate::error::Error;
-use crate::number::round;
+use crate::number::{exact, round};
 use serde_json::Value;
 
 /// Maximum number of samples.
@@ -51,7 +51,8 @@ impl Even {
         let duration = t[t.len() - 1] - t[0];
         let count = (duration / ts + 1e-6).floor() + 1.0;
         if count > MOST {
-            let rule = format!("the record would have {count:.0} samples: choose {} s or more", round(duration / MOST));
+            let least = round(duration / MOST);
+            let rule = format!("the record would have {} samples: choose {least} s or more", exact(count));
             return Err(Error::parameter("resample", format!("{} s", round(wanted)), rule));
         }
         let mut places = Vec::with_capacity(count as usize);

@@ -10,7 +10,7 @@ use super::super::time;
 use super::super::units::Quantity;
 use super::{ROUNDED, SLOW, Table};
 use crate::error::Error;
-use crate::number::join;
+use crate::number::{exact, join};
 use crate::record::Record;
 use serde_json::Value;
 use std::ops::Range;
@@ -124,7 +124,9 @@ impl Table {
         match found_seconds {
             Some(found) => Ok(found),
             None if found < SLOW || time.name == "t_s" => Ok(found),
-            None => self.unclear(time, format!("the unit of the time is not stated, and its steps are {found}: ")),
+            None => {
+                self.unclear(time, format!("the unit of the time is not stated, and its steps are {}: ", exact(found)))
+            }
         }
     }
 

@@ -5,6 +5,7 @@ use super::super::column::Column;
 use super::super::roles::Role;
 use super::super::time;
 use super::Table;
+use crate::number::exact;
 use crate::record::Record;
 use serde_json::{Value, json};
 
@@ -113,7 +114,7 @@ impl Table {
                 Some("the unit of the time is not stated: s is assumed".into())
             }
             (Err(_), Some(ts)) if self.first > 0 => {
-                Some(format!("sampling period {ts} s, as the head of the file states"))
+                Some(format!("sampling period {} s, as the head of the file states", exact(ts)))
             }
             _ => None,
         }
@@ -131,24 +132,30 @@ impl Table {
             let own = self.ts?;
             if time.is_some_and(|time| time::period(&time.samples, "", &|_| 0).is_err()) {
                 return Some(format!(
-                    "the times are uneven or rounded: the sampling period of {own} s that the file states is used"
+                    "the times are uneven or rounded: the sampling period of {} s that the file states is used",
+                    exact(own)
                 ));
             }
             let stamps = stamps?;
             let steps = "the time column is used, which has steps of";
-            return differs(stamps, own)
-                .then(|| format!("the file states a sampling period of {own} s: {steps} {stamps} s"));
+            return differs(stamps, own).then(|| {
+                format!("the file states a sampling period of {} s: {steps} {} s", exact(own), exact(stamps))
+            });
         };
         let likely = match selection.fs {
-            Some(fs) => format!("if {fs} is the sampling period in s, state it as such"),
-            None => format!("if {stated} is the sampling rate in Hz, state it as such"),
+            Some(fs) => format!("if {} is the sampling period in s, state it as such", exact(fs)),
+            None => format!("if {} is the sampling rate in Hz, state it as such", exact(stated)),
         };
         match stamps.or(self.ts) {
             Some(own) if differs(own, stated) => {
                 let likely = if !differs(own, 1.0 / stated) { format!("; {likely}") } else { String::new() };
-                Some(format!("the file says {own} s for the sampling period, but {stated} s is stated{likely}"))
+                Some(format!(
+                    "the file says {} s for the sampling period, but {} s is stated{likely}",
+                    exact(own),
+                    exact(stated)
+                ))
             }
-            None if stated > LONG => Some(format!("the stated sampling period is {stated} s: {likely}")),
+            None if stated > LONG => Some(format!("the stated sampling period is {} s: {likely}", exact(stated))),
             _ => None,
         }
     }
