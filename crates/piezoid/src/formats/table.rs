@@ -270,7 +270,8 @@ impl Table {
         }
     }
 
-    /// Returns an error if a column is used twice, if its numbers are in doubt, or if the decimal separators of columns differ.
+    /// Returns an error if a column is used twice, if its numbers are in doubt, or if the decimal separators of columns
+    /// differ.
     fn usable(&self, needed: &[&Column]) -> Result<(), Error> {
         for (i, column) in needed.iter().enumerate() {
             if needed[..i].iter().any(|earlier| std::ptr::eq(*earlier, *column)) {
