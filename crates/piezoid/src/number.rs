@@ -50,7 +50,8 @@ pub fn quantity(x: f64, unit: &str) -> String {
 ///
 /// ```
 /// use piezoid::number::exact;
-/// assert_eq!([0.1, 0.0005, 1234567.0, 1e15, 1e300, 5e-324].map(exact), ["0.1", "0.0005", "1234567", "1e15", "1e300", "5e-324"]);
+/// let shown = ["0.1", "0.0005", "1234567", "1e15", "1e300", "5e-324"];
+/// assert_eq!([0.1, 0.0005, 1234567.0, 1e15, 1e300, 5e-324].map(exact), shown);
 /// ```
 pub fn exact(x: f64) -> String {
     let plain = x == 0.0 || !x.is_finite() || (1e-15..1e15).contains(&x.abs());

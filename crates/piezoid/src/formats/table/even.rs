@@ -4,8 +4,8 @@
 //! x(k Ts) = x[i] + (k Ts - t[i]) / (t[i+1] - t[i]) (x[i+1] - x[i]),   t[i] <= k Ts < t[i+1]
 //! ```
 //! Straight lines never amplify noise, however close two stamps are. Of a sine they lose up to (omega h)^2 / 8, h being
-//! the step: 1.2 % at a twentieth of the sampling rate. Input and output lose the same. Ts is the wanted sampling period
-//! or a whole fraction of it, near the median step, so that the filter against aliases follows.
+//! the step: 1.2 % at a twentieth of the sampling rate. Input and output lose the same. Ts is the wanted sampling
+//! period, or a whole fraction of it near the median step, so that the filter against aliases can follow.
 //!
 //! It does not do: bridge long gaps, where nobody knows the samples.
 
