@@ -47,13 +47,14 @@ impl Calls {
     }
 
     /// Starts a process. Its input stays open as long as it is wanted: it ends when the server ends, however that does.
-    /// It is in a group of its own, so that Ctrl-C in the terminal of the server does not end it in the middle.
-    fn start(&self) -> std::io::Result<(Child, ChildStdin)> {
+    /// It is in a group of its own, so that Ctrl-C in the terminal of the server does not end it: one that moves an
+    /// instrument must stop that first.
+    fn start(&self, moves: bool) -> std::io::Result<(Child, ChildStdin)> {
         let (program, arguments) = &self.worker;
         let mut command = Command::new(program);
         #[cfg(unix)]
         command.arg0("piezoid").process_group(0);
-        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped());
+        command.args(arguments).stdin(Stdio::piped()).stdout(Stdio::piped()).kill_on_drop(!moves);
         let mut child = command.spawn()?;
         let input = child.stdin.take().ok_or_else(|| std::io::Error::other("it has no input"))?;
         Ok((child, input))
@@ -83,7 +84,9 @@ pub(crate) async fn call(State(server): State<Arc<Server>>, request: Request) ->
     }
     body::whole(length, request.len() as u64)?;
     let core = calls.cores.clone().acquire_owned().await.map_err(closed)?;
-    let (mut child, mut input) = calls.start().map_err(|e| internal(&format!("the work cannot be started: {e}")))?;
+    let moves = piezoid_calls::moves(&request);
+    let (mut child, mut input) =
+        calls.start(moves).map_err(|e| internal(&format!("the work cannot be started: {e}")))?;
     // A process that ends early is noticed by its output.
     if input.write_all(&length.to_le_bytes()).await.is_ok() {
         drop(input.write_all(&request).await);
@@ -94,7 +97,7 @@ pub(crate) async fn call(State(server): State<Arc<Server>>, request: Request) ->
         relay(&mut child, &pieces).await;
         // If it still runs, nobody waits for it.
         drop(input);
-        if timeout(STOPPING, child.wait()).await.is_err() {
+        if !moves || timeout(STOPPING, child.wait()).await.is_err() {
             drop(child.kill().await);
         }
         drop((core, place));

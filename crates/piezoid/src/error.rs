@@ -3,6 +3,7 @@
 //! Every message says what is wrong, the value, where, and what to do. The outcome of a search is data, not an error
 //! (see [`crate::optimize`]).
 
+use crate::number::{exact, tamed};
 use serde_json::Value;
 use thiserror::Error;
 
@@ -106,7 +107,7 @@ pub enum Error {
         known: Vec<String>,
     },
     /// Two different sampling periods that must agree.
-    #[error("{left} is sampled every {left_ts} s but {right} every {right_ts} s: {}", other_rate(*left_ts, *right_ts))]
+    #[error("{left} is sampled every {} s but {right} every {} s: {}", exact(*left_ts), exact(*right_ts), other_rate((left, *left_ts), (right, *right_ts)))]
     Sampling {
         /// First object.
         left: String,
@@ -172,7 +173,8 @@ pub enum Error {
 impl Error {
     /// A setting outside its domain.
     pub fn parameter(name: impl Into<String>, value: impl ToString, rule: impl Into<String>) -> Self {
-        Error::Parameter { name: name.into(), value: value.to_string(), rule: rule.into() }
+        let (value, rule) = (tamed(&value.to_string()), tamed(&rule.into()));
+        Error::Parameter { name: name.into(), value, rule }
     }
 
     /// An unknown name, with all known names.
@@ -301,11 +303,21 @@ fn edits(a: &str, b: &str) -> usize {
     row[b.chars().count()]
 }
 
+/// Objects of messages about sampling that `prepare` does not resample.
+const NO_RECORDS: [&str; 8] =
+    ["the controller", "the linear block", "creep", "another", "the next", "the plan", "the reference", "the input"];
+
 /// What to do about two sampling periods [s] that differ.
-fn other_rate(left: f64, right: f64) -> String {
-    match [left, right].into_iter().find(|rate| (left * right - 1.0).abs() < 0.01 && *rate > 1.0) {
-        Some(rate) => format!("if {rate} is the sampling rate in Hz, state it as such"),
-        None => "resample one of them".into(),
+fn other_rate((left, left_ts): (&str, f64), (right, right_ts): (&str, f64)) -> String {
+    let both = [left_ts, right_ts].into_iter();
+    match both.clone().find(|rate| (left_ts * right_ts - 1.0).abs() < 0.01 && *rate > 1.0) {
+        Some(rate) => format!("if {} is the sampling rate in Hz, state it as such", exact(rate)),
+        None if NO_RECORDS.contains(&right) => "resample one of them".into(),
+        // A model keeps its period; of two records, the slower one has no samples for the faster one.
+        None => {
+            let ts = if left == "the model" { left_ts } else { both.fold(0.0, f64::max) };
+            format!("resample one of them; `prepare` does, with the option resample = {}", exact(ts))
+        }
     }
 }
 
@@ -329,7 +341,22 @@ mod tests {
             Error::Sampling { left: "one".into(), left_ts, right: "other".into(), right_ts }.to_string()
         };
         assert!(told(5e-4, 2000.0).ends_with("if 2000 is the sampling rate in Hz, state it as such"));
-        assert!(told(5e-4, 1e-3).ends_with("resample one of them"));
+        assert!(told(5e-4, 1e-3).ends_with("resample one of them; `prepare` does, with the option resample = 0.001"));
+        let told =
+            Error::Sampling { left: "the model".into(), left_ts: 5e-4, right: "the record".into(), right_ts: 1e-3 };
+        assert!(told.to_string().ends_with("resample = 0.0005"), "{told}");
+    }
+
+    #[test]
+    fn a_huge_value_has_an_exponent_and_not_hundreds_of_digits() {
+        let told = |value: &dyn ToString| Error::parameter("from", value.to_string(), "must be less").to_string();
+        assert_eq!(told(&1e300), "from = 1e300: must be less");
+        assert_eq!(told(&format!("{} s", -1.5e200)), "from = -1.5e200 s: must be less");
+        assert_eq!(told(&0.000_012_5), "from = 0.0000125: must be less");
+        assert_eq!(told(&12_345_678_901_234_567_890_u64), "from = 12345678901234567890: must be less");
+        let samples = Error::parameter("ts", "1e-9 s", format!("gives {:.0} samples, at {} s.", 1e30, 1e200));
+        assert_eq!(samples.to_string(), "ts = 1e-9 s: gives 1e30 samples, at 1e200 s.");
+        assert_eq!(told(&"a name"), "from = a name: must be less");
     }
 
     #[test]

@@ -46,6 +46,37 @@ pub fn quantity(x: f64, unit: &str) -> String {
     format!("{} {}{unit}", round(x / 1000f64.powf(thousands)), PREFIXES[(thousands + 4.0) as usize])
 }
 
+/// `x` with all its digits, and with an exponent beyond 1e15: never with hundreds of zeros.
+///
+/// ```
+/// use piezoid::number::exact;
+/// let shown = ["0.1", "0.0005", "1234567", "1e15", "1e300", "5e-324"];
+/// assert_eq!([0.1, 0.0005, 1234567.0, 1e15, 1e300, 5e-324].map(exact), shown);
+/// ```
+pub fn exact(x: f64) -> String {
+    let plain = x == 0.0 || !x.is_finite() || (1e-15..1e15).contains(&x.abs());
+    if plain { x.to_string() } else { format!("{x:e}") }
+}
+
+/// A text such as `from 1000000000000000000000 s`, with its numbers as [`exact`] writes them.
+pub(crate) fn tamed(text: &str) -> String {
+    let digit = |c: char| c.is_ascii_digit() || c == '.';
+    let mut told = String::with_capacity(text.len());
+    let mut rest = text;
+    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
+        let end = rest[start..].find(|c| !digit(c)).map_or(rest.len(), |length| start + length);
+        let number = rest[start..end].trim_end_matches('.');
+        told += &rest[..start];
+        // A seed has up to 20 digits of its own.
+        match number.parse::<f64>() {
+            Ok(x) if number.len() > 20 || number.len() > 15 && x.to_string() == number => told += &exact(x),
+            _ => told += number,
+        }
+        rest = &rest[start + number.len()..];
+    }
+    told + rest
+}
+
 /// Items as text: "a, b and c".
 pub fn join(items: &[impl ToString]) -> String {
     let texts: Vec<String> = items.iter().map(ToString::to_string).collect();

@@ -1,6 +1,7 @@
 //! A measured (or simulated) voltage/displacement record, the input of every identification.
 
 use crate::error::{Error, finite, positive};
+use crate::number::exact;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -163,7 +164,7 @@ impl Record {
 
     /// The step of a cut at these times [s].
     pub(crate) fn cut(from: Option<f64>, to: Option<f64>) -> String {
-        let end = |t: Option<f64>, name: &str| t.map(|t| format!(" {name} {t} s")).unwrap_or_default();
+        let end = |t: Option<f64>, name: &str| t.map(|t| format!(" {name} {} s", exact(t))).unwrap_or_default();
         format!("cut{}{}", end(from, "from"), end(to, "to"))
     }
 
@@ -201,18 +202,23 @@ impl Record {
     /// # Errors
     /// Returns an error if no sample lies between them, or `from` is negative.
     pub fn span(from: f64, to: f64, ts: f64, n: usize) -> Result<std::ops::Range<usize>, Error> {
-        if from.is_nan() || from < 0.0 {
-            let rule = "must not lie before the first sample, which is at 0 s";
-            return Err(Error::parameter("from", format!("{from} s"), rule));
-        }
         let index = |t: f64| (t / ts - 1e-6).ceil().clamp(0.0, n as f64) as usize;
         let (start, end) = (index(from), index(to));
-        if start < end {
+        if start < end && from >= 0.0 {
             return Ok(start..end);
         }
-        let interval = if to.is_finite() { format!("from {from} s to {to} s") } else { format!("from {from} s on") };
-        let last = crate::number::round((n.max(1) - 1) as f64 * ts);
-        Err(Error::Content(format!("no sample lies {interval}: the data span 0 s to {last} s")))
+        Err(Record::outside(from, to, (n.max(1) - 1) as f64 * ts))
+    }
+
+    /// The error for a cut that keeps no sample of data that end at `last` [s].
+    pub(crate) fn outside(from: f64, to: f64, last: f64) -> Error {
+        if from.is_nan() || from < 0.0 {
+            let rule = "must not lie before the first sample, which is at 0 s";
+            return Error::parameter("from", format!("{from} s"), rule);
+        }
+        let [start, end] = [from, to].map(exact);
+        let interval = if to.is_finite() { format!("from {start} s to {end} s") } else { format!("from {start} s on") };
+        Error::Content(format!("no sample lies {interval}: the data span 0 s to {} s", crate::number::round(last)))
     }
 
     /// Checks that two sampling periods agree within a millionth.

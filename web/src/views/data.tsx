@@ -175,7 +175,7 @@ function RecordView({ entry }: { entry: RecordEntry }) {
         {record && (
           <p>
             {result.format}, {record.samples.toLocaleString("en")} samples, {si(record.duration, "s")}, one every{" "}
-            {si(record.ts, "s")}, input in {unit(record.units.u)}, output in {unit(record.units.y)}.
+            {si(record.ts, "s")}; input in {unit(record.units.u)}, output in {unit(record.units.y)}
           </p>
         )}
         <Fault text={seen.error ?? made.error} />

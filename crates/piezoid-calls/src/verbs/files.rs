@@ -49,8 +49,7 @@ fn inspect(given: &Given) -> Result<Answer, Error> {
 
 fn prepare(given: &Given) -> Result<Answer, Error> {
     let file = given.one("data")?;
-    let made =
-        given.options::<PrepareOptions>()?.run(&file.record(&given.columns()?)?).map_err(|e| e.of(&file.name))?;
+    let made = file.prepared(&given.columns()?, &given.options::<PrepareOptions>()?)?;
     let name = "record.csv";
     let written = File::new(name, made.written(name)?);
     let (result, _) = Table::read(name, &written.bytes)?.inspect(name, "csv", &ColumnSelection::default());

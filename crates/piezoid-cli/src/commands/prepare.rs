@@ -49,8 +49,7 @@ impl Prepare {
         apart(&[Some(&self.output)], &[&self.file])?;
         files::ready(&[Some(&self.output)])?;
         let (columns, file) = (self.columns.read()?, files::read(&self.file)?);
-        let made = file.record(&columns).map_err(failed)?;
-        let made = self.options.0.run(&made).map_err(|error| failed(error.about(&file.name)))?;
+        let made = file.prepared(&columns, &self.options.0).map_err(failed)?;
         for step in made.history() {
             console.remark(step);
         }

@@ -20,10 +20,12 @@ pub(super) struct Column {
     pub(super) unit: Option<String>,
     /// Its sampling period [s], if the format states it for this column.
     pub(super) ts: Option<f64>,
-    /// The numbers before the first flaw.
+    /// One number a row, not finite where there is none; empty if there is no number at all.
     pub(super) samples: Vec<f64>,
-    /// The first cell that is not a finite number, as the error if the column is used.
+    /// The first cell that is not a finite number, as the error if its row is used.
     pub(super) flaw: Option<Error>,
+    /// Why no number of it can be trusted, as the error if the column is used.
+    pub(super) doubt: Option<Error>,
     /// The decimal separator, point or comma, and the line of its first use.
     pub(super) decimal: Option<(char, u64)>,
     /// True if a comma in it can only be a decimal one, and if there are whole numbers without a comma.
@@ -42,6 +44,7 @@ impl Column {
             ts: None,
             samples: Vec::new(),
             flaw: None,
+            doubt: None,
             decimal: None,
             proven: false,
             whole: false,
@@ -70,9 +73,10 @@ impl Column {
         let first = *self.samples.first()?;
         let unit = |power: i32| (9.4e8..4.1e9).contains(&(first / 10f64.powi(power)));
         let power = [0, 3, 6, 9].into_iter().find(|power| unit(*power))?;
-        let rising = self.samples.len() > 1 && self.samples.windows(2).all(|pair| pair[1] >= pair[0]);
+        // A row without a time does not go back.
+        let rising = self.samples.len() > 1 && !self.samples.windows(2).any(|pair| pair[1] < pair[0]);
         // Whole numbers near 1e9 are perhaps those of a counter.
-        let counts = power == 0 && !self.has_word(TIME) && self.samples.iter().all(|t| t.fract() == 0.0);
+        let counts = power == 0 && !self.has_word(TIME) && self.samples.iter().all(|t| t.is_nan() || t.fract() == 0.0);
         (rising && !counts && !self.has_word(OUTPUT)).then(|| Quantity::Time(10f64.powi(-power)))
     }
 
@@ -81,27 +85,36 @@ impl Column {
         self.stated().and_then(units::known).is_some_and(|(unit, _)| unit == "counts")
     }
 
-    /// The unit that a column has in this role, in its file.
-    pub(super) fn unit(&self, role: Role) -> String {
+    /// The unit that its file states for this role.
+    pub(super) fn own_unit(&self, role: Role) -> Option<String> {
         let own =
             || self.name.strip_prefix(role.prefix()).map(|rest| plain(rest.trim())).filter(|unit| !unit.is_empty());
         match (self.has_unit_apart(), self.stated()) {
-            (true, Some(unit)) => units::written(unit),
-            (_, unit) => own().or(unit.map(units::written)).unwrap_or_else(|| match role {
-                Role::Input => VOLT.into(),
-                _ => ARBITRARY.into(),
-            }),
+            (true, Some(unit)) => Some(units::written(unit)),
+            (_, unit) => own().or(unit.map(units::written)),
         }
+    }
+
+    /// The unit that a column has in this role, in its file.
+    pub(super) fn unit(&self, role: Role) -> String {
+        self.own_unit(role).unwrap_or_else(|| match role {
+            Role::Input => VOLT.into(),
+            _ => ARBITRARY.into(),
+        })
     }
 
     /// The unit that a column has in this role, and the factor that brings it there.
     pub(super) fn unit_and_factor(&self, role: Role, selection: &ColumnSelection) -> Result<(String, f64), Error> {
-        let (unit, scale, option) = match role {
-            Role::Input => (&selection.input_unit, &selection.input_scale, "input_scale"),
-            _ => (&selection.output_unit, &selection.output_scale, "output_scale"),
+        let (unit, scale, [option, name]) = match role {
+            Role::Input => (&selection.input_unit, &selection.input_scale, ["input_scale", "input_unit"]),
+            _ => (&selection.output_unit, &selection.output_scale, ["output_scale", "output_unit"]),
         };
         let scale = scale.as_ref().map(|text| Scale::read(option, text)).transpose()?;
         let given = unit.as_ref().map(|unit| units::written(unit));
+        // The file may call its unit as it likes.
+        if let Some(unit) = given.as_ref().filter(|unit| !units::is_word(unit) && **unit != self.unit(role)) {
+            return Err(Error::parameter(name, unit, "must be a word of letters such as um, or %, or counts"));
+        }
         Ok(match scale {
             Some(scale) => {
                 let factor = scale.of(option, self.stated())?;

@@ -96,6 +96,12 @@ impl Table {
                 break;
             }
         }
+        for column in &mut table.columns {
+            // Words only: a remark.
+            if column.samples.iter().all(|sample| sample.is_nan()) {
+                column.samples = Vec::new();
+            }
+        }
         table.doubt_commas(dialect.separator);
         match stated {
             Some(rows) if table.count < rows => Err(Error::Content(format!(
@@ -164,10 +170,10 @@ impl Table {
             return;
         }
         for column in self.columns.iter_mut().filter(|column| separator != ';' || column.whole) {
-            if let (Some((',', line)), None) = (column.decimal, &column.flaw) {
+            if let (Some((',', line)), None) = (column.decimal, &column.doubt) {
                 let problem = "the comma before three digits may be a decimal comma (1,234 is 1.234) or stand between \
                                thousands (1234): write the numbers with a decimal point and without other marks";
-                column.flaw =
+                column.doubt =
                     Some(Error::Line { line, column: Some(shortened(&column.name)), problem: problem.into() });
             }
         }
@@ -253,39 +259,45 @@ fn without_numbers(text: &str) -> Error {
 }
 
 impl Column {
-    /// Reads one cell; ignores all cells after the first flaw.
+    /// Reads one cell. One that is not a number leaves a gap: a cut may leave out its row.
     fn take(&mut self, cell: &str, line: u64) {
-        if self.flaw.is_some() {
-            return;
+        let value = self.number(cell, line);
+        if value.is_none() && self.flaw.is_none() {
+            let column = Some(shortened(&self.name));
+            self.flaw = Some(Error::Line { line, column, problem: number::problem(cell) });
         }
-        let problem = match number::read(cell) {
-            Some((value, sign)) => {
-                // The point of a plain number is looked for until one is found.
-                let sign = sign.or_else(|| {
-                    (self.decimal.is_none_or(|(sign, _)| sign == ',') && cell.contains('.')).then_some('.')
-                });
-                match (self.decimal, sign) {
-                    (Some((known, above)), Some(sign)) if known != sign => number::mixed(cell, known, above),
-                    _ => {
-                        self.decimal = self.decimal.or(sign.map(|sign| (sign, line)));
-                        self.proven |= sign == Some(',') && !number::may_group(cell);
-                        self.whole |= sign.is_none() && value.abs() >= 1.0;
-                        return self.samples.push(value);
-                    }
-                }
-            }
-            None => match clock::read(cell).filter(|_| self.samples.is_empty() || self.clock.is_some()) {
-                Some(time) => {
-                    let days = self.clock.unwrap_or(0.0);
-                    let before = self.samples.last().copied().unwrap_or(time);
-                    let days = if time + days < before - clock::DAY / 2.0 { days + clock::DAY } else { days };
-                    self.clock = Some(days);
-                    return self.samples.push(time + days);
-                }
-                None => number::problem(cell),
-            },
+        self.samples.push(value.unwrap_or(f64::NAN));
+    }
+
+    /// The number in a cell.
+    fn number(&mut self, cell: &str, line: u64) -> Option<f64> {
+        let Some((value, sign)) = number::read(cell) else {
+            let timed = self.samples.is_empty() || self.clock.is_some();
+            return if timed { self.time_of_day(cell) } else { None };
         };
-        self.flaw = Some(Error::Line { line, column: Some(shortened(&self.name)), problem });
+        // The point of a plain number is looked for until one is found.
+        let sign =
+            sign.or_else(|| (self.decimal.is_none_or(|(sign, _)| sign == ',') && cell.contains('.')).then_some('.'));
+        if let (Some((known, above)), Some(sign)) = (self.decimal, sign)
+            && known != sign
+        {
+            let problem = number::mixed(cell, known, above);
+            self.doubt.get_or_insert(Error::Line { line, column: Some(shortened(&self.name)), problem });
+        }
+        self.decimal = self.decimal.or(sign.map(|sign| (sign, line)));
+        self.proven |= sign == Some(',') && !number::may_group(cell);
+        self.whole |= sign.is_none() && value.abs() >= 1.0;
+        Some(value)
+    }
+
+    /// The time of day in a cell [s], with the days that have passed.
+    fn time_of_day(&mut self, cell: &str) -> Option<f64> {
+        let time = clock::read(cell)?;
+        let days = self.clock.unwrap_or(0.0);
+        let before = self.samples.iter().rfind(|time| time.is_finite()).copied().unwrap_or(time);
+        let days = if time + days < before - clock::DAY / 2.0 { days + clock::DAY } else { days };
+        self.clock = Some(days);
+        Some(time + days)
     }
 }
 
@@ -363,17 +375,15 @@ mod tests {
 
     #[test]
     fn a_cell_that_is_no_number_is_refused_with_its_place() {
-        assert_eq!(third("0.2,abc,4"), "line 4, column u_V: `abc` is not a number");
-        assert_eq!(third("0.2,3,"), "line 4, column y_um: the cell is empty: every row needs a number here");
-        assert_eq!(
-            third("0.2,3,NaN"),
-            "line 4, column y_um: `NaN` is not a finite number: repair the sample, or end the record above this line"
-        );
+        let cut = "repair it in the file, or cut the record to the longer part without it: give `to` = 0.2";
+        assert_eq!(third("0.2,abc,4"), format!("line 4, column u_V: `abc` is not a number: {cut}"));
+        assert_eq!(third("0.2,3,"), format!("line 4, column y_um: the cell is empty: {cut}"));
+        assert_eq!(third("0.2,3,NaN"), format!("line 4, column y_um: `NaN` is not a finite number: {cut}"));
         assert!(third("0.2,-inf,4").starts_with("line 4, column u_V: `-inf` is not a finite number"));
         assert!(third("12:30:01,3,4").starts_with("line 4, column t_s: `12:30:01` is not a number"));
         assert!(third("0.2,\"3,5\",4").contains("a decimal comma, but line 3 has a decimal point in `t_s`"));
         let long = third(&format!("0.2,{},4", "x".repeat(100_000)));
-        assert!(long.contains("xxx... (100000 characters)") && long.len() < 150, "{long}");
+        assert!(long.contains("xxx... (100000 characters)") && long.len() < 200, "{long}");
     }
 
     #[test]
@@ -462,7 +472,8 @@ mod tests {
     fn lines_are_counted_alike_whatever_ends_them() {
         let file = "# rig\n\nt_s,u_V,y_um\n0,1,2\n0.1,x,3\n";
         for end in ["\n", "\r\n", "\r"] {
-            assert_eq!(refusal(&file.replace('\n', end)), "line 5, column u_V: `x` is not a number");
+            let refused = refusal(&file.replace('\n', end));
+            assert_eq!(refused, "line 5, column u_V: `x` is not a number: repair it in the file");
         }
     }
 

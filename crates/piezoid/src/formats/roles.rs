@@ -18,6 +18,9 @@ use super::words::{INPUT, OTHER, OUTPUT, REQUESTED, TIME};
 use crate::Error;
 use serde_json::Value;
 
+/// Number of rows from which on the course of a column tells what it may be.
+const ROWS: usize = 10;
+
 /// The role of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Role {
@@ -135,7 +138,11 @@ impl Role {
     /// True if it makes no difference which of two columns is taken.
     fn is_same(self, a: &Column, b: &Column) -> bool {
         let linked = a.name != b.name && a.leaf() == b.leaf() && a.stated() == b.stated() && a.has_numbers();
-        a.samples == b.samples && (self == Role::Time || linked)
+        // A gap is no number, which equals nothing.
+        let equal = |(a, b): (&f64, &f64)| a == b || a.is_nan() && b.is_nan();
+        a.samples.len() == b.samples.len()
+            && a.samples.iter().zip(&b.samples).all(equal)
+            && (self == Role::Time || linked)
     }
 
     /// The column of the table with this role.
@@ -195,12 +202,20 @@ pub(super) enum Missing<'a> {
 
 impl Missing<'_> {
     /// One error about all that is missing, with the options that say it.
-    pub(super) fn error(mut all: Vec<Missing<'_>>, table: &Table) -> Error {
+    pub(super) fn error(mut all: Vec<Missing<'_>>, table: &Table, selection: &ColumnSelection) -> Error {
         if let Some(at) = all.iter().position(|missing| matches!(missing, Missing::Wrong(_)))
             && let Missing::Wrong(error) = all.swap_remove(at)
         {
             return error;
         }
+        // What has a role is not proposed for another.
+        let roles = [Role::Time, Role::Input, Role::Output];
+        let has_role: Vec<&Column> = roles.iter().filter_map(|role| role.find(table, selection).ok()).collect();
+        let likely = |column: &Column| {
+            let free = !has_role.iter().any(|other| std::ptr::eq(*other, column));
+            free && !column.has_word(TIME) && !column.has_word(OTHER) && column.is_signal()
+        };
+        let time = table.columns.iter().find(|column| column.is_uniform_time()).map(|column| table.title(column));
         match &all[..] {
             // A name that stands twice cannot be chosen by name.
             [Missing::Several(role, several)] if several.windows(2).all(|pair| pair[0].name == pair[1].name) => {
@@ -212,12 +227,14 @@ impl Missing<'_> {
             [Missing::Several(role, several)] => {
                 let names = listed(several.iter().map(|column| &*column.name));
                 let problem = format!("{names} could each be the {}; choose one: ", role.what());
+                let first = several.iter().find(|column| *role == Role::Time || likely(column));
                 Error::Line { line: table.header, column: None, problem }
-                    .advised(vec![(role.option(), several.first().map_or(Value::Null, |c| c.name.clone().into()))])
+                    .advised(vec![(role.option(), first.map_or(Value::Null, |c| c.name.clone().into()))])
             }
             [Missing::None(Role::Time, _)] => {
                 let wrong = format!("there is no time column: expected {}", Role::Time.expected());
-                let options = vec![("ts", Value::Null), ("fs", Value::Null), ("time_col", Value::Null)];
+                let unknown = vec![("ts", Value::Null), ("fs", Value::Null), ("time_col", Value::Null)];
+                let options = time.map_or(unknown, |time| vec![("time_col", time.into())]);
                 table.about_names(&wrong, "; ").advised(options)
             }
             [Missing::None(role, free)] => {
@@ -227,7 +244,7 @@ impl Missing<'_> {
                     let other = if *role == Role::Input { Role::Output } else { Role::Input };
                     other.candidates(free).iter().any(|taken| std::ptr::eq(*taken, **column))
                 };
-                let mut likely = free.iter().filter(|c| !c.has_word(OTHER) && c.has_numbers()).filter(|c| !taken(c));
+                let mut likely = free.iter().filter(|column| likely(column) && !taken(column));
                 let name = likely.next().map_or(Value::Null, |column| table.title(column).into());
                 table.about_names(&wrong, "; ").advised(vec![(role.option(), name)])
             }
@@ -240,15 +257,26 @@ impl Missing<'_> {
                 let whats: Vec<&str> = roles.iter().map(|role| role.what()).collect();
                 let problem = format!("which is the {} cannot be told", whats.join(", and which the "));
                 // The example takes the columns in their order, which the user corrects.
-                let mut free =
-                    table.columns.iter().filter(|c| c.has_numbers() && !c.has_word(TIME) && !c.has_word(OTHER));
-                let mut option = |role: &Role| match role {
-                    Role::Time => ("ts", Value::Null),
-                    role => (role.option(), free.next().map_or(Value::Null, |column| table.title(column).into())),
+                let likely: Vec<String> = table.columns.iter().filter(|c| likely(c)).map(|c| table.title(c)).collect();
+                let wanted = roles.iter().filter(|role| **role != Role::Time).count();
+                let mut names = if likely.len() < wanted { [].iter() } else { likely.iter() };
+                let mut option = |role: &Role| match (role, &time) {
+                    (Role::Time, Some(time)) => (role.option(), time.clone().into()),
+                    (Role::Time, None) => ("ts", Value::Null),
+                    _ => (role.option(), names.next().map_or(Value::Null, |name| name.clone().into())),
                 };
-                table
-                    .about_names(&problem, "; if this is their order, ")
-                    .needing(roles.iter().map(&mut option).collect())
+                let options = roles.iter().map(&mut option).collect();
+                let remedy = if likely.len() >= wanted && wanted > 1 { "; if this is their order, " } else { "; " };
+                let error = match &likely[..] {
+                    [one, other] if wanted == 2 => {
+                        let line = if table.header > 0 { table.header } else { table.first };
+                        let problem =
+                            format!("{problem}: {} and {} could be either{remedy}", quoted(one), quoted(other));
+                        Error::Line { line, column: None, problem }
+                    }
+                    _ => table.about_names(&problem, remedy),
+                };
+                error.needing(options)
             }
         }
     }
@@ -297,14 +325,82 @@ impl Column {
     }
 
     fn has_numbers(&self) -> bool {
-        self.flaw.is_none() && !self.samples.is_empty()
+        let numbers = self.samples.iter().filter(|sample| sample.is_finite()).count();
+        // Remarks may hold some numbers too.
+        self.doubt.is_none() && numbers > 0 && 2 * numbers >= self.samples.len()
+    }
+
+    /// True if this may be a voltage or a displacement: it measures nothing else, does not increase evenly as times and
+    /// numbers of rows do, and has more than the two levels of a trigger. A few rows tell nothing.
+    fn is_signal(&self) -> bool {
+        let other = matches!(self.quantity(), Some(Quantity::Time(_) | Quantity::Other)) && !self.is_raw();
+        let numbers: Vec<f64> = self.samples.iter().copied().filter(|sample| sample.is_finite()).collect();
+        let second = numbers.iter().find(|sample| **sample != numbers[0]);
+        let levels = numbers.iter().any(|sample| *sample != numbers[0] && Some(sample) != second);
+        self.has_numbers() && !other && (numbers.len() < ROWS || levels && !is_even(&numbers))
     }
 
     /// True if these are the stamps of a time: they increase evenly, and not by a whole number as numbers of rows do.
     fn is_uniform_time(&self) -> bool {
-        let step = |pair: &[f64]| pair[1] - pair[0];
-        let Some(first) = self.samples.windows(2).map(step).next() else { return false };
-        let even = self.samples.windows(2).map(step).all(|d| (d - first).abs() <= 0.01 * first);
-        first > 0.0 && first.fract() != 0.0 && even
+        let step = self.samples.windows(2).map(|pair| pair[1] - pair[0]).next();
+        step.is_some_and(|step| step.fract() != 0.0) && is_even(&self.samples)
+    }
+}
+
+/// True if these numbers increase evenly.
+fn is_even(numbers: &[f64]) -> bool {
+    let steps = || numbers.windows(2).map(|pair| pair[1] - pair[0]);
+    steps().next().is_some_and(|first| first > 0.0 && steps().all(|step| (step - first).abs() <= 0.01 * first))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The refusal of a file with this head, whose 50 rows `row` writes.
+    fn refusal(head: &str, row: impl Fn(f64) -> String) -> String {
+        let rows: String = (0..50).map(|k| row(f64::from(k)) + "\n").collect();
+        let table = Table::parse(format!("{head}{rows}").as_bytes()).unwrap();
+        table.record(&ColumnSelection::default()).unwrap_err().to_string()
+    }
+
+    /// A time, a trigger, a voltage and a displacement.
+    fn cells(k: f64) -> [String; 4] {
+        let trigger = if k % 10.0 < 3.0 { 5.0 } else { 0.0 };
+        [
+            format!("{:.4}", k * 5e-4),
+            format!("{trigger}"),
+            format!("{}", (0.3 * k).sin()),
+            format!("{}", (0.3 * k).cos()),
+        ]
+    }
+
+    #[test]
+    fn neither_time_nor_row_numbers_nor_triggers_are_proposed() {
+        let unnamed = refusal("", |k| [0, 2, 3].map(|c| cells(k)[c].clone()).join(" "));
+        assert_eq!(
+            unnamed,
+            "line 1: which is the input, and which the output cannot be told: `2` and `3` could be either; if this is \
+             their order, give `input_col` = \"2\", `output_col` = \"3\""
+        );
+        let trigger = refusal("time,CH1,CH2,CH3\n", |k| cells(k).join(","));
+        assert!(trigger.contains("`CH2` and `CH3` could be either"), "{trigger}");
+        assert!(trigger.ends_with("give `input_col` = \"CH2\", `output_col` = \"CH3\""), "{trigger}");
+        let rows = refusal("time,no,CH1,CH2\n", |k| format!("{},{k},{},{}", cells(k)[0], cells(k)[2], cells(k)[3]));
+        assert!(rows.ends_with("give `input_col` = \"CH1\", `output_col` = \"CH2\""), "{rows}");
+        let rigol = refusal("X,CH1,CH2,Start,Increment,\nSequence,VOLT,VOLT,-5e-1,1e-4\n", |k| {
+            format!("{k},{},{},,", cells(k)[2], cells(k)[3])
+        });
+        assert!(rigol.contains("`CH1` and `CH2` could be either"), "{rigol}");
+        let volts = refusal("t_s,A (V),B (V),y_um\n", |k| cells(k).join(","));
+        assert!(volts.ends_with("choose one: give `input_col` = \"B (V)\""), "{volts}");
+    }
+
+    #[test]
+    fn fewer_signals_than_roles_are_not_proposed() {
+        let one = refusal("", |k| [0, 2].map(|c| cells(k)[c].clone()).join(" "));
+        assert!(one.ends_with("numbers from 1 to 2; give `input_col`, `output_col`"), "{one}");
+        let other = refusal("arr_0,piezo_hv,capsens\n", |k| [0, 2, 3].map(|c| cells(k)[c].clone()).join(","));
+        assert!(other.ends_with("give `output_col` = \"capsens\", `time_col` = \"arr_0\""), "{other}");
     }
 }

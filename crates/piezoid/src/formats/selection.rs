@@ -1,5 +1,6 @@
 //! What the user says about the columns of a data file: which is which, in which units, at which rate.
 
+use super::roles::Role;
 use super::units;
 use crate::error::{Error, positive};
 use crate::options::{OptionKind, OptionRow, Options, options};
@@ -90,6 +91,16 @@ impl ColumnSelection {
             from: self.from.or(other.from),
             to: self.to.or(other.to),
         }
+    }
+
+    /// The unit that the user states for the numbers of the file in this role; a scale states that of its result.
+    pub(super) fn stated_unit(&self, role: Role) -> Option<String> {
+        let unit = match role {
+            Role::Time => self.time_unit.as_ref(),
+            Role::Input => self.input_unit.as_ref().filter(|_| self.input_scale.is_none()),
+            Role::Output | Role::Reference => self.output_unit.as_ref().filter(|_| self.output_scale.is_none()),
+        };
+        unit.map(|unit| units::written(unit))
     }
 
     /// The selected range of `n` samples.

@@ -1,24 +1,23 @@
 //! A table: the content of a file before the meaning of its columns is known. It has names, and numbers below them.
 //!
 //! A column that contains more than numbers (remarks, gaps) is an error only if it is used: its first flaw is stored
-//! and becomes the error. A table does not interpolate, resample or repair.
+//! and becomes the error. A table does not repair; it interpolates only where it is asked for a sampling period.
 
+mod even;
+mod rows;
 mod told;
 
 use super::column::Column;
 use super::quote::{listed, quoted, shortened};
 use super::roles::{Missing, Role};
 use super::selection::ColumnSelection;
-use super::time;
-use super::units::Quantity;
 use crate::error::Error;
 use crate::record::{Record, Units};
-use serde_json::Value;
+use even::Even;
+use std::ops::Range;
 
 /// Relative deviation of the mean step from a stated period that is rounding.
 const ROUNDED: f64 = 0.01;
-/// Relative deviation of the stamps from a stated period that is the rounding of the stamps.
-const NOMINAL: f64 = 1e-5;
 /// Steps [s] from which on a time without a unit may be in milliseconds, or be the numbers of samples.
 const SLOW: f64 = 0.1;
 
@@ -129,10 +128,17 @@ impl Table {
     /// Returns an error if a column is missing or ambiguous, if a cell in a used column is not a finite number, or if
     /// the time is uneven.
     pub fn record(&self, selection: &ColumnSelection) -> Result<Record, Error> {
-        let (ts, [u, y]) = self.sampled([Role::Input, Role::Output], selection)?;
+        self.resampled(selection, None)
+    }
+
+    /// Like [`record`](Table::record); uneven times are allowed if the record is resampled to a sampling period [s]:
+    /// see [`even`].
+    pub(crate) fn resampled(&self, selection: &ColumnSelection, resample: Option<f64>) -> Result<Record, Error> {
+        let ([u, y], step) = self.sampled([Role::Input, Role::Output], selection, resample)?;
         let units = Units { u: u.unit, y: y.unit };
-        let record = Record::new(ts, u.samples, y.samples)?.with_units(units);
-        Ok(self.steps.iter().cloned().chain(self.history(selection)).fold(record, Record::with_step))
+        let record = Record::new(u.ts, u.samples, y.samples)?.with_units(units);
+        let steps = self.steps.iter().cloned().chain(self.history(selection)).chain(step);
+        Ok(steps.fold(record, Record::with_step))
     }
 
     /// The input alone; the file need not have an output.
@@ -140,7 +146,7 @@ impl Table {
     /// # Errors
     /// The errors of [`record`](Table::record).
     pub fn input(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
-        self.sampled([Role::Input], selection).map(|(_, [u])| u)
+        self.sampled([Role::Input], selection, None).map(|([u], _)| u)
     }
 
     /// A reference; the file need not have an input. It is the only `r_*`, or if there is none, the output.
@@ -151,7 +157,7 @@ impl Table {
         let any = |prefix| self.names().any(|name| name.starts_with(prefix));
         let said = selection.output_col.is_none() && (any("r_") || !any("y_"));
         let role = if said { Role::Reference } else { Role::Output };
-        self.sampled([role], selection).map(|(_, [r])| r)
+        self.sampled([role], selection, None).map(|([r], _)| r)
     }
 
     /// True if something tells the times of the rows: the selection, a column, or the format.
@@ -160,20 +166,23 @@ impl Table {
         own || selection.period() != Ok(None) || Role::Time.find(self, selection).is_ok()
     }
 
-    /// The sampling period [s], and the columns with these roles, which have no flaw.
+    /// The columns with these roles, which have no flaw, and how they were made even if they were not.
     fn sampled<const N: usize>(
         &self,
         roles: [Role; N],
         selection: &ColumnSelection,
-    ) -> Result<(f64, [Signal; N]), Error> {
-        self.found(roles, selection).map_err(|error| if self.first > 0 { error } else { self.without_lines(error) })
+        resample: Option<f64>,
+    ) -> Result<([Signal; N], Option<String>), Error> {
+        self.found(roles, selection, resample)
+            .map_err(|error| if self.first > 0 { error } else { self.without_lines(error) })
     }
 
     fn found<const N: usize>(
         &self,
         roles: [Role; N],
         selection: &ColumnSelection,
-    ) -> Result<(f64, [Signal; N]), Error> {
+        resample: Option<f64>,
+    ) -> Result<([Signal; N], Option<String>), Error> {
         let mut needed = Vec::with_capacity(N + 1);
         let mut missing = Vec::new();
         let mut look = |role: Role, needed: &mut Vec<_>| match role.find(self, selection) {
@@ -193,11 +202,10 @@ impl Table {
             look(Role::Time, &mut needed);
         }
         if !missing.is_empty() {
-            return Err(Missing::error(missing, self));
+            return Err(Missing::error(missing, self, selection));
         }
         self.usable(&needed)?;
         if needed.len() == count {
-            self.is_one_record(selection)?;
             let differs = |column: &&&Column| stated.is_none() && column.ts.is_some() && column.ts != own;
             if let (Some(other), Some(own)) = (needed.iter().find(differs), own) {
                 let [first, other, ts] =
@@ -207,31 +215,50 @@ impl Table {
                 return Err(Error::Content(problem));
             }
         }
-        let ts = match (stated, needed.get(count)) {
-            (Some(ts), _) => ts,
-            (None, Some(time)) => self.period(time, selection, own)?,
-            (None, None) => own.unwrap_or_default(),
+        let n = needed[0].samples.len();
+        let rows = match (stated, needed.get(count)) {
+            (Some(ts), _) => self.cut(ts, selection, n)?,
+            (None, Some(time)) => self.timed(time, selection, own, resample.is_some())?,
+            (None, None) => self.cut(own.unwrap_or_default(), selection, n)?,
         };
-        let part = selection.part(ts, needed[0].samples.len())?;
+        let at = |row: usize| match (rows.unit, needed.get(count)) {
+            (Some(unit), Some(time)) => rows::elapsed(&time.samples, unit, row),
+            _ => row as f64 * rows.ts,
+        };
+        self.finite(&needed, &rows.range, &at)?;
+        if needed.len() == count {
+            self.is_one_record(selection, &rows.range)?;
+        }
+        let even = rows.stamps.as_deref().map(|stamps| Even::over(stamps, rows.ts, resample, at(rows.range.start)));
+        let even = even.transpose()?;
         let mut signals = Vec::with_capacity(N);
         for (role, column) in roles.into_iter().zip(&needed) {
             let (unit, factor) = column.unit_and_factor(role, selection)?;
-            let samples = &column.samples[part.clone()];
-            let samples = if factor == 1.0 { samples.to_vec() } else { samples.iter().map(|v| v * factor).collect() };
-            signals.push(Signal { ts, samples, unit });
+            let mut samples = column.samples[rows.range.clone()].to_vec();
+            if factor != 1.0 {
+                samples.iter_mut().for_each(|sample| *sample *= factor);
+            }
+            if let Some(even) = &even {
+                samples = even.interpolated(&samples);
+            }
+            signals.push(Signal { ts: even.as_ref().map_or(rows.ts, |even| even.ts), samples, unit });
         }
         // As many signals as roles.
         let signals = signals.try_into().map_err(|_| Error::Content("a column is missing".into()))?;
-        Ok((ts, signals))
+        Ok((signals, even.map(|even| even.step)))
     }
 
-    /// Returns an error if the names stand again between the rows, and no time tells that the record goes on there.
-    fn is_one_record(&self, selection: &ColumnSelection) -> Result<(), Error> {
+    /// Returns an error if the names stand again between these rows, and no time tells that the record goes on there.
+    fn is_one_record(&self, selection: &ColumnSelection, rows: &Range<usize>) -> Result<(), Error> {
         let time = Role::Time.find(self, selection).ok();
         let goes_on = |row: usize| {
             time.is_some_and(|time| row > 0 && matches!(time.samples.get(row - 1..=row), Some([a, b]) if a < b))
         };
-        match self.again.iter().find(|row| **row < self.count && !goes_on(**row)) {
+        match self
+            .again
+            .iter()
+            .find(|row| rows.contains(row) && (rows.contains(&row.wrapping_sub(1)) || **row == 0) && !goes_on(**row))
+        {
             None => Ok(()),
             Some(row) => Err(Error::Line {
                 line: self.line(*row) - 1,
@@ -243,51 +270,8 @@ impl Table {
         }
     }
 
-    /// The sampling period [s] of a time column.
-    fn period(&self, time: &Column, selection: &ColumnSelection, stated: Option<f64>) -> Result<f64, Error> {
-        let line = |row: usize| self.line(row);
-        let seconds = match (selection.seconds()?, time.quantity()) {
-            (Some(seconds), _) | (None, Some(Quantity::Time(seconds))) => Some(seconds),
-            _ => None,
-        };
-        let unclear = |problem: String| {
-            let error = Error::Line { line: self.header, column: Some(shortened(&time.name)), problem };
-            Err(error.advised(vec![("time_unit", Value::Null), ("fs", Value::Null)]))
-        };
-        if let Some(unit) = time.stated().filter(|_| seconds.is_none()) {
-            return unclear(format!("the unit {} of the time is not known: ", quoted(unit)));
-        }
-        // A stated rate tells the unit of a time without one.
-        let mean = time::mean(&time.samples);
-        let agrees = |unit: &f64| stated.is_some_and(|ts| (mean * unit / ts - 1.0).abs() < ROUNDED);
-        let seconds = seconds.or_else(|| [1.0, 1e-3, 1e-6, 1e-9].into_iter().find(agrees));
-        let scaled = |unit: f64| time.samples.iter().map(|t| t * unit).collect::<Vec<_>>();
-        let found = time::period(&time.samples, &shortened(&time.name), &line).map_err(|error| match seconds {
-            // The message is in seconds.
-            Some(unit) if unit != 1.0 => {
-                time::period(&scaled(unit), &shortened(&time.name), &line).err().unwrap_or(error)
-            }
-            _ => error,
-        });
-        // Rounded stamps are no error if the file states the period that they mean.
-        let found = match (found, stated) {
-            (Err(_), Some(ts)) if time::rounds(&time.samples, ts / seconds.unwrap_or(1.0)) => return Ok(ts),
-            (found, _) => found?,
-        };
-        let found_seconds = seconds.map(|seconds| time::times(found, seconds));
-        if let (Some(found), Some(stated)) = (found_seconds, stated)
-            && (found / stated - 1.0).abs() < NOMINAL
-        {
-            return Ok(stated);
-        }
-        match found_seconds {
-            Some(found) => Ok(found),
-            None if found < SLOW || time.name == "t_s" => Ok(found),
-            None => unclear(format!("the unit of the time is not stated, and its steps are {found}: ")),
-        }
-    }
-
-    /// Returns an error if a column is used twice, if it has a flaw, or if the decimal separators of columns differ.
+    /// Returns an error if a column is used twice, if its numbers are in doubt, or if the decimal separators of columns
+    /// differ.
     fn usable(&self, needed: &[&Column]) -> Result<(), Error> {
         for (i, column) in needed.iter().enumerate() {
             if needed[..i].iter().any(|earlier| std::ptr::eq(*earlier, *column)) {
@@ -297,8 +281,9 @@ impl Table {
                     problem: "chosen twice: time, input and output must be different columns".into(),
                 });
             }
-            if let Some(flaw) = &column.flaw {
-                return Err(flaw.clone());
+            let wordy = column.flaw.as_ref().filter(|_| column.samples.is_empty());
+            if let Some(error) = column.doubt.as_ref().or(wordy) {
+                return Err(error.clone());
             }
             let first = needed[0];
             if column.samples.len() != first.samples.len() {
@@ -433,6 +418,28 @@ mod tests {
         let record = table.record(&selection).unwrap();
         assert_eq!((record.u(), record.y()), (&[1.0, 2.0][..], &[2.0, 3.0][..]));
         assert_eq!(record.units(), &Units { u: "V".into(), y: "nm".into() });
+    }
+
+    #[test]
+    fn a_stated_unit_that_the_file_contradicts_is_told_and_one_that_is_none_refused() {
+        let table = parsed("t (s),u (V),y (um)\n0,1,2\n1e-3,2,3\n");
+        let said = |unit: &str| ColumnSelection { output_unit: Some(unit.into()), ..ColumnSelection::default() };
+        let record = table.record(&said("nm")).unwrap();
+        assert_eq!((record.y(), &*record.units().y), (&[2.0, 3.0][..], "nm"));
+        let told = "unit of the output nm as stated, the file says um";
+        assert!(record.history().iter().any(|step| step == told), "{:?}", record.history());
+        assert_eq!(table.described(&said("nm"))[2]["unit"], "nm");
+        for agrees in ["um", "\u{b5}m"] {
+            assert_eq!(table.record(&said(agrees)).unwrap().history().len(), 1, "{agrees}");
+        }
+        let millis = ColumnSelection { time_unit: Some("ms".into()), ..ColumnSelection::default() };
+        let record = table.record(&millis).unwrap();
+        assert!(record.history().iter().any(|step| step == "unit of the time ms as stated, the file says s"));
+        assert_eq!(table.record(&said("furlong")).unwrap().units().y, "furlong");
+        for none in ["", "5", "12um", "--"] {
+            let refused = table.record(&said(none)).unwrap_err().to_string();
+            assert!(refused.ends_with("must be a word of letters such as um, or %, or counts"), "{refused}");
+        }
     }
 
     #[test]

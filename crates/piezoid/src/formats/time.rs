@@ -6,13 +6,15 @@
 //! ```
 //! Stamps are decimal numbers that are read as binary ones: multiples of 0.0005 give a quotient of
 //! 5.000000000000001e-4. The period is the shortest decimal number that fits the stamps as well as the quotient does.
-//! Nothing is resampled.
+//! Nothing is resampled here.
 
 use crate::Error;
 use serde_json::Value;
 
 /// Allowed deviation from the median step, relative to it.
 const UNEVEN: f64 = 0.01;
+/// Longest step that may be bridged by interpolation, in median steps.
+pub(super) const GAP: f64 = 10.0;
 /// Relative difference of sampling periods that is rounding, as of a period beside its rate.
 const AGREED: f64 = 1e-3;
 
@@ -38,6 +40,13 @@ pub(super) fn period(t: &[f64], name: &str, line: &dyn Fn(usize) -> u64) -> Resu
         None => Ok(meant(t, mean)),
         Some(k) => refused(k + 1, uneven(&steps, k, median, mean)),
     }
+}
+
+/// The median step of times that increase, however unevenly.
+pub(super) fn step(t: &[f64]) -> Option<f64> {
+    let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let increases = !steps.is_empty() && steps.iter().all(|step| *step > 0.0);
+    increases.then(|| median(steps))
 }
 
 /// The first of these periods, unless another differs by more than rounding.
@@ -111,12 +120,24 @@ fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> (String, Option<Va
     let missing = (steps[k] / median).round() - 1.0;
     if missing >= 1.0 && 4 * count <= all {
         let rows = if missing == 1.0 { "1 row seems".into() } else { format!("{missing} rows seem") };
-        (found + &format!("{rows} to be missing; split the file here, or resample it evenly"), None)
+        let bridge = match missing < GAP {
+            true => format!(", or, to bridge the gap by a straight line, {}", resampling(median)),
+            false => String::new(),
+        };
+        (found + &format!("{rows} to be missing; cut the record or split the file here{bridge}"), None)
     } else {
-        let problem = "resample the record evenly, or, if the samples are evenly spaced and only the time stamps are \
-                       rounded, ";
-        (found + problem, Some(rounded(mean, 6).into()))
+        let problem = format!(
+            "to interpolate the record evenly, {}; if the samples are evenly spaced and only the time stamps are \
+             rounded, ",
+            resampling(mean)
+        );
+        (found + &problem, Some(rounded(mean, 6).into()))
     }
+}
+
+/// What makes times with about this step even.
+fn resampling(step: f64) -> String {
+    format!("use `prepare` with the option resample = {}", rounded(step, 3))
 }
 
 /// The period that the stamps represent, from their mean step.
@@ -134,7 +155,7 @@ fn meant(t: &[f64], mean: f64) -> f64 {
 }
 
 /// The nearest number with this many significant digits, at least one.
-fn rounded(x: f64, digits: usize) -> f64 {
+pub(super) fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
 }
 
@@ -190,7 +211,8 @@ mod tests {
         assert_eq!(
             refusal(&[0.0, 0.005, 0.01, 0.025, 0.03]),
             "line 5, column t_s: the step to this row is 0.015 s, not 0.005 s (the median) within 1 % (uneven steps: 1 \
-             of 4): 2 rows seem to be missing; split the file here, or resample it evenly"
+             of 4): 2 rows seem to be missing; cut the record or split the file here, or, to bridge the gap by a \
+             straight line, use `prepare` with the option resample = 0.005"
         );
         assert!(refusal(&[0.0, 0.005, 0.01, 0.02, 0.025]).contains("1 row seems to be missing"));
     }
@@ -199,7 +221,7 @@ mod tests {
     fn rough_stamps_are_told_about_ts() {
         assert_eq!(
             refusal(&[0.0, 0.0003, 0.0007, 0.001]),
-            "line 4, column t_s: the step to this row is 0.0004 s, not 0.0003 s (the median) within 1 % (uneven steps: 1 of 3): resample the record evenly, or, if the samples are evenly spaced and only the time stamps are rounded, give `ts` = 0.000333333"
+            "line 4, column t_s: the step to this row is 0.0004 s, not 0.0003 s (the median) within 1 % (uneven steps: 1 of 3): to interpolate the record evenly, use `prepare` with the option resample = 0.000333; if the samples are evenly spaced and only the time stamps are rounded, give `ts` = 0.000333333"
         );
         assert!(refusal(&[0.0, 0.001, 0.003, 0.004, 0.006, 0.007]).ends_with("give `ts` = 0.0014"));
     }

@@ -92,6 +92,12 @@ pub(super) fn known(text: &str) -> Option<(String, Quantity)> {
     None
 }
 
+/// True if this may be a unit: it is known, or made of words of letters (`furlong`, `um/V`, `kg m^2`, `a.u.`).
+pub(super) fn is_word(text: &str) -> bool {
+    let part = |c: char| c.is_alphanumeric() || "./^*- \u{b0}\u{b2}\u{b3}\u{b7}".contains(c);
+    known(text).is_some() || text.starts_with(char::is_alphabetic) && text.chars().all(part)
+}
+
 /// A unit as it is written here; one that is not known stays as it is.
 pub(super) fn written(text: &str) -> String {
     known(text).map_or_else(|| crate::record::plain(&shortened(text.trim())), |(unit, _)| unit)
@@ -165,6 +171,16 @@ mod tests {
         assert_eq!(known("ms"), Some(("ms".into(), Quantity::Time(1e-3))));
         assert_eq!(known("urad").map(|(_, quantity)| quantity), Some(Quantity::Displacement));
         assert_eq!(known("furlong"), None);
+    }
+
+    #[test]
+    fn a_unit_is_a_word_of_letters() {
+        for unit in ["furlong", "%", "counts", "a.u.", "um/V", "m/s^2", "\u{b0}"] {
+            assert!(is_word(unit), "{unit}");
+        }
+        for unit in ["", "5", "-", "12um", "#", "u,m", "\u{7}"] {
+            assert!(!is_word(unit), "{unit}");
+        }
     }
 
     #[test]

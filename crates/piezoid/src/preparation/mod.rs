@@ -27,6 +27,7 @@ mod repair;
 mod tests;
 
 use crate::error::Error;
+use crate::number::exact;
 use crate::options::{OptionKind, OptionRow, options};
 use crate::record::Record;
 use kernel::Ends;
@@ -77,7 +78,7 @@ options! {
         delay: Option<f64> = None, OptionRow::number("s");
         /// Keep one of this many samples, after an anti-alias filter.
         decimate: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, u64::MAX));
-        /// New sampling period, by band-limited interpolation.
+        /// New sampling period, by band-limited interpolation; uneven times of a file are made even first.
         resample: Option<f64> = None, OptionRow::positive("s");
     }
 }
@@ -122,7 +123,7 @@ impl PrepareOptions {
         let units = record.units();
         let all = [("input", self.input_offset, &units.u), ("output", self.output_offset, &units.y)];
         let steps = all.iter().filter(|(_, offset, _)| *offset != 0.0);
-        let steps = steps.map(|(what, offset, unit)| format!("{offset} {unit} added to the {what}"));
+        let steps = steps.map(|(what, offset, unit)| format!("{} {unit} added to the {what}", exact(*offset)));
         let by = |x: &[f64], offset: f64| x.iter().map(|x| x + offset).collect();
         let (u, y) = (by(record.u(), self.input_offset), by(record.y(), self.output_offset));
         Ok(steps.fold(record.with_samples(record.ts(), u, y)?, Record::with_step))

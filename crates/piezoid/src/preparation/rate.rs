@@ -3,7 +3,7 @@
 
 use super::kernel::{Ends, KEPT, Kernel};
 use crate::error::Error;
-use crate::number::round;
+use crate::number::{exact, round};
 use crate::record::Record;
 
 /// A multiple of a sample, up to this rounding.
@@ -49,7 +49,7 @@ pub(super) fn resampled(record: &Record, ts: f64, ends: Ends) -> Result<Record, 
     }
     if count > MOST {
         let least = round(n * record.ts() / MOST);
-        return refused(format!("the record would have {count:.0} samples: choose {least} s or more"));
+        return refused(format!("the record would have {} samples: choose {least} s or more", exact(count.round())));
     }
     if (count - count.round()).abs() > ROUNDED * count {
         let period = round(record.duration());

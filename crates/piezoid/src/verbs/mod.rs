@@ -8,6 +8,7 @@ mod excite;
 mod identify;
 mod inspect;
 mod plan;
+mod prepare;
 mod same_actuator;
 mod simulate;
 mod validate;

@@ -83,7 +83,10 @@ impl Head {
                 // Twice as many cells as names: decimal commas between commas, which is an error of the rows.
                 let halved = dialect.separator == ',' && 2 * cells.len() == width;
                 let fits = cells.len() >= width || numbered && cells.len() + 1 == width || halved;
-                let words = cells.iter().take(width).all(|cell| cell.is_empty() || !number::looks_numeric(cell));
+                // Keysight's scopes name channels by numbers: `x-axis,1,2` above `second,Volt,Volt`.
+                let numbers = !head.units.is_empty() && are_channels(&cells[..width.min(cells.len())]);
+                let words =
+                    numbers || cells.iter().take(width).all(|cell| cell.is_empty() || !number::looks_numeric(cell));
                 // The last columns may have no unit.
                 let short = filled > 1 && cells.len() < width;
                 if (fits || short) && head.units.is_empty() && are_units(&cells[..width.min(cells.len())]) {
@@ -100,6 +103,13 @@ impl Head {
         }
         let texts: Vec<&str> = lines.iter().map(|(_, line)| uncommented(line)).collect();
         head.ts = period(&texts, dialect).or_else(|| head.increment());
+        // Rigol's scopes state `Start,Increment` beside the channels, with numbers in place of units and rows.
+        while head.names.len() > width
+            && head.units.get(head.names.len() - 1).is_some_and(|u| number::read(u).is_some())
+        {
+            head.names.pop();
+        }
+        head.units.truncate(head.names.len().max(width));
         // Above the numbers of rows nothing stands, not even a separator.
         if head.names.len() + 1 == width {
             head.names.insert(0, String::new());
@@ -196,6 +206,12 @@ fn are_units(cells: &[String]) -> bool {
     let known = |cell: &String| units::known(unbracketed(cell)).is_some();
     let unit = |cell: &String| cell.is_empty() || known(cell) || unbracketed(cell) != cell.as_str();
     cells.iter().any(known) && cells.iter().all(unit)
+}
+
+/// True if these cells are the word of the time and the numbers of channels.
+fn are_channels(cells: &[String]) -> bool {
+    let numbered = |cell: &String| cell.parse::<u16>().is_ok_and(|number| number > 0);
+    matches!(cells, [time, rest @ ..] if !time.is_empty() && !number::looks_numeric(time) && rest.iter().all(numbered))
 }
 
 /// The sampling period [s] that a number of this name states, such as `fs`, `Ts` or `sampling_rate_kHz`.
@@ -328,6 +344,14 @@ mod tests {
         assert_eq!(names("\"t\",\"u\"\n\"1\",0,1\n\"2\",1,2\n"), ["", "t", "u"], "row numbers without a name");
         assert_eq!(names(ROWS), Vec::<String>::new());
         assert_eq!(names(&format!("Model,MSO\n{ROWS}")), Vec::<String>::new(), "a remark");
+    }
+
+    #[test]
+    fn channels_of_oscilloscopes_are_called_as_on_the_scope() {
+        let keysight = head(&format!("x-axis,1,2\nsecond,Volt,Volt\n{ROWS}"));
+        assert_eq!((&keysight.names[..], keysight.line), (&["x-axis", "1", "2"].map(String::from)[..], 1));
+        let rigol = head("X,CH1,CH2,Start,Increment,\nSequence,VOLT,VOLT,-5e-1,1e-4\n0,1,2,,\n1,2,4,,\n2,3,9,,\n");
+        assert_eq!((&rigol.names[..], rigol.ts), (&["X", "CH1", "CH2"].map(String::from)[..], Some(1e-4)));
     }
 
     #[test]

@@ -5,6 +5,7 @@ use super::super::column::Column;
 use super::super::roles::Role;
 use super::super::time;
 use super::Table;
+use crate::number::exact;
 use crate::record::Record;
 use serde_json::{Value, json};
 
@@ -17,18 +18,20 @@ impl Table {
     /// All columns, with their units, ranges and roles.
     pub(crate) fn described(&self, selection: &ColumnSelection) -> Vec<Value> {
         let roles = [Role::Time, Role::Input, Role::Output];
-        let found: Vec<_> = roles.iter().map(|role| (role.what(), role.find(self, selection).ok())).collect();
+        let found: Vec<_> = roles.iter().map(|role| (role, role.find(self, selection).ok())).collect();
         let one = |column: &Column| {
             let role = found.iter().find(|(_, found)| found.is_some_and(|found| std::ptr::eq(found, column)));
-            let (low, high) = crate::series::ends(column.samples.iter().copied());
+            let unit = role.and_then(|(role, _)| selection.stated_unit(**role));
+            let numbers = || column.samples.iter().copied().filter(|sample| sample.is_finite());
+            let (low, high) = crate::series::ends(numbers());
             json!({
                 "name": self.title(column),
-                "unit": column.stated(),
-                "samples": column.samples.len(),
+                "unit": unit.or(column.stated().map(String::from)),
+                "samples": numbers().count(),
                 "low": low,
                 "high": high,
-                "role": role.map(|(what, _)| what),
-                "flaw": column.flaw.as_ref().map(ToString::to_string),
+                "role": role.map(|(role, _)| role.what()),
+                "flaw": column.doubt.as_ref().or(column.flaw.as_ref()).map(ToString::to_string),
             })
         };
         self.columns.iter().chain(&self.others).map(one).collect()
@@ -71,6 +74,7 @@ impl Table {
                 steps.push(format!("the unit of the {} is not stated: {assumed} is assumed", role.what()));
             }
         }
+        steps.extend(self.relabelled(selection));
         steps.extend(self.timing(selection));
         steps.extend(self.doubt(selection));
         if !guessed.is_empty() {
@@ -85,6 +89,21 @@ impl Table {
         steps
     }
 
+    /// The units that the user states and the file contradicts: the numbers stay as they are.
+    fn relabelled(&self, selection: &ColumnSelection) -> Vec<String> {
+        let one = |role: Role| {
+            let (stated, column) = (selection.stated_unit(role)?, role.find(self, selection).ok()?);
+            let own = column.own_unit(role).filter(|own| *own != stated)?;
+            Some(format!("unit of the {} {stated} as stated, the file says {own}", role.what()))
+        };
+        let roles = if selection.period() == Ok(None) {
+            &[Role::Time, Role::Input, Role::Output][..]
+        } else {
+            &[Role::Input, Role::Output]
+        };
+        roles.iter().filter_map(|role| one(*role)).collect()
+    }
+
     /// Where the sampling period comes from, if that is not a time in a stated unit.
     fn timing(&self, selection: &ColumnSelection) -> Option<String> {
         if selection.period() != Ok(None) {
@@ -95,7 +114,7 @@ impl Table {
                 Some("the unit of the time is not stated: s is assumed".into())
             }
             (Err(_), Some(ts)) if self.first > 0 => {
-                Some(format!("sampling period {ts} s, as the head of the file states"))
+                Some(format!("sampling period {} s, as the head of the file states", exact(ts)))
             }
             _ => None,
         }
@@ -107,30 +126,36 @@ impl Table {
         // Without another statement there is nothing to doubt, and the times need not be read again.
         stated.or(self.ts)?;
         let time = Role::Time.find(self, selection).ok();
-        let stamps = time.and_then(|time| self.period(time, selection, None).ok());
+        let stamps = time.and_then(|time| self.period(time, 0..time.samples.len(), selection, None).ok());
         let differs = |a: f64, b: f64| (a / b - 1.0).abs() > DIFFERENT;
         let Some(stated) = stated else {
             let own = self.ts?;
             if time.is_some_and(|time| time::period(&time.samples, "", &|_| 0).is_err()) {
                 return Some(format!(
-                    "the times are uneven or rounded: the sampling period of {own} s that the file states is used"
+                    "the times are uneven or rounded: the sampling period of {} s that the file states is used",
+                    exact(own)
                 ));
             }
             let stamps = stamps?;
             let steps = "the time column is used, which has steps of";
-            return differs(stamps, own)
-                .then(|| format!("the file states a sampling period of {own} s: {steps} {stamps} s"));
+            return differs(stamps, own).then(|| {
+                format!("the file states a sampling period of {} s: {steps} {} s", exact(own), exact(stamps))
+            });
         };
         let likely = match selection.fs {
-            Some(fs) => format!("if {fs} is the sampling period in s, state it as such"),
-            None => format!("if {stated} is the sampling rate in Hz, state it as such"),
+            Some(fs) => format!("if {} is the sampling period in s, state it as such", exact(fs)),
+            None => format!("if {} is the sampling rate in Hz, state it as such", exact(stated)),
         };
         match stamps.or(self.ts) {
             Some(own) if differs(own, stated) => {
                 let likely = if !differs(own, 1.0 / stated) { format!("; {likely}") } else { String::new() };
-                Some(format!("the file says {own} s for the sampling period, but {stated} s is stated{likely}"))
+                Some(format!(
+                    "the file says {} s for the sampling period, but {} s is stated{likely}",
+                    exact(own),
+                    exact(stated)
+                ))
             }
-            None if stated > LONG => Some(format!("the stated sampling period is {stated} s: {likely}")),
+            None if stated > LONG => Some(format!("the stated sampling period is {} s: {likely}", exact(stated))),
             _ => None,
         }
     }
