@@ -1,7 +1,7 @@
 // The model that is used: its choice, and whether its records have changed.
 
 import { changedSince, type ModelEntry } from "./project.ts";
-import { useShared } from "./ui.tsx";
+import { useShared, Verdict } from "./ui.tsx";
 
 /** The choice of the model that is used, where there are several. */
 export function ModelChoice() {
@@ -19,6 +19,7 @@ export function ModelChoice() {
         </label>
       </div>
       {entry && <Outdated entry={entry} />}
+      {entry && <Verdict of={entry.validated ? "Validated" : ""} text={entry.validated ?? "not validated on other records yet"} />}
     </>
   );
 }

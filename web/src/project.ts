@@ -30,6 +30,8 @@ export interface ModelEntry {
   notes: string[];
   /** The records that it was identified from, as they were read and prepared; unknown of a model from elsewhere. */
   from?: RecordEntry[];
+  /** The verdict of the last validation on records that it was not identified from. */
+  validated?: string;
 }
 
 /** Everything that is saved, besides the files themselves. */
@@ -114,6 +116,11 @@ export class History<T> {
       this.#before = undefined;
       this.#future = [];
     }
+    this.now = next;
+  }
+
+  /** Takes up what belongs to the present state and is no change of the user. */
+  amend(next: T): void {
     this.now = next;
   }
 

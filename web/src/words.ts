@@ -26,12 +26,13 @@ export function spoken(name: string): string {
 
 /** A sentence of the library: the options that it asks for are called by their labels, and what it quotes stands in
  * quotation marks. */
-export function worded(text: string, lists: Lists): string {
+export function worded(told: string, lists: Lists): string {
+  const text = told.replace(/ \(see `piezoid [a-z]+`\)/g, "");
   const all = [...lists.calls, ...lists.excitations, { options: lists.columns }].flatMap(({ options }) => options);
   const label = (name: string) => (all.some((row) => row.name === name) ? spoken(name) : name);
   const quoted = (part: string, called: (name: string) => string) => part.replace(/`([^`]*)`/g, (_, name) => `\u201c${called(name)}\u201d`);
   const named = prose(text).replace(/(^|: )([a-z_]+)(?= = )/g, (_, before, name) => before + label(name));
   // Before what it asks for, it quotes names of columns.
-  const [told, ...asked] = named.split(/(?<= give )(?=`)/);
-  return quoted(told!, (name) => name) + quoted(asked.join(""), label);
+  const [first, ...asked] = named.split(/(?<= give )(?=`)/);
+  return quoted(first!, (name) => name) + quoted(asked.join(""), label);
 }

@@ -96,6 +96,13 @@ export class Workspace {
     this.changed();
   }
 
+  /** Adds to the project what is no change of the user, and is not undone. */
+  amend(next: (project: Project) => Project): void {
+    this.#history.amend(next(this.project));
+    this.#save();
+    this.changed();
+  }
+
   undo(): void {
     this.#history.undo();
     this.#save();

@@ -12,5 +12,6 @@ test("options are called by their labels, columns by their names", () => {
   assert.equal(worded("driver_lag = -1: must be positive", lists), "Driver lag = −1: must be positive");
   assert.equal(worded("a.csv: frequency_end = 3 Hz", lists), "a.csv: Frequency end = 3 Hz");
   assert.equal(worded("y_um = 3 um", lists), "y_um = 3 µm");
+  assert.equal(worded("make a plant of your own (see `piezoid plants`)", lists), "make a plant of your own");
   assert.equal(spoken("zvd"), "ZVD shaper");
 });

@@ -204,6 +204,7 @@ function ModelView({ entry }: { entry: ModelEntry }) {
         <Fault text={read.error} />
         <p>{prose(entry.summary)}</p>
         <Verdict text={entry.verdict} />
+        <Verdict of="Validated" text={entry.validated} />
         <Outdated entry={entry} />
         <div class="row">
           <button type="button" onClick={() => void save()}>Download the model</button>

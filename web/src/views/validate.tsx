@@ -1,6 +1,6 @@
 // Validate: free runs of models on records, against the noise floor; several models side by side.
 
-import { useMemo, useState } from "preact/hooks";
+import { useEffect, useMemo, useState } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
@@ -61,6 +61,15 @@ function Validation() {
         () => task(workspace, "validate", [entry], usedRecords, options)),
     }))),
   );
+  useEffect(() => {
+    const told = new Map((runs.value ?? []).map(({ entry, answer }) => [entry.file, answer.result.told]));
+    const isNew = (one: ModelEntry) =>
+      told.get(one.file) && one.validated !== told.get(one.file) && !usedRecords.some((record) => isTraining(one, record));
+    if (!models.some(isNew)) return;
+    workspace.amend((project) => ({
+      ...project, models: project.models.map((one) => (isNew(one) ? { ...one, validated: told.get(one.file) } : one)),
+    }));
+  }, [runs.value]);
   const toggled = (all: { file: string }[], used: { file: string }[], file: string, on: boolean) =>
     all.map((one) => one.file).filter((one) => (one === file ? on : used.some((other) => other.file === one)));
   const report = async (entries: ModelEntry[]) => {
