@@ -269,10 +269,12 @@ impl Missing<'_> {
                 let remedy = if likely.len() >= wanted && wanted > 1 { "; if this is their order, " } else { "; " };
                 let error = match &likely[..] {
                     [one, other] if wanted == 2 => {
-                        let line = if table.header > 0 { table.header } else { table.first };
-                        let problem =
-                            format!("{problem}: {} and {} could be either{remedy}", quoted(one), quoted(other));
-                        Error::Line { line, column: None, problem }
+                        let either = format!("{} and {} could be either{remedy}", quoted(one), quoted(other));
+                        if table.header > 0 {
+                            Error::Line { line: table.header, column: None, problem: format!("{problem}: {either}") }
+                        } else {
+                            table.about_names(&problem, &format!("; {either}"))
+                        }
                     }
                     _ => table.about_names(&problem, remedy),
                 };
@@ -380,8 +382,9 @@ mod tests {
         let unnamed = refusal("", |k| [0, 2, 3].map(|c| cells(k)[c].clone()).join(" "));
         assert_eq!(
             unnamed,
-            "line 1: which is the input, and which the output cannot be told: `2` and `3` could be either; if this is \
-             their order, give `input_col` = \"2\", `output_col` = \"3\""
+            "line 1: which is the input, and which the output cannot be told: the columns have no names, but numbers \
+             from 1 to 3; `2` and `3` could be either; if this is their order, give `input_col` = \"2\", `output_col` \
+             = \"3\""
         );
         let trigger = refusal("time,CH1,CH2,CH3\n", |k| cells(k).join(","));
         assert!(trigger.contains("`CH2` and `CH3` could be either"), "{trigger}");
