@@ -39,7 +39,7 @@ test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a p
   await page.getByLabel("Role of CH1").selectOption("input");
   await page.getByLabel("Output scale").fill("100um/V");
   await page.getByLabel("Output scale").blur();
-  await page.getByText(/4,000 samples.* output in .m\./).waitFor();
+  await page.getByText(/4,000 samples.* output in .m/).waitFor();
   await page.getByLabel("Use of scope.csv").selectOption("validate");
 
   await identify(page, "pi");
