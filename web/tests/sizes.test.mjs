@@ -7,9 +7,9 @@ import { DIST } from "./modules.mjs";
 
 /** The largest sizes [bytes, gzipped]: just above those that were reached. */
 const LARGEST = {
-  "files.wasm": 712_000,
-  "models.wasm": 790_000,
-  "reports.wasm": 980_000,
+  "files.wasm": 717_000,
+  "models.wasm": 802_000,
+  "reports.wasm": 992_000,
   "exports.wasm": 935_000,
   "lists.json": 9_200,
 };

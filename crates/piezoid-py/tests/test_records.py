@@ -191,7 +191,7 @@ def test_a_file_is_what_it_holds_whatever_it_is_called(tmp_path: Path) -> None:
         ({"u_V": U, "y_um": Y}, {}, "there is no time column"),
         ({"u_V": U, "y_um": Y}, {"input_col": "u"}, "`u_V`"),
         ({"t_s": [0, 1, 2, 9], "u_V": U, "y_um": Y}, {}, "row 3, t_s"),
-        ({"t_s": T, "u_V": U, "y_um": [1, 2, float("inf"), 4]}, {}, "y_um[2] is inf"),
+        ({"t_s": T, "u_V": U, "y_um": [1, 2, float("inf"), 4]}, {}, "row 2, y_um: the sample is inf"),
         ({}, {}, "there is no column of numbers"),
         ({"t_s": T, "u_V": U, "y_um": Y[:3]}, {}, "left out: y_um (of 3 samples, not 4)"),
         ({"t_s": T, "u_V": U, "y_um": ["0", "x", "2", "3"]}, {}, "left out: y_um (of shape (4,), <U1)"),
