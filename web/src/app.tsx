@@ -70,7 +70,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
         {workspace.fault && (
           <div class="fault" role="alert">
             {workspace.fault}
-            {workspace.fault.includes("another version") && (
+            {workspace.conflict && (
               <>
                 <button type="button" onClick={() => location.reload()}>Read it again; drop the last change here</button>
                 <button type="button" onClick={() => void workspace.overwrite().catch((error) => workspace.failed(error))}>Keep what is here</button>

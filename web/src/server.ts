@@ -45,7 +45,8 @@ export class Server {
     const response = await fetch(this.root + path, { ...init, headers, cache: "no-store" }).catch(() => gone(init.signal));
     if (response.ok) return response;
     const told = await response.json().catch(() => ({}));
-    throw new Refused(told.error ?? `piezoid serve refuses this: ${response.status} ${response.statusText}`);
+    const refused = new Refused(told.error ?? `piezoid serve refuses this: ${response.status} ${response.statusText}`);
+    throw response.status === 412 ? Object.assign(refused, { name: "Conflict" }) : refused;
   }
 }
 

@@ -51,6 +51,7 @@ export class Workspace {
   #listeners = new Set<() => void>();
   /** The fault that told that the project could not be stored. */
   #untold = "";
+  #conflict = false;
   #saving: ReturnType<typeof setTimeout> | undefined;
 
   constructor(library: Library, store: Store) {
@@ -122,6 +123,11 @@ export class Workspace {
     await this.store.write(PROJECT, new TextEncoder().encode(written(this.project)));
   }
 
+  /** True while it is told that another tab or program has written another version of the project. */
+  get conflict(): boolean {
+    return this.#conflict && this.fault !== "" && this.fault === this.#untold;
+  }
+
   /** Stores the project in the place of another version of it, which another tab or program has written. */
   async overwrite(): Promise<void> {
     await this.store.read(PROJECT);
@@ -145,6 +151,7 @@ export class Workspace {
   #unstored(error: Error): void {
     this.failed(error);
     this.#untold = this.fault;
+    this.#conflict = error.name === "Conflict";
     // A server that is gone may come back.
     if (error.name === "Gone") this.#save(AGAIN);
   }
@@ -181,25 +188,25 @@ export class Workspace {
 
   /** Adds records in one step; with `look`, the last becomes the one that is looked at. What cannot be kept is told. */
   async addRecords(files: { file: File; use: RecordEntry["use"] }[], { look = false, passing = false } = {}): Promise<void> {
-    const entries: RecordEntry[] = [];
+    const kept: Pick<RecordEntry, "file" | "use">[] = [];
     for (const { file, use } of files) {
       try {
-        entries.push(await this.#usable({ file: await this.keep(file), columns: {}, prepare: {}, use }));
+        kept.push({ file: await this.keep(file), use });
       } catch (error) {
         this.failed(new Error(`${file.name}: ${error instanceof Error ? error.message : String(error)}`));
       }
     }
+    await this.addStored(kept, { look, passing });
+  }
+
+  /** The same for files that are in the store already. */
+  async addStored(stored: Pick<RecordEntry, "file" | "use">[], { look = true, passing = false } = {}): Promise<void> {
+    const entries: RecordEntry[] = [];
+    for (const { file, use } of stored) entries.push(await this.#usable({ file, columns: {}, prepare: {}, use }));
     const last = entries.at(-1);
     if (!last) return;
     const looked = look ? { record: last.file } : {};
     this.change((project) => ({ ...project, records: [...project.records, ...entries], ...looked }), passing);
-  }
-
-  /** Adds files that are in the store already. */
-  async addStored(names: string[]): Promise<void> {
-    const entries: RecordEntry[] = [];
-    for (const file of names) entries.push(await this.#usable({ file, columns: {}, prepare: {}, use: "training" }));
-    this.change((project) => ({ ...project, records: [...project.records, ...entries], record: names.at(-1)! }));
   }
 
   /** The entry; a file that cannot be read at all is not used. */

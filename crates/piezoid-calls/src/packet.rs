@@ -44,9 +44,9 @@ pub fn answered(request: &[u8], progress: &mut Progress) -> Vec<u8> {
     }
 }
 
-/// True if the request moves an instrument, which must be stopped in an orderly way.
+/// True if the request moves an instrument, which must be stopped in an orderly way. Its files are not read.
 pub fn moves(request: &[u8]) -> bool {
-    unpacked(request).is_ok_and(|(request, _)| request.call == "acquire")
+    document(request).is_ok_and(|(head, _)| head["call"] == "acquire")
 }
 
 /// An error as a packed answer.
@@ -68,16 +68,24 @@ fn fill(packed: &mut Vec<u8>, with: u8) {
     packed.resize(packed.len().next_multiple_of(ALIGN), with);
 }
 
-/// The request in bytes, and its files.
-fn unpacked(packed: &[u8]) -> Result<(Request, Vec<File>), Error> {
-    let no = |why: &str| Error::Content(format!("this is not a request: {why}"));
+fn no(why: &str) -> Error {
+    Error::Content(format!("this is not a request: {why}"))
+}
+
+/// The head of a request, and where it ends.
+fn document(packed: &[u8]) -> Result<(Value, usize), Error> {
     let (length, rest) = packed.split_first_chunk::<4>().ok_or_else(|| no("it has fewer than 4 bytes"))?;
     let length = u32::from_le_bytes(*length) as usize;
     let head = rest.get(..length).ok_or_else(|| no("it ends within its head"))?;
-    let mut head: Value = serde_json::from_slice(head).map_err(|e| no(&format!("its head is not JSON: {e}")))?;
+    let head = serde_json::from_slice(head).map_err(|e| no(&format!("its head is not JSON: {e}")))?;
+    Ok((head, 4 + length))
+}
+
+/// The request in bytes, and its files.
+fn unpacked(packed: &[u8]) -> Result<(Request, Vec<File>), Error> {
+    let (mut head, mut at) = document(packed)?;
     let bytes = head.as_object_mut().and_then(|head| head.remove("bytes")).unwrap_or_default();
     let names: Option<Vec<(String, usize)>> = serde_json::from_value(bytes).map_err(|e| no(&e.to_string()))?;
-    let mut at = 4 + length;
     let mut file = |(name, length): (String, usize)| {
         let end = at.checked_add(length).filter(|end| *end <= packed.len());
         let end = end.ok_or_else(|| no(&format!("it ends within the file `{name}`")))?;

@@ -86,7 +86,7 @@ impl AcquireOptions {
             )));
         }
         let identity = controller.identity.clone();
-        let mut run = Run { line: &mut controller, axis: &axis, channel, gain: self.gain, range, progress };
+        let mut run = Run { controller: &mut controller, axis: &axis, channel, gain: self.gain, range, progress };
         run.upload(&play)?;
         let mut notes = Vec::new();
         if axis.servo == Some(true) {
@@ -108,7 +108,7 @@ impl AcquireOptions {
             other => Error::Content(format!("{other}; axis {} is in open loop", axis.name)),
         };
         stopped.and(outcome).map_err(told)?;
-        let answer = points(run.line, u.len());
+        let answer = points(run.controller, u.len());
         if let Err(error) = run.ramp(u[u.len() - 1], start, self.ramp) {
             notes.push(format!("the axis did not move back to where it was: {error}"));
         }

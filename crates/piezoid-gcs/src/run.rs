@@ -55,7 +55,7 @@ pub(crate) struct Play<'a> {
 
 /// A measurement at work.
 pub(crate) struct Run<'a, 'b> {
-    pub(crate) line: &'a mut Controller,
+    pub(crate) controller: &'a mut Controller,
     pub(crate) axis: &'a Axis,
     pub(crate) channel: usize,
     /// Voltage of an open-loop value of 1 [V], if it is given.
@@ -67,7 +67,7 @@ pub(crate) struct Run<'a, 'b> {
 
 impl Run<'_, '_> {
     pub(crate) fn command(&mut self, command: &str) -> Result<(), Error> {
-        self.line.line.command(command)
+        self.controller.line.command(command)
     }
 
     fn tell(&mut self, what: &str, done: usize, total: usize) -> Result<(), Error> {
@@ -81,7 +81,7 @@ impl Run<'_, '_> {
 
     /// The voltage of the axis.
     pub(crate) fn start(&mut self) -> Result<f64, Error> {
-        let start = self.line.needed(&format!("SVA? {}", self.axis.name))? * self.gain();
+        let start = self.controller.needed(&format!("SVA? {}", self.axis.name))? * self.gain();
         let ((low, high), name) = (self.range, &self.axis.name);
         if !(low - NOISE..=high + NOISE).contains(&start) {
             return Err(Error::Content(format!(
@@ -105,7 +105,7 @@ impl Run<'_, '_> {
 
     fn set(&mut self, volts: f64) -> Result<(), Error> {
         let (axis, value) = (&self.axis.name, volts / self.gain());
-        self.line.line.command(&format!("SVA {axis} {value:.6}"))
+        self.controller.line.command(&format!("SVA {axis} {value:.6}"))
     }
 
     /// Moves slowly from one voltage to another, along a half cosine.
@@ -125,7 +125,7 @@ impl Run<'_, '_> {
         let way = play.u.iter().copied().fold(start, farther) - start;
         let probe = way.signum() * (PROBE * way.abs()).max(LEAST_PROBE).min(way.abs());
         let query = format!("VOL? {}", self.channel);
-        let Some(first) = self.line.value(&query)? else {
+        let Some(first) = self.controller.value(&query)? else {
             let rule = "must be given, because the controller does not tell its voltage to check it";
             return if self.gain.is_some() { Ok(()) } else { Err(Error::parameter("gain", "(not given)", rule)) };
         };
@@ -135,7 +135,7 @@ impl Run<'_, '_> {
             let moved = probe * k as f64 / PROBES as f64;
             self.set(start + moved)?;
             sleep(Duration::from_secs_f64(STEP));
-            let voltage = self.line.needed(&query)?;
+            let voltage = self.controller.needed(&query)?;
             if (voltage - start - moved).abs() > GAIN_ERROR * moved.abs() + NOISE {
                 wrong = Some((moved, voltage));
                 break;
@@ -182,7 +182,7 @@ impl Run<'_, '_> {
         let (k, axis, cycles) = (self.channel, &self.axis.name, play.cycles);
         // What others have left there; not every controller has it.
         for command in ["DRT 0 0 0".to_string(), format!("WOS {k} 0")] {
-            self.line.line.command_if_known(&command)?;
+            self.controller.line.command_if_known(&command)?;
         }
         for command in [
             format!("DRC 1 {k} {}", sources.voltage),
@@ -193,15 +193,15 @@ impl Run<'_, '_> {
             format!("WTR {k} {cycles} 0"),
             format!("WGO {k} 1"),
         ] {
-            self.line.line.command(&command)?;
+            self.controller.line.command(&command)?;
         }
         let (begin, length) = (Instant::now(), play.u.len() as f64 * play.ts);
         loop {
             let time = begin.elapsed().as_secs_f64();
             self.tell("the drive is played [ms]", (1e3 * time.min(length)) as usize, (1e3 * length) as usize)?;
             // Points of a recording before this one are no points of this one.
-            let played = time >= length && !self.line.runs(k)?;
-            if played && self.line.needed("DRL? 1")? as usize >= play.u.len() {
+            let played = time >= length && !self.controller.runs(k)?;
+            if played && self.controller.needed("DRL? 1")? as usize >= play.u.len() {
                 return Ok(());
             }
             if time > 1.5 * length + 10.0 {

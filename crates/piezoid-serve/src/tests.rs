@@ -341,44 +341,41 @@ async fn a_process_that_dies_is_an_answer_with_an_error() {
     }
     // An answer that breaks off is no answer.
     let site = Site::working("printf '\\nhalf'; kill -9 $$");
-    let request = Request::post("/api/call").header("host", HOST).header("authorization", "Bearer key");
-    let request = request.header("content-type", "application/octet-stream").header("content-length", "0");
-    let answer = site.router.clone().oneshot(request.body(Body::empty()).unwrap()).await.unwrap();
+    let answer = site.router.clone().oneshot(call("")).await.unwrap();
     assert!(to_bytes(answer.into_body(), usize::MAX).await.is_err());
 }
 
 /// A process that prints its number and then hangs, unless the request is another.
 const HANGS: &str = "head -c 8 >/dev/null; [ $(head -c 4) = hang ] && echo $$ && exec sleep 600; printf '\\nok'";
 
-fn hanging() -> Request<Body> {
+/// Waits until this holds, for so long at most [ms].
+async fn until(limit: u64, holds: impl Fn() -> bool) {
+    let waits = async {
+        while !holds() {
+            tokio::time::sleep(std::time::Duration::from_millis(2)).await;
+        }
+    };
+    tokio::time::timeout(std::time::Duration::from_millis(limit), waits).await.unwrap();
+}
+
+fn call(body: &'static str) -> Request<Body> {
     let request = Request::post("/api/call").header("host", HOST).header("authorization", "Bearer key");
-    let request = request.header("content-type", "application/octet-stream").header("content-length", "4");
-    request.body("hang".into()).unwrap()
+    let request = request.header("content-type", "application/octet-stream").header("content-length", body.len());
+    request.body(body.into()).unwrap()
 }
 
 #[tokio::test]
 #[cfg(target_os = "linux")]
 async fn a_call_that_hangs_ends_when_its_client_goes() {
     let site = Site::working(HANGS);
-    let mut body = site.router.clone().oneshot(hanging()).await.unwrap().into_body();
+    let mut body = site.router.clone().oneshot(call("hang")).await.unwrap().into_body();
     let pid = http_body_util::BodyExt::frame(&mut body).await.unwrap().unwrap().into_data().unwrap();
     let process = format!("/proc/{}/cmdline", String::from_utf8_lossy(&pid).trim());
     let runs = || std::fs::read(&process).is_ok_and(|line| !line.is_empty());
     // While the shell becomes another program, its line is empty.
-    let pause = || tokio::time::sleep(std::time::Duration::from_millis(1));
-    let begun = async {
-        while !runs() {
-            pause().await;
-        }
-    };
-    tokio::time::timeout(std::time::Duration::from_secs(2), begun).await.unwrap();
+    until(2000, runs).await;
     drop(body);
-    let gone = async {
-        while runs() {
-            tokio::time::sleep(std::time::Duration::from_millis(5)).await;
-        }
-    };
-    tokio::time::timeout(std::time::Duration::from_millis(200), gone).await.unwrap();
+    until(200, || !runs()).await;
 }
 
 #[tokio::test]
@@ -386,10 +383,8 @@ async fn a_call_that_hangs_ends_when_its_client_goes() {
 async fn too_many_calls_are_refused_until_some_end() {
     let site = Site::working(HANGS);
     let cores = std::thread::available_parallelism().unwrap().get();
-    let calls: Vec<_> = (0..cores + 32).map(|_| tokio::spawn(site.router.clone().oneshot(hanging()))).collect();
-    while calls.iter().filter(|call| call.is_finished()).count() < cores {
-        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
-    }
+    let calls: Vec<_> = (0..cores + 32).map(|_| tokio::spawn(site.router.clone().oneshot(call("hang")))).collect();
+    until(60_000, || calls.iter().filter(|call| call.is_finished()).count() >= cores).await;
     let refused = site.ask("POST /api/call", &[], "easy").await;
     refused.refused(503, "32 calls wait already");
     assert_eq!(refused.header("retry-after"), "1");

@@ -67,7 +67,7 @@ function Folder() {
   const found = useOutcome(JSON.stringify(records.map((one) => one.file)), () => workspace.store.names());
   const known = new Set(filesOf(workspace.project));
   const names = (found.value ?? []).filter((name) => !known.has(name) && !NO_RECORDS.test(name));
-  const add = (some: string[]) => workspace.addStored(some).catch((error) => workspace.failed(error));
+  const add = (some: string[]) => workspace.addStored(some.map((file) => ({ file, use: "training" }))).catch((error) => workspace.failed(error));
   return names.length === 0 ? null : (
     <details open={records.length === 0 && names.length <= 12}>
       <summary>{names.length} more {names.length === 1 ? "file" : "files"} in the project folder</summary>
