@@ -9,12 +9,13 @@ use piezoid::progress::Stage;
 use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::ControlFlow;
-use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Set by the first Ctrl-C; work that checks it stops in an orderly way. The second Ctrl-C ends the process
-/// immediately.
+/// Set by the first signal.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+/// True while work checks for a signal and ends in an orderly way.
+static WATCHED: AtomicBool = AtomicBool::new(false);
 
 /// Maximum length of a line, even in a wider terminal: longer lines are hard to read.
 const WIDEST: usize = 100;
@@ -60,23 +61,15 @@ impl Console {
         self.bar.borrow().suspend(|| say(&format!("note: {text}")));
     }
 
-    /// Shows the library's progress as a bar if stderr is a terminal; breaks after Ctrl-C. After the first call, one
-    /// Ctrl-C no longer ends the process by itself.
+    /// Shows the library's progress as a bar if stderr is a terminal; breaks after a signal. The work ends with
+    /// [`done`](Console::done).
     pub(crate) fn progress(&self) -> impl FnMut(Stage) -> ControlFlow<()> + '_ {
-        static WATCH: Once = Once::new();
-        WATCH.call_once(|| {
-            // Without a handler, Ctrl-C ends the process. This is acceptable too.
-            let _ = ctrlc::set_handler(|| {
-                if INTERRUPTED.swap(true, Ordering::Relaxed) {
-                    std::process::exit(CANCELLED.into());
-                }
-            });
-        });
+        WATCHED.store(true, Ordering::SeqCst);
         move |stage| {
             if self.shows_progress {
                 self.show(stage);
             }
-            if INTERRUPTED.load(Ordering::Relaxed) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+            if INTERRUPTED.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         }
     }
 
@@ -102,14 +95,51 @@ impl Console {
         bar.set_position(stage.done as u64);
     }
 
-    /// Removes the progress bar, and returns the result of the work or its error.
+    /// Removes the progress bar, and returns the result of the work or its error. A signal that came before is seen
+    /// here; one that comes later ends the process.
     pub(crate) fn done<T>(&self, outcome: Result<T, piezoid::Error>) -> Result<T> {
+        WATCHED.store(false, Ordering::SeqCst);
         self.bar.borrow().finish_and_clear();
+        if outcome.is_ok() && INTERRUPTED.load(Ordering::SeqCst) {
+            return Err(Ended::Cancelled("cancelled at the end of the work: nothing was written".into()).into());
+        }
         outcome.map_err(|error| match error {
             piezoid::Error::Cancelled { .. } => Ended::Cancelled(format!("{error}: nothing was written")).into(),
             other => failed(other),
         })
     }
+}
+
+/// Ends the process on SIGINT, SIGTERM and SIGHUP: work that checks for a signal ends in an orderly way, all else at
+/// once and so does a second signal; files that are being put in place are placed first, and temporary files are
+/// removed.
+pub(crate) fn handle_signals() {
+    let end = || {
+        if INTERRUPTED.swap(true, Ordering::SeqCst) || !WATCHED.load(Ordering::SeqCst) {
+            piezoid_host::temporary::abandon();
+            std::process::exit(CANCELLED.into());
+        }
+    };
+    // Without a handler a signal ends the process too, but leaves temporary files.
+    #[cfg(unix)]
+    {
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+        let handled = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| !is_ignored(*signal));
+        if let Ok(mut signals) = signal_hook::iterator::Signals::new(handled) {
+            let wait = move || signals.forever().for_each(|_| end());
+            let _ = std::thread::Builder::new().spawn(wait);
+        }
+    }
+    #[cfg(not(unix))]
+    let _ = ctrlc::set_handler(end);
+}
+
+/// True if whoever started this process has it ignore a signal, as `nohup` does; Linux alone tells.
+#[cfg(unix)]
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap_or("0");
+    u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// Prints one error message on stderr, with its causes after colons.
@@ -118,7 +148,7 @@ pub(crate) fn complain(error: &anyhow::Error) {
 }
 
 /// Prints a message on stderr, wrapped to the width of the terminal.
-fn say(text: &str) {
+pub(crate) fn say(text: &str) {
     let text = match terminal_size::terminal_size_of(std::io::stderr()) {
         Some((width, _)) => wrapped(text, usize::from(width.0).min(WIDEST), "  "),
         None => text.into(),

@@ -1,8 +1,9 @@
-//! Files: reads records, writes results. A file is complete or absent: it is written beside its place and then renamed.
+//! Files: reads records, writes results. Each file is complete or absent, and those of a verb are new or old together.
 
+use crate::console::Console;
 use anyhow::{Error, Result, anyhow};
 use piezoid::File;
-use piezoid_host::files;
+use piezoid_host::files::{self, FileSet};
 use serde_json::Value;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -21,7 +22,15 @@ pub(crate) fn read(path: &Path) -> Result<File> {
         _ if path.is_dir() => anyhow!("{}: this is a folder: name a file in it", named(path)),
         _ => Error::new(error).context(format!("cannot read {}", named(path))),
     });
-    Ok(File::new(named(path), bytes?))
+    let bytes = bytes?;
+    if files::is_unfinished(path) {
+        let name = named(path);
+        crate::console::say(&format!(
+            "note: {name} is of a run that was ended while it wrote its files: some are new and others old ({} names them)",
+            files::UNFINISHED
+        ));
+    }
+    Ok(File::new(named(path), bytes))
 }
 
 /// Reads the files at these paths.
@@ -29,40 +38,66 @@ pub(crate) fn read_all<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Resu
     paths.into_iter().map(|path| read(path)).collect()
 }
 
-/// Writes a file beside its place and then renames it; `-` is stdout.
-pub(crate) fn write(
-    path: &Path,
-    content: &(impl AsRef<[u8]> + ?Sized),
-    console: &crate::console::Console,
-) -> Result<()> {
-    let content = content.as_ref();
-    if path == Path::new("-") {
-        return console.print(content);
-    }
-    match std::fs::metadata(path) {
-        // A pipe or a device is written to and not replaced.
-        Ok(what) if !what.is_file() && !what.is_dir() => {
-            let mut open = std::fs::OpenOptions::new();
-            return open.write(true).open(path).and_then(|mut file| file.write_all(content)).or_else(
-                |error| match error.kind() {
-                    ErrorKind::BrokenPipe => Ok(()),
-                    _ => Err(Error::new(error).context(format!("cannot write {}", named(path)))),
-                },
-            );
-        }
-        _ => {}
-    }
-    Ok(files::write(path, content)?)
+/// The results of a verb: files, which are written together, and what goes to stdout, pipes and devices, afterwards.
+#[derive(Default)]
+pub(crate) struct Results {
+    files: FileSet,
+    streams: Vec<(PathBuf, Vec<u8>)>,
 }
 
-/// Writes a record, of which `content` makes a file of this name.
-pub(crate) fn write_record(
-    path: &Path,
-    content: impl FnOnce(&str) -> Result<Vec<u8>, piezoid::Error>,
-    console: &crate::console::Console,
-) -> Result<()> {
-    let name = named(path);
-    write(path, &content(&name).map_err(|error| crate::flags::failed(error.of(&name)))?, console)
+impl Results {
+    /// Results in a folder.
+    pub(crate) fn of(files: FileSet) -> Self {
+        Results { files, ..Results::default() }
+    }
+
+    /// With a result for this path, if there is one; - is stdout.
+    pub(crate) fn file(self, path: Option<&Path>, content: impl Into<Vec<u8>>) -> Self {
+        let Some(path) = path else { return self };
+        // A pipe or a device is written to and not replaced.
+        let is_stream = std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir());
+        let Results { files, mut streams } = self;
+        if is_stream || path == Path::new("-") {
+            streams.push((path.into(), content.into()));
+            return Results { files, streams };
+        }
+        Results { files: files.with(path, content), streams }
+    }
+
+    /// With a document.
+    pub(crate) fn json(self, path: Option<&Path>, value: &Value) -> Self {
+        self.file(path, format!("{value:#}\n"))
+    }
+
+    /// With a record, of which `content` makes a file of this name.
+    pub(crate) fn record(
+        self,
+        path: Option<&Path>,
+        content: impl FnOnce(&str) -> Result<Vec<u8>, piezoid::Error>,
+    ) -> Result<Self> {
+        let Some(path) = path else { return Ok(self) };
+        let name = named(path);
+        let content = content(&name).map_err(|error| crate::flags::failed(error.of(&name)))?;
+        Ok(self.file(Some(path), content))
+    }
+
+    /// Writes them.
+    pub(crate) fn write(self, console: &Console) -> Result<()> {
+        self.files.write()?;
+        self.streams.iter().try_for_each(|(path, content)| match path == Path::new("-") {
+            true => console.print(content),
+            false => stream(path, content),
+        })
+    }
+}
+
+/// Writes to a pipe or a device.
+fn stream(path: &Path, content: &[u8]) -> Result<()> {
+    let open = std::fs::OpenOptions::new().write(true).open(path);
+    open.and_then(|mut file| file.write_all(content)).or_else(|error| match error.kind() {
+        ErrorKind::BrokenPipe => Ok(()),
+        _ => Err(Error::new(error).context(format!("cannot write {}", named(path)))),
+    })
 }
 
 /// Returns an error, before the work begins, if a result could not be written.
@@ -70,38 +105,4 @@ pub(crate) fn ready(paths: &[Option<&Path>]) -> Result<()> {
     let named = paths.iter().copied().flatten().filter(|path| *path != Path::new("-"));
     let plain = |path: &&Path| std::fs::metadata(path).map_or(true, |what| what.is_file() || what.is_dir());
     Ok(named.filter(plain).try_for_each(files::ready)?)
-}
-
-/// Writes a machine-readable result to the path of `--json`.
-pub(crate) fn write_json(path: Option<&Path>, value: &Value, console: &crate::console::Console) -> Result<()> {
-    match path {
-        Some(path) => write(path, &format!("{value:#}\n"), console),
-        None => Ok(()),
-    }
-}
-
-/// The command line without folders: the same work gives the same bytes in every folder.
-pub(crate) fn command() -> String {
-    let word = |argument: std::ffi::OsString| {
-        let argument = argument.to_string_lossy();
-        let word = match argument.split_once('=') {
-            Some((flag, value)) if flag.starts_with("--") => format!("{flag}={}", short(value)),
-            _ => short(&argument),
-        };
-        if word.is_empty() || word.contains([' ', '\'', '"']) {
-            format!("'{}'", word.replace('\'', "'\\''"))
-        } else {
-            word
-        }
-    };
-    let words: Vec<String> = std::env::args_os().skip(1).map(word).collect();
-    format!("piezoid {}", words.join(" "))
-}
-
-/// The name of a file without its folder.
-fn short(text: &str) -> String {
-    match Path::new(text).file_name() {
-        Some(name) if text.contains(['/', '\\']) => name.to_string_lossy().into_owned(),
-        _ => text.to_string(),
-    }
 }

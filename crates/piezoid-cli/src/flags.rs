@@ -67,6 +67,7 @@ pub(crate) fn argument(row: &OptionRow) -> Arg {
             argument.value_parser(PossibleValuesParser::new(known).map(Value::from))
         }
         OptionKind::Texts(_) => several((1..).into()),
+        OptionKind::Numbers => several((1..).into()).allow_negative_numbers(true),
         OptionKind::Pair => several(2.into()).value_names(["LOW", "HIGH"]).allow_hyphen_values(true),
         // Negative numbers with a unit too.
         OptionKind::Number { .. } => several(1.into()).allow_hyphen_values(true),
@@ -94,7 +95,9 @@ pub(crate) fn placeholder(row: &OptionRow) -> &'static str {
 pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
     let value = |row: &OptionRow| match row.values {
         OptionKind::Switch => matches.get_flag(row.name).then(|| Value::Bool(!turns_off(row))),
-        OptionKind::Pair | OptionKind::Texts(_) => Some(matches.get_many::<Value>(row.name)?.cloned().collect()),
+        OptionKind::Pair | OptionKind::Numbers | OptionKind::Texts(_) => {
+            Some(matches.get_many::<Value>(row.name)?.cloned().collect())
+        }
         _ => matches.get_one::<Value>(row.name).cloned(),
     };
     Value::Object(rows.iter().filter_map(|row| Some((row.name.into(), value(row)?))).collect::<Map<_, _>>())

@@ -38,7 +38,11 @@ pub(crate) struct Cli {
 }
 
 fn main() -> ExitCode {
-    let Cli { quiet, verb } = Cli::try_parse().unwrap_or_else(|wrong| with_the_names_there_are(wrong).exit());
+    let Cli { quiet, verb } = Cli::try_parse().unwrap_or_else(|wrong| leave(&with_the_names_there_are(wrong)));
+    // The server handles signals itself.
+    if !matches!(verb, Verb::Serve(_)) {
+        console::handle_signals();
+    }
     match verb.run(&Console::new(quiet)) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
@@ -46,6 +50,15 @@ fn main() -> ExitCode {
             ExitCode::from(error.downcast_ref().map_or(1, values::Ended::status))
         }
     }
+}
+
+/// Prints help or a message on the command line, and ends.
+fn leave(wrong: &clap::Error) -> ! {
+    let is_printed = wrong.print().or_else(|error| match error.kind() {
+        std::io::ErrorKind::BrokenPipe => Ok(()),
+        _ => Err(error),
+    });
+    std::process::exit(if is_printed.is_ok() { wrong.exit_code() } else { 1 })
 }
 
 /// Adds the known names to the message on an unknown verb or kind.

@@ -77,7 +77,8 @@ impl Exported {
         rows.sort_by(|a, b| (&a.name, &a.target).cmp(&(&b.name, &b.target)));
         let listing = serde_json::to_string_pretty(&Listing { piezoid_export: 1, exports: rows });
         let listing = listing.map_err(|error| Error::Content(error.to_string()))? + "\n";
-        Ok(Placement { write: [&self.files[..], &[File::new(LIST, listing)]].concat(), remove })
+        // The list is the first, so that what follows it is known to belong here.
+        Ok(Placement { write: [&[File::new(LIST, listing)], &self.files[..]].concat(), remove })
     }
 }
 

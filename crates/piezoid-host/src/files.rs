@@ -1,17 +1,50 @@
-//! Files that are complete or absent: written beside their place and renamed.
+//! Files that are complete or absent, alone or as a set: written beside their places, then renamed.
 
+use crate::temporary::{Own, beside, folder_of, forsake, make, own, sweep_files};
 use piezoid::{Error, File};
 use piezoid_export::{ExportTarget, Exported, LIST, Placement};
+use std::collections::BTreeSet;
+use std::fs::TryLockError;
 use std::io::{self, ErrorKind, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 use tempfile::NamedTempFile;
+
+/// The file in a folder that names the files of a set while they are put in place.
+pub const UNFINISHED: &str = "piezoid-unfinished.txt";
+
+/// What it says, before the names.
+const ABOUT: &str = "piezoid was ended while it replaced these files: some may be new and others old.
+Repeat the command that writes them all; it removes this file.
+";
+
+/// Longest chain of links that is followed.
+const LINKS: usize = 40;
+
+/// How long another run may place its files in a folder before that is thought to be locked for another reason.
+const PATIENCE: Duration = Duration::from_secs(1);
+
+/// Files that replace older ones together.
+///
+/// All are written beside their places before the first is renamed. From the first to the last rename, signals wait
+/// (see [`abandon`](crate::temporary::abandon)), and a file [`UNFINISHED`] names them, which stays if the process is
+/// ended by force. Of two runs at once, one places its files after the other, on Unix. It does not do: wait until the
+/// files are on the disk, so after a loss of power they may be old, new or empty.
+#[derive(Default)]
+pub struct FileSet {
+    files: Vec<(PathBuf, Vec<u8>)>,
+    /// Files of an older set that are removed.
+    remove: Vec<PathBuf>,
+    /// The folder of a set, which is created if it does not exist.
+    folder: Option<PathBuf>,
+}
 
 /// Writes a file. An existing file stays until the new one is complete. A link stays a link; its target is replaced.
 ///
 /// # Errors
 /// Returns the reason why the file cannot be written, and what to do.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
-    replace(&end(path)?, bytes).map_err(|error| unwritable(path, &error))
+    FileSet::default().with(path, bytes).write()
 }
 
 /// Checks that a file can be written, before the work begins.
@@ -19,72 +52,211 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// # Errors
 /// The errors of [`write`].
 pub fn ready(path: &Path) -> Result<(), Error> {
-    beside(&end(path)?).map(drop).map_err(|error| unwritable(path, &error))
+    let place = end(path)?;
+    sweep_files(folder_of(&place));
+    beside(&mut own(), &place).map(drop).map_err(|error| unwritable(path, &error))
 }
 
-/// Writes files into a folder, which is created if it does not exist: all of them, or none.
-///
-/// # Errors
-/// The errors of [`write`].
-pub fn write_all(folder: &Path, files: &[File]) -> Result<(), Error> {
-    let new = !folder.exists();
-    if !new && !folder.is_dir() {
-        let folder = folder.display();
-        return Err(Error::Content(format!("cannot write into {folder}: it is a file: name a folder")));
+/// True if the run that last wrote this file was ended before it had written all files of its set.
+pub fn is_unfinished(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
+    name.is_some_and(|name| named_in(folder_of(path)).contains(&name))
+}
+
+impl FileSet {
+    /// Files in a folder, which is created if it does not exist.
+    ///
+    /// # Errors
+    /// Returns an error if the folder, or a file, cannot be made because of what is there.
+    pub fn in_folder(folder: &Path, files: &[File]) -> Result<Self, Error> {
+        if folder.exists() && !folder.is_dir() {
+            let folder = folder.display();
+            return Err(Error::Content(format!("cannot write into {folder}: it is a file: name a folder")));
+        }
+        let files: Vec<_> = files.iter().map(|file| (folder.join(&file.name), file.bytes.clone())).collect();
+        if let Some((path, _)) = files.iter().find(|(path, _)| path.is_dir()) {
+            let what = "there is a folder of that name: move it, or name another folder";
+            return Err(Error::Content(format!("cannot write {}: {what}", path.display())));
+        }
+        Ok(FileSet { files, folder: Some(folder.into()), remove: Vec::new() })
     }
-    let paths: Vec<PathBuf> = files.iter().map(|file| folder.join(&file.name)).collect();
-    if let Some(path) = paths.iter().find(|path| path.is_dir()) {
-        let what = "there is a folder of that name: move it, or name another folder";
-        return Err(Error::Content(format!("cannot write {}: {what}", path.display())));
+
+    /// An export in a folder, which is created if it does not exist.
+    ///
+    /// # Errors
+    /// The errors of [`FileSet::in_folder`], and if the folder holds another export, unless `force` is given.
+    pub fn export(folder: &Path, (target, name): (&str, &str), made: &Exported, force: bool) -> Result<Self, Error> {
+        let list = std::fs::read(folder.join(LIST)).ok();
+        let exists = |file: &str| folder.join(file).exists();
+        let placed = made.placed((ExportTarget::find(target)?, name), list.as_deref(), &exists, force);
+        let Placement { write, remove } = placed.map_err(|error| error.of(&folder.display().to_string()))?;
+        // As the places of files that are written.
+        let home = std::fs::canonicalize(folder).unwrap_or(folder.into());
+        let remove = remove.iter().map(|file| home.join(file)).collect();
+        Ok(FileSet { remove, ..FileSet::in_folder(folder, &write)? })
     }
-    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-    let stage = |(file, path): (&File, &PathBuf)| {
-        let staged = beside(path).and_then(|mut staged| staged.write_all(&file.bytes).map(|()| staged));
-        staged.map_err(|error| unwritable(path, &error))
-    };
-    let staged: Result<Vec<_>, _> = files.iter().zip(&paths).map(stage).collect();
-    let written = staged.and_then(|staged| {
-        let place = |(file, path): (NamedTempFile, &PathBuf)| {
-            file.persist(path).map(drop).map_err(|failed| unwritable(path, &failed.error))
+
+    /// The set with another file.
+    #[must_use]
+    pub fn with(mut self, path: &Path, bytes: impl Into<Vec<u8>>) -> Self {
+        self.files.push((path.into(), bytes.into()));
+        self
+    }
+
+    /// Writes all files, or none.
+    ///
+    /// # Errors
+    /// Returns the reason why a file cannot be written, and what to do.
+    pub fn write(self) -> Result<(), Error> {
+        let made = match self.folder.as_deref() {
+            Some(folder) => make(folder).map_err(|error| unwritable(folder, &error))?,
+            None => Vec::new(),
         };
-        staged.into_iter().zip(&paths).try_for_each(place)
-    });
-    if written.is_err() && new {
-        drop(std::fs::remove_dir_all(folder));
+        let written = self.staged().and_then(|staged| self.place(staged));
+        forsake(&made);
+        written
     }
-    written
+
+    /// The files beside their places.
+    fn staged(&self) -> Result<Vec<(NamedTempFile, PathBuf)>, Error> {
+        let stage = |(path, bytes): &(PathBuf, Vec<u8>)| {
+            let place = end(path)?;
+            let staged = beside(&mut own(), &place);
+            let staged = staged.and_then(|mut staged| staged.write_all(bytes).map(|()| staged));
+            staged.map(|staged| (staged, place)).map_err(|error| unwritable(path, &error))
+        };
+        self.files.iter().map(stage).collect()
+    }
+
+    /// Renames the files to their places, while the marks of their folders name them.
+    fn place(&self, staged: Vec<(NamedTempFile, PathBuf)>) -> Result<(), Error> {
+        let places: Vec<PathBuf> = staged.iter().map(|(_, place)| place).chain(&self.remove).cloned().collect();
+        let folders: BTreeSet<&Path> = places.iter().map(|place| folder_of(place)).collect();
+        let locked: Vec<_> = folders.iter().filter_map(|folder| locked(folder)).collect();
+        // A file alone needs no mark, but may end an older one.
+        let marks = folders.iter().map(|folder| Mark::new(folder, &places));
+        let marks: Vec<Mark> = marks.filter(|mark| places.len() > 1 || mark.before != mark.after).collect();
+        // Signals wait.
+        let mut held = own();
+        let mut begun = false;
+        let named = marks.iter().try_for_each(|mark| mark.name(&mark.during, &mut held));
+        let placed = named.and_then(|()| self.replace(staged, &mut begun));
+        let told = match (&placed, begun) {
+            (Ok(()), _) => marks.iter().try_for_each(|mark| mark.name(&mark.after, &mut held)),
+            (Err(_), false) => marks.iter().try_for_each(|mark| mark.name(&mark.before, &mut held)),
+            (Err(_), true) => Ok(()),
+        };
+        drop((held, locked));
+        folders.iter().for_each(|folder| sweep_files(folder));
+        placed.and(told)
+    }
+
+    /// Removes what is no longer of the set before the rename of its list, which says what is. `begun` is set once a
+    /// file is not as it was.
+    fn replace(&self, staged: Vec<(NamedTempFile, PathBuf)>, begun: &mut bool) -> Result<(), Error> {
+        for path in &self.remove {
+            gone(std::fs::remove_file(path)).map_err(|error| {
+                let what = "a file of the last export, cannot be removed";
+                Error::Content(format!("{}, {what}: {error}: delete it", path.display()))
+            })?;
+            *begun = true;
+        }
+        for (file, place) in staged {
+            file.persist(&place).map_err(|failed| unwritable(&place, &failed.error))?;
+            *begun = true;
+        }
+        Ok(())
+    }
 }
 
-/// Writes an export into a folder, which is created if it does not exist: all of it, or nothing.
-///
-/// # Errors
-/// The errors of [`write`], and if the folder holds another export, unless `force` is given.
-pub fn write_export(folder: &Path, (target, name): (&str, &str), made: &Exported, force: bool) -> Result<(), Error> {
-    let list = std::fs::read(folder.join(LIST)).ok();
-    let exists = |file: &str| folder.join(file).exists();
-    let placed = made.placed((ExportTarget::find(target)?, name), list.as_deref(), &exists, force);
-    let Placement { write, remove } = placed.map_err(|error| error.of(&folder.display().to_string()))?;
-    write_all(folder, &write)?;
-    remove.iter().map(|file| folder.join(file)).try_for_each(|path| {
-        std::fs::remove_file(&path).map_err(|error| {
-            let what = "a file of the last export, cannot be removed";
-            Error::Content(format!("{}, {what}: {error}: delete it", path.display()))
-        })
-    })
+/// The file that names what is unfinished in a folder: what it names before, while and after a set is placed.
+struct Mark {
+    path: PathBuf,
+    before: BTreeSet<String>,
+    during: BTreeSet<String>,
+    after: BTreeSet<String>,
 }
 
+impl Mark {
+    /// The mark for these of the places that are in the folder.
+    fn new(folder: &Path, places: &[PathBuf]) -> Self {
+        let own = places.iter().filter(|place| folder_of(place) == folder).filter_map(|place| place.file_name());
+        let own: BTreeSet<String> = own.map(|name| name.to_string_lossy().into_owned()).collect();
+        let before = named_in(folder);
+        Mark { path: folder.join(UNFINISHED), during: &before | &own, after: &before - &own, before }
+    }
+
+    /// Names these files. Without any there is no mark.
+    fn name(&self, names: &BTreeSet<String>, held: &mut Own) -> Result<(), Error> {
+        let done = match names.is_empty() {
+            true => gone(std::fs::remove_file(&self.path)),
+            false => beside(held, &self.path).and_then(|mut mark| {
+                mark.write_all(text(names).as_bytes())?;
+                mark.persist(&self.path)?;
+                Ok(())
+            }),
+        };
+        done.map_err(|error| unwritable(&self.path, &error))
+    }
+}
+
+/// What is not there needs not be removed.
+fn gone(removed: io::Result<()>) -> io::Result<()> {
+    removed.or_else(|error| if error.kind() == ErrorKind::NotFound { Ok(()) } else { Err(error) })
+}
+
+/// Has other runs wait until this is dropped. What cannot be locked is not.
+fn locked(folder: &Path) -> Option<std::fs::File> {
+    let file = std::fs::File::open(folder).ok()?;
+    let asked = Instant::now();
+    while let Err(TryLockError::WouldBlock) = file.try_lock() {
+        if asked.elapsed() > PATIENCE {
+            return None;
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    Some(file)
+}
+
+fn text(names: &BTreeSet<String>) -> String {
+    names.iter().fold(format!("{ABOUT}\n"), |text, name| text + name + "\n")
+}
+
+/// The files of a folder whose set is unfinished.
+fn named_in(folder: &Path) -> BTreeSet<String> {
+    let text = std::fs::read_to_string(folder.join(UNFINISHED)).unwrap_or_default();
+    let names = text.strip_prefix(ABOUT).unwrap_or_default().lines();
+    names.filter(|name| !name.is_empty()).map(String::from).collect()
+}
+
+/// The place of a file: `path`, or where its links lead, also if there is no file yet.
 fn end(path: &Path) -> Result<PathBuf, Error> {
     if path.is_dir() {
         let path = path.display();
         return Err(Error::Content(format!("cannot write {path}: this is a folder: name a file in it")));
     }
-    Ok(std::fs::canonicalize(path).unwrap_or_else(|_| path.into()))
+    let mut place = path.to_path_buf();
+    for _ in 0..LINKS {
+        match std::fs::read_link(&place) {
+            Ok(next) => place = folder_of(&place).join(next),
+            // All places of a folder name it in the same way.
+            Err(_) => {
+                let folder = std::fs::canonicalize(folder_of(&place)).ok();
+                return Ok(folder.and_then(|folder| Some(folder.join(place.file_name()?))).unwrap_or(place));
+            }
+        }
+    }
+    Err(Error::Content(format!("cannot write {}: it is a link that leads to itself: delete it", path.display())))
 }
 
 /// Why `path` cannot be written, and what to do.
 fn unwritable(path: &Path, error: &io::Error) -> Error {
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
+    let target = std::fs::read_link(path).map_or_else(|_| path.into(), |target| folder_of(path).join(target));
+    let folder = folder_of(&target);
     let why = match error.kind() {
+        ErrorKind::NotFound if folder.is_dir() => {
+            format!("{} takes no new files: name another folder", folder.display())
+        }
         ErrorKind::NotFound => format!("there is no folder {}: make it first", folder.display()),
         ErrorKind::NotADirectory => format!("{} is not a folder: name a file in a folder", folder.display()),
         ErrorKind::PermissionDenied => format!("the folder {} may not be written to: name another", folder.display()),
@@ -93,21 +265,44 @@ fn unwritable(path: &Path, error: &io::Error) -> Error {
     Error::Content(format!("cannot write {}: {why}", path.display()))
 }
 
-/// A file beside `path`, which is deleted unless it is kept.
-///
-/// # Errors
-/// Returns the error of the file system.
-pub fn beside(path: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-    builder.prefix(".piezoid-").tempfile_in(folder)
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-fn replace(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut beside = beside(path)?;
-    beside.write_all(bytes)?;
-    beside.persist(path).map_err(|failed| failed.error)?;
-    Ok(())
+    /// A folder in which a run was ended while it replaced `m.json` and `r.json`.
+    fn unfinished() -> tempfile::TempDir {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join(UNFINISHED), text(&["m.json", "r.json"].map(String::from).into())).unwrap();
+        folder
+    }
+
+    #[test]
+    fn a_mark_names_what_is_still_unfinished() {
+        let folder = unfinished();
+        let [m, r, other] = ["m.json", "r.json", "other"].map(|name| folder.path().join(name));
+        write(&other, b"").unwrap();
+        FileSet::default().with(&other, "").with(&folder.path().join("more"), "").write().unwrap();
+        assert_eq!([&m, &r, &other].map(|path| is_unfinished(path)), [true, true, false]);
+        write(&m, b"").unwrap();
+        assert_eq!([&m, &r, &other].map(|path| is_unfinished(path)), [false, true, false]);
+        write(&r, b"").unwrap();
+        assert!(!folder.path().join(UNFINISHED).exists());
+    }
+
+    #[test]
+    fn a_set_that_cannot_be_placed_leaves_its_folders_as_they_were() {
+        let folder = unfinished();
+        let mark = || std::fs::read_to_string(folder.path().join(UNFINISHED)).unwrap();
+        let before = mark();
+        let set = FileSet::default().with(&folder.path().join("m.json"), "").with(&folder.path().join("new"), "");
+        // A folder is not removed as a file.
+        let stuck = folder.path().join("stuck");
+        std::fs::create_dir(&stuck).unwrap();
+        let failed = FileSet { remove: vec![stuck], ..set }.write().unwrap_err().to_string();
+        assert!(failed.contains("stuck, a file of the last export, cannot be removed"), "{failed}");
+        assert_eq!(mark(), before);
+        let within = FileSet::in_folder(&folder.path().join("a/b"), &[File::new("c/d", "")]).unwrap();
+        assert!(within.write().unwrap_err().to_string().contains("there is no folder"));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+    }
 }

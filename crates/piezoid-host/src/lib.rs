@@ -3,3 +3,4 @@
 
 pub mod compiler;
 pub mod files;
+pub mod temporary;

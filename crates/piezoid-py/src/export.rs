@@ -7,7 +7,8 @@ use crate::model::Model;
 use crate::samples::{samples, slice};
 use piezoid::Options;
 use piezoid_export::{ExportOptions, ExportTarget};
-use piezoid_host::{compiler, files};
+use piezoid_host::compiler;
+use piezoid_host::files::{self, FileSet};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use std::path::PathBuf;
@@ -38,7 +39,7 @@ pub(crate) fn export(
     let made = py.detach(|| {
         let made = options.of(target, &model, reference, compiler::here())?;
         let given = (target, options.name.as_str());
-        folder.iter().try_for_each(|folder| files::write_export(folder, given, &made, force))?;
+        folder.iter().try_for_each(|folder| FileSet::export(folder, given, &made, force)?.write())?;
         Ok(made)
     });
     let made = made.map_err(raised)?;

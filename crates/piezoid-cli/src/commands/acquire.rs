@@ -2,7 +2,7 @@
 
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::layout::table;
 use crate::values::{apart, record};
@@ -54,7 +54,7 @@ impl Acquire {
             if self.json.as_ref().is_none_or(|path| path.as_os_str() != "-") {
                 console.print(&summary(&controller, console))?;
             }
-            return files::write_json(self.json.as_deref(), &controller.to_json(), console);
+            return Results::default().json(self.json.as_deref(), &controller.to_json()).write(console);
         };
         let Some(output) = &self.output else { bail!("name the file of the record by -o") };
         let (drive, columns) = (files::read(drive)?, self.columns.read()?);
@@ -65,8 +65,8 @@ impl Acquire {
         }
         let made = console.done(outcome)?;
         made.notes.iter().for_each(|note| console.remark(note));
-        files::write_record(output, |name| made.record.written(name), console)?;
-        files::write_json(self.json.as_deref(), &made.to_json(), console)
+        let results = Results::default().record(Some(output), |name| made.record.written(name))?;
+        results.json(self.json.as_deref(), &made.to_json()).write(console)
     }
 }
 

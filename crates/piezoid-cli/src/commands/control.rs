@@ -3,7 +3,7 @@
 use super::lists;
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::Flags;
 use crate::layout::table;
 use crate::values::{Ended::Misused, apart, record};
@@ -88,13 +88,9 @@ impl Control {
         for remark in compared.remarks().into_iter().chain(steps(&compared)) {
             console.remark(&remark);
         }
-        if let Some(path) = &self.output {
-            files::write_record(path, |name| compared.written(name), console)?;
-        }
-        if let Some(path) = &self.report {
-            files::write(path, &piezoid_report::report::tracking(&compared).html(), console)?;
-        }
-        files::write_json(self.json.as_deref(), &compared.to_json(), console)
+        let record = Results::default().record(self.output.as_deref(), |name| compared.written(name))?;
+        let page = piezoid_report::report::tracking(&compared).html();
+        record.file(self.report.as_deref(), page).json(self.json.as_deref(), &compared.to_json()).write(console)
     }
 }
 

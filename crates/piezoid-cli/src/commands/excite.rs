@@ -2,7 +2,7 @@
 //! its parameters a flag.
 
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, argument, failed, given, placeholder};
 use crate::layout::{capitalised, wrapped};
 use crate::values::record;
@@ -100,6 +100,6 @@ impl Excite {
             let share = peak.share.map(|s| format!(", {} % of the limit", round(100.0 * s))).unwrap_or_default();
             console.remark(&format!("{}: {} {}{share}", peak.quantity, number(peak.value), peak.unit));
         }
-        files::write_record(&output, |name| made.written(name), console)
+        Results::default().record(Some(&output), |name| made.written(name))?.write(console)
     }
 }

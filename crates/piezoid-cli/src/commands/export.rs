@@ -2,7 +2,7 @@
 
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::values::Ended::Misused;
 use crate::values::apart;
@@ -10,7 +10,8 @@ use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::formats::ColumnSelection;
 use piezoid_export::ExportOptions;
-use piezoid_host::{compiler, files as host};
+use piezoid_host::compiler;
+use piezoid_host::files::FileSet;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -68,8 +69,8 @@ impl Export {
         let along = reference.as_ref().map(|file| (file, &columns));
         let made = options.run(&self.target, &file, along, compiler::here()).map_err(failed)?;
         let given = (self.target.as_str(), options.name.as_str());
-        host::write_export(&self.output, given, &made, self.force).map_err(failed)?;
-        files::write_json(self.json.as_deref(), &made.to_json(), console)?;
+        let files = FileSet::export(&self.output, given, &made, self.force).map_err(failed)?;
+        Results::of(files).json(self.json.as_deref(), &made.to_json()).write(console)?;
         for note in &made.notes {
             console.remark(note);
         }

@@ -2,7 +2,7 @@
 
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{failed, told};
 use crate::layout::table;
 use crate::values::apart;
@@ -53,12 +53,13 @@ impl Inspect {
             }
             all.push(seen);
         }
+        let mut results = Results::default();
         if let (Some(path), Some(first)) = (&self.output, data.first()) {
             let profile = first.profile(&columns).map_err(failed)?.to_toml();
             let about = "# How records of this rig are read: piezoid VERB ... --profile FILE\n";
-            files::write(path, &format!("{about}{profile}"), console)?;
+            results = results.file(Some(path), format!("{about}{profile}"));
         }
-        files::write_json(self.json.as_deref(), &Value::Array(all), console)
+        results.json(self.json.as_deref(), &Value::Array(all)).write(console)
     }
 }
 

@@ -1,7 +1,7 @@
 //! The lists of operators, plants, drive signals and other members, each row with its one-line summary.
 
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::failed;
 use crate::values::Ended::Misused;
 use anyhow::Result;
@@ -88,7 +88,7 @@ impl List {
                 console.print(&console.paragraph(&format!("{name:width$}  {summary}"), &indent))?;
             }
         }
-        files::write_json(self.json.as_deref(), &rows.to_vec().into(), console)
+        Results::default().json(self.json.as_deref(), &rows.to_vec().into()).write(console)
     }
 }
 

@@ -1,7 +1,7 @@
 //! `piezoid plan`: the drives that identify an actuator, and a page on them.
 
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::layout::table;
 use crate::values::Ended::Misused;
@@ -10,7 +10,7 @@ use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::PlanOptions;
 use piezoid::number::round;
-use piezoid_host::files as host;
+use piezoid_host::files::FileSet;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -54,7 +54,8 @@ impl Plan {
         files::ready(&[self.json.as_deref()])?;
         let model = self.model.as_deref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
         let plan = self.options.0.run(model.as_ref()).map_err(failed)?;
-        host::write_all(&self.output, &plan.files().map_err(failed)?)?;
+        let files = FileSet::in_folder(&self.output, &plan.files().map_err(failed)?)?;
+        Results::of(files).json(self.json.as_deref(), &plan.to_json()).write(console)?;
         for note in &plan.notes {
             console.remark(note);
         }
@@ -75,9 +76,9 @@ impl Plan {
         if let Some(advice) = &plan.advice {
             text += &console.paragraph(advice, "");
         }
-        if self.json.as_deref() != Some(Path::new("-")) {
-            console.print(&text)?;
+        match self.json.as_deref() == Some(Path::new("-")) {
+            true => Ok(()),
+            false => console.print(&text),
         }
-        files::write_json(self.json.as_deref(), &plan.to_json(), console)
     }
 }

@@ -3,7 +3,7 @@
 use super::lists;
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::values::{apart, record};
 use anyhow::{Result, bail};
@@ -72,6 +72,6 @@ impl Simulate {
         if !made.reached.is_empty() {
             console.remark(&made.reached);
         }
-        files::write_record(&self.output, |name| made.written(name), console)
+        Results::default().record(Some(&self.output), |name| made.written(name))?.write(console)
     }
 }

@@ -1,13 +1,13 @@
 //! `piezoid study`: the paper's experiment from end to end.
 
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::layout::table;
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::number::{round, short as number};
-use piezoid_host::files as host;
+use piezoid_host::files::FileSet;
 use piezoid_report::study::{self, METHODS, Study as Outcome, StudyOptions};
 use std::path::{Path, PathBuf};
 
@@ -37,18 +37,23 @@ impl Study {
             bail!("{}: this is a file, not a folder: name a folder with --out", self.out.display());
         }
         self.options.0.plants().map_err(failed)?;
-        std::fs::create_dir_all(&self.out)
-            .with_context(|| format!("cannot create the folder {}: choose another with --out", self.out.display()))?;
-        files::ready(&[Some(&self.out.join("report.html")), self.json.as_deref()])?;
+        // The folder is made when there is something to write.
+        let above = self.out.ancestors().find(|folder| folder.exists()).unwrap_or(Path::new(""));
+        if above.is_file() {
+            let (out, above) = (self.out.display(), above.display());
+            bail!("cannot create the folder {out}: {above} is a file: choose another with --out");
+        }
+        files::ready(&[Some(&above.join("report.html")), self.json.as_deref()])?;
         let studies = console.done(self.options.0.run(&mut console.progress()))?;
-        host::write_all(&self.out, &Outcome::files(&studies))?;
+        let files = FileSet::in_folder(&self.out, &Outcome::files(&studies))?;
+        Results::of(files).json(self.json.as_deref(), &Outcome::to_json(&studies)).write(console)?;
         if self.json.as_deref() != Some(Path::new("-")) {
             for study in &studies {
                 console.print(&summary(study, console))?;
             }
             console.print(&format!("Report: {}\n", self.out.join("report.html").display()))?;
         }
-        files::write_json(self.json.as_deref(), &Outcome::to_json(&studies), console)
+        Ok(())
     }
 }
 

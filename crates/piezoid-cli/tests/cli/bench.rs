@@ -53,6 +53,11 @@ impl Bench {
 
     /// All files with their bytes, by path below the directory.
     pub(crate) fn files(&self) -> BTreeMap<String, Vec<u8>> {
+        self.everything().into_iter().filter(|(name, _)| !name.ends_with('/')).collect()
+    }
+
+    /// All files with their bytes, and all folders, whose names end with a slash.
+    pub(crate) fn everything(&self) -> BTreeMap<String, Vec<u8>> {
         let mut files = BTreeMap::new();
         let mut folders = vec![self.dir.path().to_path_buf()];
         while let Some(folder) = folders.pop() {
@@ -60,6 +65,7 @@ impl Bench {
                 let path = entry.path();
                 let name = path.strip_prefix(self.dir.path()).unwrap().to_str().unwrap().replace('\\', "/");
                 if path.is_dir() {
+                    files.insert(name + "/", Vec::new());
                     folders.push(path);
                 } else if path.is_file() {
                     files.insert(name, std::fs::read(&path).unwrap());

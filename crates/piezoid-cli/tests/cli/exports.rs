@@ -84,6 +84,6 @@ fn identify_takes_the_target_of_its_export() {
     let bench = Bench::stocked();
     let line = "identify sine5.csv --operator stop --order 2 -o found.json";
     bench.run(&format!("{line} --for fixed")).ok();
-    assert!(bench.text("found.json").contains("--for fixed"));
+    assert_eq!(bench.json("found.json")["fit"]["options"], serde_json::json!({"operator": "stop", "order": 2}));
     bench.misused(&format!("{line} --for fixd")).says(&["there is no target called `fixd`", "did you mean `fixed`"]);
 }

@@ -68,3 +68,19 @@ fn ctrl_c_ends_a_long_identification_in_good_order() {
     assert_eq!((run.err.lines().count(), run.out.as_str()), (1, ""));
     assert!(before == bench.files());
 }
+
+/// Only Linux tells what is ignored.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_run_that_was_started_by_nohup_goes_on_after_its_terminal_is_gone() {
+    let bench = Bench::stocked();
+    let line = "identify --method paper --small-signal prbs.csv --large-signal sine5.csv -o m.json";
+    let mut run = Command::new("sh");
+    run.args(["-c", "trap '' HUP; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_piezoid")]).args(line.split_whitespace());
+    let child = run.current_dir(bench.path("")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    while !handles_interrupts(child.id()) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    assert!(Command::new("kill").args(["-HUP", &child.id().to_string()]).status().unwrap().success());
+    Run::of(line, &child.wait_with_output().unwrap()).ok();
+}

@@ -52,6 +52,17 @@ const RESERVED: &str = "auto break case char const continue default do double el
     inline int long register restrict return short signed sizeof static struct switch typedef union unsigned void \
     volatile while main stdio math";
 
+/// Stands for the checksum of a set of files until all are printed.
+const SET: &str = "0xCHECKSUMu";
+
+/// The files with their common checksum, by which the compiler refuses those of two exports.
+fn sealed<const N: usize>(files: [String; N]) -> [String; N] {
+    let mut sum = crc32fast::Hasher::new();
+    files.iter().for_each(|file| sum.update(file.as_bytes()));
+    let sum = format!("0x{:08X}u", sum.finalize());
+    files.map(|file| file.replace(SET, &sum))
+}
+
 /// The exported program, under a name that is free in C.
 pub(super) fn checked(request: &ExportRequest) -> Result<ExportedProgram, Error> {
     named(request.name(), RESERVED)?;
@@ -76,23 +87,31 @@ impl C<'_> {
     /// Header, source, self-test and page.
     pub(super) fn files(&self, readme: String) -> Result<Vec<File>, Error> {
         let name = self.request.name();
+        let test = render(template!("c/test.c.j2"), self.template_context())?;
+        let [header, source, test] = sealed([self.header()?, self.source()?, test]);
         Ok(vec![
-            File::new(format!("{name}.h"), self.header()?),
-            File::new(format!("{name}.c"), self.source()?),
-            File::new(format!("{name}_test.c"), render(template!("c/test.c.j2"), self.template_context())?),
+            File::new(format!("{name}.h"), header),
+            File::new(format!("{name}.c"), source),
+            File::new(format!("{name}_test.c"), test),
             File::new(format!("{name}.md"), readme),
         ])
+    }
+
+    /// Header and source without a self-test in C.
+    pub(super) fn pair(&self) -> Result<[String; 2], Error> {
+        Ok(sealed([self.header()?, self.source()?]))
     }
 
     pub(super) fn template_context(&self) -> Value {
         let all = template_context(self.request, self.whole, &|values| self.numbers(values));
         let counts = self.counts.map_or(context!(), Fixed::template_context);
-        let own = context! { number => self.number(), zero => self.real(0.0), counts => self.counts.is_some() };
+        let own =
+            context! { number => self.number(), zero => self.real(0.0), set => SET, counts => self.counts.is_some() };
         context! { ..own, ..counts, ..all }
     }
 
     /// The header: types and functions of the interface.
-    pub(super) fn header(&self) -> Result<String, Error> {
+    fn header(&self) -> Result<String, Error> {
         let declared = |block: &Block, field: &Field| match (&field.holds, self.held(block, field)) {
             (FieldValue::Number(_), number) => format!("{number} {}", field.name),
             (FieldValue::Numbers(values), number) => format!("{number} {}[{}]", field.name, values.len()),
@@ -108,7 +127,7 @@ impl C<'_> {
     }
 
     /// The source: constants and functions.
-    pub(super) fn source(&self) -> Result<String, Error> {
+    fn source(&self) -> Result<String, Error> {
         let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
             let constants: Value = block.constants.iter().map(|c| self.constant_of(block, c)).collect();
             let functions: Value = functions.into_iter().map(|(_, f)| self.function(f)).collect();

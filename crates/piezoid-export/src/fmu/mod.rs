@@ -147,7 +147,7 @@ impl<'f> Fmu<'f> {
             Ok([&head, include_str!("instance.c"), include_str!("kept.c"), version.functions].join("\n"))
         };
         let c = C::of(&self.whole, request);
-        let (header, source) = (c.header()?, c.source()?);
+        let [header, source] = c.pair()?;
         let token = token(&(text(version.description, "")? + &header + &source + &wrapper("")?));
         let mut files = vec![
             File::new("modelDescription.xml", text(version.description, &token)?),

@@ -25,9 +25,10 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         let (c, name) = (C::of(&whole, request), request.name());
         let page = Matlab::of(&whole, request)?.template_context(&whole, request);
         let text = |template| render(template, page.clone());
+        let [header, source] = c.pair()?;
         let mut files = vec![
-            File::new(format!("{name}.h"), c.header()?),
-            File::new(format!("{name}.c"), c.source()?),
+            File::new(format!("{name}.h"), header),
+            File::new(format!("{name}.c"), source),
             File::new(format!("{name}.m"), text(template!("simulink/class.m.j2"))?),
             File::new(format!("{name}_test.m"), text(template!("simulink/test.m.j2"))?),
             File::new(format!("{name}_build.m"), text(template!("simulink/build.m.j2"))?),
