@@ -30,7 +30,7 @@ const VERBS: [(&str, &str, Work); 8] = [
         web::web,
     ),
     ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
-    ("fuzz", "damaged files of every format for a minute each (cargo-fuzz)", fuzz),
+    ("fuzz", "damaged files of every format, and models, for a minute each (cargo-fuzz)", fuzz),
     ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
     ("docs", "build the documentation, and draw the pictures and the tables in docs/ anew (minutes)", docs),
 ];
@@ -55,7 +55,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Reads damaged files of every format for a minute each; what fails is kept in fuzz/artifacts.
+/// Reads damaged files of every format, and uses damaged models, for a minute each; what fails is kept in
+/// fuzz/artifacts.
 fn fuzz() -> Result<(), String> {
     // The fuzzer needs flags of the compiler that are not stable.
     let fuzzer = |verb: &str| {
@@ -71,7 +72,11 @@ fn fuzz() -> Result<(), String> {
         let corpus = format!("fuzz/corpus/{target}");
         std::fs::create_dir_all(root().join(&corpus)).map_err(|e| format!("{corpus}: {e}"))?;
         let mut run = fuzzer("run");
-        run.args([target, &corpus, "fuzz/seeds", "crates/piezoid/tests/golden/formats", "--"]);
+        let seeds: &[&str] = match target {
+            "model" => &["fuzz/models"],
+            _ => &["fuzz/seeds", "crates/piezoid/tests/golden/formats"],
+        };
+        run.args([target, &corpus]).args(seeds).arg("--");
         step(run.args(["-max_total_time=60", "-max_len=16384", "-timeout=10", "-print_final_stats=1"]))?;
     }
     Ok(())

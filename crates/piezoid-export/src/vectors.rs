@@ -32,6 +32,10 @@ pub(super) const SAMPLES: usize = 400;
 const WANDERING: usize = 280;
 const THROUGH: usize = 81;
 
+/// Operations after which the vectors of an entry end early: seconds of interpretation. The default sizes of all
+/// operators take less than a fifth of it.
+const OPERATIONS: usize = 100_000_000;
+
 /// Samples until a feed-forward from rest has settled.
 const BEGUN: usize = 60;
 
@@ -53,7 +57,7 @@ pub(super) fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Vec
     whole.entries.iter().map(of).collect()
 }
 
-/// Outputs and operations of an entry for these inputs.
+/// Outputs and operations of an entry for these inputs, or for the first of them if all would take too long.
 pub(super) fn counted(program: &Program, entry: &Entry, inputs: &[Vec<f64>], single: bool) -> Result<Vectors, Error> {
     let mut machine = Machine::new(program, entry.state, single);
     let (mut outputs, mut most, mut before) = (Vec::with_capacity(inputs.len()), 0, 0);
@@ -70,8 +74,11 @@ pub(super) fn counted(program: &Program, entry: &Entry, inputs: &[Vec<f64>], sin
         outputs.push(output);
         let total = machine.counts.total();
         (most, before) = (most.max(total - before), total);
+        if total > OPERATIONS {
+            break;
+        }
     }
-    let (all, n) = (machine.counts, inputs.len());
+    let (all, n) = (machine.counts, outputs.len().max(1));
     let mean = Counts {
         sums: all.sums / n,
         products: all.products / n,
@@ -81,10 +88,14 @@ pub(super) fn counted(program: &Program, entry: &Entry, inputs: &[Vec<f64>], sin
     Ok(Vectors { outputs, mean, most, bound: program.bound(entry.step)?, ..Vectors::default() })
 }
 
-fn answers(whole: &ExportedProgram, entry: &Entry, inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {
+fn answers(whole: &ExportedProgram, entry: &Entry, mut inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {
     let run = |single: bool| counted(&whole.program, entry, &inputs, single);
-    let found = run(single)?;
-    let exact = if single { run(false)?.outputs } else { found.outputs.clone() };
+    let mut found = run(single)?;
+    let mut exact = if single { run(false)?.outputs } else { found.outputs.clone() };
+    let n = found.outputs.len().min(exact.len());
+    inputs.truncate(n);
+    found.outputs.truncate(n);
+    exact.truncate(n);
     let (low, high) = ends(exact.iter().copied());
     let differs = found.outputs.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let off = if differs == 0.0 { 0.0 } else { differs / (high - low) };

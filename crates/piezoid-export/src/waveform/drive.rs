@@ -21,11 +21,19 @@ use piezoid::waveform::period;
 /// Difference of two periods, as a share of the stroke, that counts as zero.
 const SAME: f64 = 1e-9;
 
-/// Number of samples after which the response is used although it still changes.
-const PATIENCE: usize = 1_000_000;
+/// Number of samples after which the response is used although it still changes, and of their operations.
+const PATIENCE: f64 = 1e6;
+const OPERATIONS: f64 = 2e10;
 
-/// Number of trials on the model; the first is the feed-forward.
+/// A driver is too slow for a period if its lag is more than this many periods, or if it slews less than this share of
+/// the range in one: the steady state is then out of reach within [`PATIENCE`].
+const LAGGING: f64 = 5.0;
+const SLEWING: f64 = 0.01;
+
+/// Number of trials on the model; the first is the feed-forward. There are fewer if a sample takes more operations than
+/// this: no operator of default size does.
 const TRIALS: usize = 21;
+const HEAVY: f64 = 2e4;
 
 /// One period of a drive.
 pub(super) struct PeriodicDrive {
@@ -52,9 +60,12 @@ impl PeriodicDrive {
         if n < whole {
             notes.push(format!("the reference repeats after {n} of its {whole} samples: only this period is exported"));
         }
+        follows(model, n)?;
         let inverse = FeedForward::new(model, settings)?;
         // The plant is the model, so its inverse is right and the gain can be 1.
-        let learning = Learning { trials: TRIALS, gain: 1.0, cutoff_hz: None };
+        let share = (HEAVY / model.effort().unwrap_or(1.0).max(1.0)).min(1.0);
+        let trials = ((TRIALS as f64 * share) as usize).max(2);
+        let learning = Learning { trials, gain: 1.0, cutoff_hz: None };
         let learned = learning.run(&mut |u| answer(model, u).y, &inverse, &r)?;
         // If the step from the end to the start is too fast, clipping continues into the start.
         let u = if settings.clip {
@@ -67,6 +78,26 @@ impl PeriodicDrive {
         notes.extend(inverse.beyond(&joined));
         Ok(PeriodicDrive { r, u, notes })
     }
+}
+
+/// Checks that the driver of the model can follow a period of `n` samples.
+fn follows(model: &Model, n: usize) -> Result<(), Error> {
+    let length = n as f64 * model.ts();
+    let (Some(driver), Some((low, high))) = (model.driver(), model.known_inputs()) else { return Ok(()) };
+    let unit = &model.units().u;
+    let because = if driver.lag_s > LAGGING * length {
+        format!("its driver has a lag of {} s", short(driver.lag_s))
+    } else if let Some(slew) = driver.slew.filter(|slew| slew * length < SLEWING * (high - low)) {
+        format!(
+            "its driver slews {} {unit} in a period, of a range of {} {unit}",
+            short(slew * length),
+            round(high - low)
+        )
+    } else {
+        return Ok(());
+    };
+    let because = format!("{because}, which is too slow for a period of {} s: check the driver", short(length));
+    Err(Error::Unsuited { what: "periodic drive".into(), because })
 }
 
 /// Checks that a period ends where it begins; returns remarks.
@@ -112,7 +143,8 @@ pub(super) fn answer(model: &Model, u: &[f64]) -> Answer {
     let from = model.hysteresis().order();
     let mut x = model.settled(u.first().copied().unwrap_or(0.0));
     let mut answer = Answer { y: model.resume(&mut x, u), differs: f64::INFINITY };
-    for _ in 0..(PATIENCE / u.len().max(1)).max(2) {
+    let patience = PATIENCE.min(OPERATIONS / model.effort().unwrap_or(1.0).max(1.0)) as usize;
+    for _ in 0..(patience / u.len().max(1)).max(2) {
         let before = x[from..from + lags.len()].to_vec();
         let next = model.resume(&mut x, u);
         for ((x, before), lag) in x[from..].iter_mut().zip(before).zip(lags) {
@@ -121,7 +153,8 @@ pub(super) fn answer(model: &Model, u: &[f64]) -> Answer {
         let (low, high) = ends(next.iter().copied());
         let off = answer.y.iter().zip(&next).map(|(y, next)| (y - next).abs()).fold(0.0, f64::max);
         answer = Answer { y: next, differs: if off > 0.0 { off / (high - low) } else { 0.0 } };
-        if answer.differs <= SAME {
+        // What is not finite does not become periodic.
+        if answer.differs <= SAME || answer.differs.is_nan() {
             break;
         }
     }

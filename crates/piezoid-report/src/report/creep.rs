@@ -23,13 +23,16 @@ pub(super) fn block(section: Section, creep: &Creep) -> Section {
 }
 
 fn figure(creep: &Creep, from: f64, to: f64) -> Figure {
-    let n = (f64::from(FINE) * (to / from).log10()).ceil() as i32;
-    let t: Vec<f64> = (0..=n).map(|k| from * (to / from).powf(f64::from(k) / f64::from(n))).collect();
+    // Time constants may be as small or as large as numbers are.
+    let [from, to] = [from, to].map(|t| t.clamp(f64::MIN_POSITIVE, f64::MAX));
+    let decades = to.log10() - from.log10();
+    let n = (f64::from(FINE) * decades).ceil() as i32;
+    let t: Vec<f64> = (0..=n).map(|k| from * 10f64.powf(decades * f64::from(k) / f64::from(n))).collect();
     let crept: Vec<f64> = t.iter().map(|&t| 100.0 * creep.after(t)).collect();
     let [early, late] = [10.0 * from, 0.1 * to];
     let grown = match late > early {
         true => {
-            let decade = 100.0 * (creep.after(late) - creep.after(early)) / (late / early).log10();
+            let decade = 100.0 * (creep.after(late) - creep.after(early)) / (late.log10() - early.log10());
             let [early, late, decade] = [round(early), round(late), short(decade)];
             format!(" Between {early} and {late} s it grows by {decade} % per decade.")
         }

@@ -6,6 +6,7 @@
 //! The driver is a separate block if it is known; otherwise the linear block includes its effect on small steps.
 
 mod domain;
+mod effort;
 mod initial_condition;
 mod inverse;
 mod joint;
@@ -41,6 +42,10 @@ const STRETCH: usize = 512;
 /// Samples whose voltages behind a driver are kept at a time.
 const SEEN: usize = 64;
 
+/// Largest text of a model [bytes]. Those that are identified have less than 1 MiB; parsed, a text takes 16 times its
+/// size.
+const LARGEST: usize = 16 << 20;
+
 /// The schema number of model files.
 const SCHEMA: u64 = 1;
 
@@ -69,6 +74,14 @@ pub struct Model {
     units: Units,
     identified: Option<Domain>,
     made: Value,
+}
+
+/// True if the numbers and units are equal to the bit, however the models were identified.
+impl PartialEq for Model {
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = |model: &Self| model.clone().with_provenance(Value::Null).to_json();
+        numbers(self) == numbers(other)
+    }
 }
 
 impl Model {
@@ -195,8 +208,12 @@ impl Model {
     ///
     /// # Errors
     /// Returns an error, with the place and what to do, if the text is not JSON, not a model, or has another schema
-    /// number.
+    /// number; and if it has more than 16 MiB.
     pub fn from_json(text: &str) -> Result<Self, Error> {
+        if text.len() > LARGEST {
+            let [size, most] = [text.len(), LARGEST].map(|bytes| bytes.div_ceil(1 << 20));
+            return Err(Error::Content(format!("not a model file: it has {size} MiB, and models at most {most} MiB")));
+        }
         let value: Value = serde_json::from_str(text)
             .map_err(|e| Error::Content(format!("not a complete JSON document, perhaps cut short ({e})")))?;
         match &value["piezoid"] {

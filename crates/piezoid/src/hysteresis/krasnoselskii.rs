@@ -21,6 +21,7 @@ use super::basis::{BasisDesign, ShapeParameter};
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use crate::error::{Error, finite, positive};
+use crate::number::short;
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -39,6 +40,9 @@ pub(super) struct Krasnoselskii {
 /// Default and maximum number of levels.
 const LEVELS: usize = 12;
 const MOST: usize = 90;
+
+/// Least ridge, as a share of the distance of two levels: of narrower ones z jumps, and its inverse has to bisect.
+const NARROWEST: f64 = 1e-3;
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "krasnoselskii-pokrovskii",
@@ -96,7 +100,16 @@ impl Law for Krasnoselskii {
         if !(1..=MOST).contains(&n) {
             return Err(Error::parameter("levels", format!("{n} numbers"), format!("must be 1 to {MOST} numbers")));
         }
+        let nearest = self.levels.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
         match self.levels.windows(2).position(|w| w[0] >= w[1]) {
+            None if nearest.is_finite() && self.ridge < NARROWEST * nearest => {
+                let rule = format!(
+                    "must be at least {NARROWEST} of the smallest distance of two levels, {}; for relays without \
+                     ridges use the operator preisach",
+                    short(nearest)
+                );
+                Err(Error::parameter("ridge", short(self.ridge), rule))
+            }
             None => Ok(()),
             Some(i) => {
                 let rule = format!("must be above {}: levels must be ascending", self.levels[i]);

@@ -25,6 +25,9 @@ use std::f64::consts::TAU;
 /// Step of the central difference, as a share of the parameter: rounding and curvature are then both far below 1 %.
 const STEP: f64 = 1e-4;
 
+/// Most operations of all free runs together: seconds of work.
+const OPERATIONS: f64 = 1e10;
+
 /// Repetitions of a record beyond which none is proposed.
 const REPEATED: u32 = 100;
 
@@ -62,6 +65,17 @@ pub(super) fn advise(model: &Model, plan: &Plan) -> Result<String, Error> {
     };
     let sigma =
         noise(model).ok_or_else(|| none("its file has no verdict, which states the noise: identify it again"))?;
+    let samples: usize = plan.drives.iter().filter(|drive| drive.name != "path").map(|drive| drive.u.len()).sum();
+    let (runs, effort) = (2 * known.len() + 1, model.effort()?);
+    let operations = effort * samples as f64 * runs as f64;
+    if operations > OPERATIONS {
+        return Err(none(&format!(
+            "a sample of it takes {} operations, and {runs} runs of {samples} samples would take {}, more than \
+             {OPERATIONS:e}: plan without the model, or identify one with fewer elements",
+            short(effort),
+            short(operations)
+        )));
+    }
     let mut best: Option<(f64, &'static str, DMatrix<f64>)> = None;
     // The path stays apart from the training data.
     for drive in plan.drives.iter().filter(|drive| drive.name != "path") {

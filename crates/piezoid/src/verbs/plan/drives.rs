@@ -2,7 +2,7 @@
 
 use super::{MOST, PlannedDrive, Rig};
 use crate::error::Error;
-use crate::excitation::{Multisine, RisingSine};
+use crate::excitation::{Multisine, RisingSine, minimum_jerk};
 use crate::number::{quantity, round};
 use std::f64::consts::TAU;
 
@@ -134,7 +134,7 @@ fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     let hold = (n - moves) / 2;
     let mut shape = Vec::with_capacity(n);
     for (from, to, samples, held) in [(0.0, 1.0, single, hold), (1.0, -1.0, double, hold), (-1.0, 0.0, single, 0)] {
-        shape.extend((0..samples).map(|t| from + (to - from) * moved(t as f64 / (samples - 1) as f64)));
+        shape.extend((0..samples).map(|t| from + (to - from) * minimum_jerk(t as f64 / (samples - 1) as f64)));
         shape.extend(std::iter::repeat_n(to, held));
     }
     if (n as f64) * ts < 0.99 * CREEP {
@@ -220,11 +220,6 @@ fn busiest(shape: &[f64], samples: usize) -> f64 {
 /// From 0 to 1 without a corner.
 fn eased(x: f64) -> f64 {
     x * x * (3.0 - 2.0 * x)
-}
-
-/// From 0 to 1 with the least jerk.
-fn moved(x: f64) -> f64 {
-    x * x * x * (10.0 + x * (6.0 * x - 15.0))
 }
 
 /// Rises from 0 to 1 in the first `lead` of `n` samples, and falls to 0 in the last.

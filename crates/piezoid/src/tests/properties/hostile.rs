@@ -1,0 +1,138 @@
+//! Whatever JSON loads as a model can be used: no use panics, and all end.
+
+use super::strategies::*;
+use crate::compensation::{Causal, FeedForward, FeedForwardSettings};
+use crate::creep::Creep;
+use crate::driver::DriverModel;
+use crate::hysteresis::OPERATORS;
+use crate::linear::Arx;
+use crate::{Model, Record, System};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+
+/// A model of every operator, behind a driver, with creep and a delay, as JSON.
+fn legitimate(operator: usize) -> Value {
+    let hysteresis = (OPERATORS[operator].example)(TS / DriverModel::SUBSTEPS as f64).expect("an example");
+    let linear = Arx::new(TS, vec![1.6, -0.8], vec![0.0, 0.1, 0.05]).expect("a block");
+    let driver = DriverModel::new(1e-4, Some(6e4)).expect("a driver");
+    let model = Model::driven(Some(driver), hysteresis, linear, 2.0).expect("a model");
+    let model = model.with_creep(Creep::logarithmic(TS, 0.01, 0.01, 1.0).expect("creep")).expect("the same period");
+    let mut document: Value = serde_json::from_str(&model.to_json()).expect("its own file");
+    document["identified"] = json!({"u": [-30.0, 30.0], "hz": [5.0, 50.0], "slew": 4000.0, "mean": [0.0, 0.0]});
+    document
+}
+
+/// The places of all values, as JSON pointers.
+fn places(value: &Value, at: &str, found: &mut Vec<String>) {
+    found.push(at.into());
+    match value {
+        Value::Object(fields) => fields.iter().for_each(|(key, value)| places(value, &format!("{at}/{key}"), found)),
+        Value::Array(items) => items.iter().enumerate().for_each(|(k, item)| places(item, &format!("{at}/{k}"), found)),
+        _ => {}
+    }
+}
+
+/// What a value becomes: an extreme number, another type, or itself scaled, repeated or reversed.
+fn changed(value: &Value, how: usize) -> Value {
+    const NUMBERS: [f64; 19] = [
+        0.0,
+        -0.0,
+        5e-324,
+        1e-308,
+        1e-150,
+        1e-12,
+        0.5,
+        1.0,
+        2.0,
+        -1.0,
+        -1e-9,
+        1e3,
+        9_007_199_254_740_992.0,
+        1e18,
+        1e150,
+        1e300,
+        1.7e308,
+        -1.7e308,
+        1.8e19,
+    ];
+    if let Some(number) = NUMBERS.get(how) {
+        return match value {
+            Value::Array(items) => items.iter().map(|item| changed(item, how)).collect(),
+            _ => json!(number),
+        };
+    }
+    match (how - NUMBERS.len(), value) {
+        (0, Value::Array(items)) => items.iter().rev().cloned().collect(),
+        (1, Value::Array(items)) => items.iter().chain(items).cloned().collect(),
+        (2, Value::Array(items)) => items.iter().take(1).cloned().collect(),
+        (3, Value::Array(items)) => items.iter().map(|_| items[0].clone()).collect(),
+        (4, Value::Array(items)) => (0..400).map(|k| items[k % items.len()].clone()).collect(),
+        (5, Value::Array(items)) => items
+            .iter()
+            .enumerate()
+            .map(|(k, v)| v.as_f64().map_or(v.clone(), |v| json!(v.abs() * [1e9, -1e9][k % 2])))
+            .collect(),
+        (6, _) => Value::Null,
+        (7, _) => json!([]),
+        (8, _) => json!("text"),
+        (_, Value::Number(n)) => json!(n.as_f64().map(|n| n * if how.is_multiple_of(2) { 1e100 } else { -1e-100 })),
+        (_, other) => other.clone(),
+    }
+}
+
+/// Uses a model in every way of this crate. Values may become infinite or NaN; nothing may panic or run on.
+fn use_it(model: &Model) {
+    let ends = model.known_inputs().unwrap_or((-30.0, 30.0));
+    let u: Vec<f64> = (0..48).map(|t| ends.0 + (ends.1 - ends.0) * (0.5 + 0.5 * (0.3 * f64::from(t)).sin())).collect();
+    let y = model.simulate(&u);
+    assert_eq!(y.len(), u.len());
+    let _ = (model.settled(u[0]), model.predict(&u, &y), model.effort());
+    assert_eq!(Model::from_json(&model.to_json()).map(|again| again.to_json()), Ok(model.to_json()));
+    let plain: Vec<f64> = (0..48).map(|t| 25.0 * (0.3 * f64::from(t)).sin()).collect();
+    if let Ok(record) = Record::new(model.ts(), plain.clone(), plain.clone()) {
+        let _ = model.validate(&record);
+    }
+    for clip in [false, true] {
+        let settings = FeedForwardSettings { clip, sweeps: 1, ..Default::default() };
+        for r in [&y, &plain] {
+            let _ = FeedForward::new(model, settings).map(|inverse| inverse.whole(r));
+        }
+        let _ = Causal::new(model, settings, 0).map(|causal| causal.simulate(&plain));
+    }
+}
+
+proptest! {
+    #![proptest_config(config(600))]
+
+    #[test]
+    fn what_loads_as_a_model_can_be_used(
+        operator in 0..OPERATORS.len(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), 0..30usize), 1..3),
+    ) {
+        let mut document = legitimate(operator);
+        for (place, how) in changes {
+            let mut found = Vec::new();
+            places(&document, "", &mut found);
+            if let Some(value) = document.pointer_mut(&found[place.index(found.len())]) {
+                *value = changed(value, how);
+            }
+        }
+        if let Ok(model) = Model::from_json(&document.to_string()) {
+            use_it(&model);
+        }
+    }
+}
+
+#[test]
+fn every_hostile_model_that_once_failed_can_be_used_or_is_refused() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../fuzz/models");
+    let mut loaded = 0;
+    for file in std::fs::read_dir(&folder).expect("the seeds of the fuzzer") {
+        let text = std::fs::read_to_string(file.expect("an entry").path()).expect("text");
+        if let Ok(model) = Model::from_json(&text) {
+            use_it(&model);
+            loaded += 1;
+        }
+    }
+    assert!(loaded > 20, "only {loaded} load");
+}
