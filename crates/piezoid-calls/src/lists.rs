@@ -68,6 +68,7 @@ fn rows(rows: Vec<OptionRow>) -> Value {
             OptionKind::Integer(..) => ("integer", Value::Null),
             OptionKind::Number { .. } => ("number", Value::Null),
             OptionKind::Pair => ("pair", Value::Null),
+            OptionKind::Numbers => ("numbers", Value::Null),
             OptionKind::Choice(known) => ("choice", json!(known)),
             OptionKind::Text(_) => ("text", Value::Null),
             OptionKind::Texts(_) => ("texts", Value::Null),

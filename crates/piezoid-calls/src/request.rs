@@ -1,8 +1,8 @@
-//! A request: the verb, its options, what is said of the columns, and the names of files by their roles.
+//! A request: the verb, its options, how columns are read, and the names of files by their roles.
 
 use crate::{Given, Role};
 use piezoid::formats::ColumnSelection;
-use piezoid::{Error, File, Options};
+use piezoid::{Error, File, Options, Origin, Source, Step};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -19,9 +19,25 @@ pub struct Request {
     /// What is said of the columns of data files: a [`ColumnSelection`] by the names of its fields.
     #[serde(default)]
     pub columns: Map<String, Value>,
+    /// How records are made of files, by the names of the files. Of those that are not named here, the columns are read
+    /// as `columns` says.
+    #[serde(default)]
+    pub records: BTreeMap<String, Reading>,
     /// Names of files, by their roles.
     #[serde(default)]
     pub files: BTreeMap<String, Vec<String>>,
+}
+
+/// How a record is made of its file.
+#[derive(Debug, Clone, PartialEq, Default, Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct Reading {
+    /// A [`ColumnSelection`] by the names of its fields.
+    pub columns: Map<String, Value>,
+    /// What is done to the record.
+    pub preparation: Vec<Step>,
+    /// Where the record comes from, if the file was made of another one.
+    pub origin: Option<Origin>,
 }
 
 impl Request {
@@ -78,6 +94,18 @@ impl Given<'_> {
             self.files.iter().find(|file| file.name == *name).cloned().ok_or_else(known)
         };
         names.map(file).collect()
+    }
+
+    /// The files with a role, and how their records are made.
+    pub(crate) fn sources(&self, role: &str) -> Result<Vec<Source>, Error> {
+        let source = |file: File| {
+            let Some(Reading { columns, preparation, origin }) = self.request.records.get(&file.name).cloned() else {
+                return Ok(Source::new(file, self.columns()?, Vec::new()));
+            };
+            let columns = ColumnSelection::from_json(Value::Object(columns)).map_err(|error| error.of(&file.name))?;
+            Ok(Source { origin, ..Source::new(file, columns, preparation) })
+        };
+        self.all(role)?.into_iter().map(source).collect()
     }
 
     /// The first file with a role, if there is one.

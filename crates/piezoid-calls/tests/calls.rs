@@ -83,7 +83,8 @@ fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
 fn a_plan_and_a_prepared_record_come_as_files() {
     let options = json!({"range": [0, 100], "bandwidth": 20, "driver": "e-610", "capacitance": 1.5e-6});
     let plan = answer(json!({"call": "plan", "options": options}), &[]);
-    assert_eq!((plan.series.len(), plan.files.len()), (6, 7));
+    // Each drive has its spectrum.
+    assert_eq!((plan.series.len(), plan.files.len()), (18, 7));
     let record = measured("a.csv", 4.0);
     let options = json!({"decimate": 2});
     let made = answer(json!({"call": "prepare", "options": options, "files": {"data": ["a.csv"]}}), &[record]);

@@ -1,14 +1,15 @@
 //! Identification of a model from records.
 
-use crate::error::refused;
 use crate::json::{object, options, rows};
 use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
-use piezoid::{IdentifyOptions, Options, Records};
+use piezoid::{File, IdentifyOptions, Options, Records};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::{Value, json};
+
+/// The name of the front end in the files of models.
+const FRONT_END: &str = "piezoid.identify";
 
 /// Identifies a model. Its `provenance` contains how it was identified, and the results on the way.
 #[pyfunction]
@@ -16,18 +17,29 @@ pub(crate) fn identify(
     py: Python<'_>,
     records: (Vec<Py<Record>>, Vec<Py<Record>>),
     given: &Bound<'_, PyDict>,
-    made: (String, String),
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Model> {
     let options: IdentifyOptions = options(given)?;
+    let origin = |r: &Py<Record>| r.get().origin.clone().unwrap_or_default();
+    let origins: Vec<_> = records.0.iter().chain(&records.1).map(origin).collect();
     let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();
     let (small, large) = (own(&records.0), own(&records.1));
     let records = Records { small_signal: &small, large_signal: &large };
-    let files: Value = serde_json::from_str(&made.1).map_err(|e| refused(&e.to_string()))?;
-    let identified = watched(py, progress, |progress| options.prove(records, &[], &made.0, files, progress))?;
-    let mut made = identified.model.provenance().clone();
-    made["notes"] = json!(identified.found.told());
-    Ok(identified.model.with_provenance(made).into())
+    let identified = watched(py, progress, |progress| options.prove(records, &[], (FRONT_END, &origins), progress))?;
+    Ok(identified.model.into())
+}
+
+/// Identifies a model again, from its files: the new model, and remarks.
+#[pyfunction]
+pub(crate) fn again(
+    py: Python<'_>,
+    model: Py<Model>,
+    files: Vec<(String, Vec<u8>)>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Model> {
+    let files: Vec<File> = files.into_iter().map(|(name, bytes)| File::new(name, bytes)).collect();
+    let again = watched(py, progress, |progress| model.get().model.again(&files, progress))?;
+    Ok(again.model.into())
 }
 
 /// The options of [`identify`], one per row.

@@ -31,7 +31,7 @@ mod _piezoid {
     #[pymodule_export]
     use crate::export::{export, export_options, served, write};
     #[pymodule_export]
-    use crate::identify::{identify, identify_options};
+    use crate::identify::{again, identify, identify_options};
     #[pymodule_export]
     use crate::linear::{Arx, fit};
     #[pymodule_export]

@@ -13,7 +13,7 @@ use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
 use piezoid::{ExciteOptions, Options, PlanOptions};
 use piezoid_export::{ExportTarget, TARGETS};
-use piezoid_host::files;
+use piezoid_host::files::FileSet;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -95,7 +95,7 @@ pub(crate) fn plan(
     let (options, model) = (options::<PlanOptions>(given)?, model.map(inner));
     let made = py.detach(|| {
         let plan = options.run(model.as_ref())?;
-        folder.iter().try_for_each(|folder| files::write_all(folder, &plan.files()?))?;
+        folder.iter().try_for_each(|folder| FileSet::in_folder(folder, &plan.files()?)?.write())?;
         Ok(plan)
     });
     let plan = made.map_err(raised)?;

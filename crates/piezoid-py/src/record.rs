@@ -5,42 +5,59 @@ use crate::json::{object, options};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
 use piezoid::formats::{Channel, ColumnSelection, Format, Signal, Table};
-use piezoid::{PrepareOptions, Units};
+use piezoid::{Origin, PrepareOptions, Step, Units};
 use piezoid_host::files;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
+use serde_json::json;
 use std::path::PathBuf;
 
 /// Input and output sampled together, evenly.
 #[pyclass(frozen, module = "piezoid", weakref)]
 pub(crate) struct Record {
     pub(crate) record: piezoid::Record,
+    /// Where it comes from, if not from arrays.
+    pub(crate) origin: Option<Origin>,
     u: PyOnceLock<Py<PyArray1<f64>>>,
     y: PyOnceLock<Py<PyArray1<f64>>>,
 }
 
 impl From<piezoid::Record> for Record {
     fn from(record: piezoid::Record) -> Self {
-        Record { record, u: PyOnceLock::new(), y: PyOnceLock::new() }
+        Record { record, origin: None, u: PyOnceLock::new(), y: PyOnceLock::new() }
+    }
+}
+
+impl Record {
+    /// The record after a step, of which its origin keeps note.
+    fn after(&self, step: Step) -> PyResult<Self> {
+        let record = step.run(self.record.clone()).map_err(raised)?;
+        let origin = self.origin.clone().map(|mut origin| {
+            origin.preparation.extend(Some(step).filter(|step| !step.is_empty()));
+            origin
+        });
+        Ok(Record { origin, ..record.into() })
     }
 }
 
 #[pymethods]
 impl Record {
     #[new]
-    #[pyo3(signature = (u, y, ts, units=("V".into(), "um".into()), history=Vec::new()))]
+    #[pyo3(signature = (u, y, ts, units=("V".into(), "um".into()), past=(Vec::new(), "null".into())))]
     fn new(
         u: &Bound<'_, PyAny>,
         y: &Bound<'_, PyAny>,
         ts: f64,
         units: (String, String),
-        history: Vec<String>,
+        past: (Vec<String>, String),
     ) -> PyResult<Self> {
+        let (history, origin) = past;
         let (u, y) = (samples("u", u)?, samples("y", y)?);
         let record = piezoid::Record::new(ts, slice(&u)?.to_vec(), slice(&y)?.to_vec()).map_err(raised)?;
         let record = record.with_units(Units { u: units.0, y: units.1 });
-        Ok(history.into_iter().fold(record, piezoid::Record::with_step).into())
+        let origin = serde_json::from_str(&origin).map_err(|e| refused(&format!("the origin of the record: {e}")))?;
+        Ok(Record { origin, ..history.into_iter().fold(record, piezoid::Record::with_step).into() })
     }
 
     #[getter]
@@ -71,26 +88,36 @@ impl Record {
         self.record.history().to_vec()
     }
 
+    /// Where it comes from, as JSON: null if from arrays.
+    #[getter]
+    fn origin(&self) -> String {
+        json!(self.origin).to_string()
+    }
+
     #[getter]
     fn duration(&self) -> f64 {
         self.record.duration()
     }
 
     fn part(&self, start: f64, stop: f64) -> PyResult<Self> {
-        self.record.part(start, stop).map(Self::from).map_err(raised)
+        self.after(Step::Part(start, Some(stop).filter(|stop| *stop != f64::INFINITY)))
     }
 
-    fn scaled(&self, input: &str, output: &str) -> PyResult<Self> {
-        self.record.scaled(input, output).map(Self::from).map_err(raised)
+    fn scaled(&self, input: String, output: String) -> PyResult<Self> {
+        self.after(Step::Scaled(input, output))
     }
 
     fn prepare(&self, py: Python<'_>, given: &Bound<'_, PyDict>) -> PyResult<Self> {
         let options: PrepareOptions = options(given)?;
-        py.detach(|| options.run(&self.record)).map(Self::from).map_err(raised)
+        py.detach(|| self.after(Step::Prepare(options)))
     }
 
-    fn output_in(&self, unit: &str) -> PyResult<Self> {
-        self.record.output_in(unit).map(Self::from).map_err(raised)
+    fn output_in(&self, unit: String) -> PyResult<Self> {
+        self.after(Step::OutputIn(unit))
+    }
+
+    fn with_units(&self, units: (String, String)) -> PyResult<Self> {
+        self.after(Step::Units(Units { u: units.0, y: units.1 }))
     }
 
     /// Writes the record in the format of its path.
@@ -126,16 +153,27 @@ type Column<'py> = (String, Bound<'py, PyAny>);
 #[derive(Debug)]
 pub(crate) struct Columns {
     table: Table,
-    /// The format of a file.
-    format: Option<&'static str>,
+    /// The format of a file, and where records in it come from.
+    file: Option<(&'static str, Origin)>,
+}
+
+impl Columns {
+    /// The record that was read with this selection.
+    fn read_as(&self, columns: ColumnSelection, record: piezoid::Record) -> Record {
+        let origin = self.file.as_ref().map(|(_, origin)| Origin { columns, ..origin.clone() });
+        Record { origin, ..record.into() }
+    }
 }
 
 #[pymethods]
 impl Columns {
     #[staticmethod]
     fn from_file(py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<Self> {
-        let format = Some(Format::of(bytes).name);
-        py.detach(|| Table::read(name, bytes)).map(|table| Columns { table, format }).map_err(raised)
+        py.detach(|| {
+            let table = Table::read(name, bytes)?;
+            Ok(Columns { table, file: Some((Format::of(bytes).name, Origin::of(name, bytes))) })
+        })
+        .map_err(raised)
     }
 
     #[staticmethod]
@@ -143,7 +181,7 @@ impl Columns {
         let read = |(name, values): &Column<'_>| Ok(Channel::new(name, slice(&samples(name, values)?)?.to_vec()));
         let mut channels = columns.iter().map(read).collect::<PyResult<Vec<_>>>()?;
         channels.extend(others.into_iter().map(|(name, what)| Channel::other(name, what)));
-        Ok(Columns { table: Table::of(channels), format: None })
+        Ok(Columns { table: Table::of(channels), file: None })
     }
 
     #[getter]
@@ -152,7 +190,9 @@ impl Columns {
     }
 
     fn record(&self, given: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<Record> {
-        self.table.record(&selection(given, profile)?).map(Record::from).map_err(raised)
+        let columns = selection(given, profile)?;
+        let record = self.table.record(&columns).map_err(raised)?;
+        Ok(self.read_as(columns, record))
     }
 
     /// What the columns hold as a document, and the record if they make one, otherwise the reason.
@@ -163,9 +203,11 @@ impl Columns {
         given: &Bound<'_, PyDict>,
         profile: Option<Profile>,
     ) -> PyResult<(Py<PyAny>, Option<Record>, Option<String>)> {
-        let (seen, read) = self.table.inspect(name, self.format.unwrap_or("arrays"), &selection(given, profile)?);
+        let columns = selection(given, profile)?;
+        let format = self.file.as_ref().map_or("arrays", |(format, _)| format);
+        let (seen, read) = self.table.inspect(name, format, &columns);
         let (record, error) = match read {
-            Ok(record) => (Some(record.into()), None),
+            Ok(record) => (Some(self.read_as(columns, record)), None),
             Err(error) => (None, Some(raised(error).value(py).to_string())),
         };
         Ok((object(py, &seen)?, record, error))

@@ -81,3 +81,5 @@ pub use verbs::{
     File, Identification, ModelComparison, Plan, PlanOptions, PlannedDrive, SimulateOptions, Simulated, TuneOptions,
     Validated, Verdict,
 };
+#[doc(hidden)]
+pub use verbs::{Origin, Source, Step};

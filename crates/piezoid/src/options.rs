@@ -29,6 +29,8 @@ pub enum OptionKind {
     },
     /// Two numbers.
     Pair,
+    /// One or several numbers.
+    Numbers,
     /// One of these names, each with its meaning.
     Choice(&'static [(&'static str, &'static str)]),
     /// A name or text, with its placeholder in the help.
@@ -123,11 +125,9 @@ impl OptionRow {
             Value::Null => self.absent.into(),
             Value::Bool(on) if self.values == OptionKind::Bit => u8::from(on).to_string(),
             Value::Array(several) if several.is_empty() => self.absent.into(),
+            Value::Array(several) => several.iter().map(shown).collect::<Vec<_>>().join(" "),
             Value::String(text) => text,
-            value => match value.as_f64() {
-                Some(small) if small != 0.0 && small.abs() < 1e-3 => format!("{small:e}"),
-                _ => value.to_string().trim_end_matches(".0").into(),
-            },
+            value => shown(&value),
         }
     }
 
@@ -137,6 +137,7 @@ impl OptionRow {
             OptionKind::Switch => "must be true or false".into(),
             OptionKind::Bit => "must be 0 (no) or 1 (yes)".into(),
             OptionKind::Pair => "must be two numbers".into(),
+            OptionKind::Numbers => "must be a list of numbers".into(),
             OptionKind::Integer(least, u64::MAX) => format!("must be a whole number, {least} or more"),
             OptionKind::Integer(least, most) => format!("must be a whole number from {least} to {most}"),
             OptionKind::Number { least, open, below } => {
@@ -171,10 +172,13 @@ impl OptionRow {
             OptionKind::Bit | OptionKind::Integer(..) => {
                 text.parse::<u64>().map(Value::from).ok().or_else(|| number(text, ""))
             }
-            OptionKind::Number { .. } | OptionKind::Pair => number(text, self.unit),
+            OptionKind::Number { .. } | OptionKind::Pair | OptionKind::Numbers => number(text, self.unit),
         };
         let value = read.ok_or_else(|| Error::parameter(self.name, text, self.rule()))?;
-        if let OptionKind::Pair | OptionKind::Texts(_) = self.values { Ok(value) } else { self.fit(value) }
+        match self.values {
+            OptionKind::Pair | OptionKind::Numbers | OptionKind::Texts(_) => Ok(value),
+            _ => self.fit(value),
+        }
     }
 
     /// The value in the type of the field.
@@ -198,6 +202,7 @@ impl OptionRow {
             (OptionKind::Pair, Value::Array(two)) => {
                 (two.len() == 2 && two.iter().all(is_number)).then(|| value.clone())
             }
+            (OptionKind::Numbers, Value::Array(several)) => several.iter().all(is_number).then(|| value.clone()),
             (OptionKind::Choice(known), Value::String(text)) => {
                 known.iter().any(|(name, _)| name == text).then(|| value.clone())
             }
@@ -211,6 +216,14 @@ impl OptionRow {
         };
         let shown = || value.as_str().map_or_else(|| value.to_string(), str::to_string);
         fitted.ok_or_else(|| Error::parameter(self.name, shown(), self.rule()))
+    }
+}
+
+/// A number as it is written in help.
+fn shown(value: &Value) -> String {
+    match value.as_f64() {
+        Some(small) if small != 0.0 && small.abs() < 1e-3 => format!("{small:e}"),
+        _ => value.to_string().trim_end_matches(".0").into(),
     }
 }
 
@@ -274,11 +287,34 @@ pub trait Options: Default + Serialize + DeserializeOwned {
         serde_json::from_value(Value::Object(fitted)).map_err(|e| Error::Content(format!("options: {e}")))
     }
 
+    /// The options that differ from their defaults, by name: what [`Options::from_json`] needs to repeat them.
+    fn to_json(&self) -> Value {
+        let mut values = serde_json::to_value(self).unwrap_or_default();
+        let value = |row: OptionRow| (row.name.to_string(), values[row.name].take(), (row.default)());
+        let changed = Self::rows().into_iter().map(value).filter(|(_, value, default)| value != default);
+        Value::Object(changed.map(|(name, value, _)| (name, value)).collect())
+    }
+
     /// The options that differ from their defaults, with their values as text.
     fn changed(&self) -> Vec<(OptionRow, String)> {
-        let given = serde_json::to_value(self).unwrap_or_default();
-        let changed = Self::rows().into_iter().filter(|row| given[row.name] != (row.default)());
-        changed.map(|row| (row, given[row.name].to_string().trim_matches('"').to_string())).collect()
+        let values = self.to_json();
+        let changed = Self::rows().into_iter().filter(|row| values.get(row.name).is_some());
+        changed.map(|row| (row, values[row.name].to_string().trim_matches('"').to_string())).collect()
+    }
+}
+
+/// Options as members of documents: those that differ from their defaults, checked when they are read.
+pub(crate) mod by_name {
+    use super::Options;
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
+    use serde_json::Value;
+
+    pub(crate) fn serialize<O: Options, S: Serializer>(options: &O, to: S) -> Result<S::Ok, S::Error> {
+        options.to_json().serialize(to)
+    }
+
+    pub(crate) fn deserialize<'d, O: Options, D: Deserializer<'d>>(from: D) -> Result<O, D::Error> {
+        O::from_json(Value::deserialize(from)?).map_err(D::Error::custom)
     }
 }
 
@@ -344,14 +380,17 @@ mod tests {
             pair: Option<(f64, f64)> = None, OptionRow::new(OptionKind::Pair);
             /// Names.
             names: Vec<String> = Vec::new(), OptionRow::new(OptionKind::Texts("NAME")).absent("all");
+            /// Numbers.
+            several: Vec<f64> = vec![1.0, 0.5], OptionRow::new(OptionKind::Numbers);
         }
     }
 
     #[test]
     fn values_become_what_their_fields_hold() {
-        let given = json!({"count": 4.0, "bit": 1, "small": 2, "pair": [0, 1.5], "names": "a"});
+        let given = json!({"count": 4.0, "bit": 1, "small": 2, "pair": [0, 1.5], "names": "a", "several": [1]});
         let each = Each::from_json(given).unwrap();
         assert_eq!((each.count, each.bit, each.small, each.pair), (4, true, 2.0, Some((0.0, 1.5))));
+        assert_eq!(each.several, [1.0]);
         assert_eq!(
             (each.names, Each::from_json(json!({"pair": null})).unwrap()),
             (vec!["a".to_string()], Each::default())
@@ -383,6 +422,7 @@ mod tests {
             ("bit", json!(2), "bit = 2: must be 0 (no) or 1 (yes)"),
             ("small", json!(0), "small = 0: must be a positive number [s]"),
             ("pair", json!([1]), "pair = [1]: must be two numbers"),
+            ("several", json!([1, "a"]), "several = [1,\"a\"]: must be a list of numbers"),
             ("names", json!([1]), "names = [1]: must be a string or a list of strings"),
         ] {
             assert_eq!(Each::from_json(json!({ name: value })).unwrap_err().to_string(), rule);
@@ -392,6 +432,6 @@ mod tests {
     #[test]
     fn defaults_are_told_as_they_are_written() {
         let told: Vec<String> = Each::rows().iter().map(OptionRow::usual).collect();
-        assert_eq!(told, ["3", "0", "5e-5", "", "all"]);
+        assert_eq!(told, ["3", "0", "5e-5", "", "all", "1 0.5"]);
     }
 }

@@ -4,7 +4,8 @@ use super::{NAME, named, role};
 use crate::{Answer, Call, Given};
 use piezoid::excitation::Excitation;
 use piezoid::formats::{ColumnSelection, Format, Table};
-use piezoid::{Error, ExciteOptions, File, OptionRow, Options, PlanOptions, PrepareOptions, options};
+use piezoid::waveform::spectrum;
+use piezoid::{Error, ExciteOptions, File, OptionRow, Options, PlanOptions, PrepareOptions, Source, Step, options};
 use serde_json::{Value, json};
 
 pub(super) const CALLS: &[Call] = &[
@@ -48,11 +49,12 @@ fn inspect(given: &Given) -> Result<Answer, Error> {
 }
 
 fn prepare(given: &Given) -> Result<Answer, Error> {
-    let file = given.one("data")?;
-    let made = file.prepared(&given.columns()?, &given.options::<PrepareOptions>()?)?;
-    let name = "record.csv";
+    let steps = vec![Step::Prepare(given.options()?)];
+    let source = Source::new(given.one("data")?, given.columns()?, steps);
+    let (made, name) = (source.record()?, "record.csv");
     let written = File::new(name, made.written(name)?);
-    let (result, _) = Table::read(name, &written.bytes)?.inspect(name, "csv", &ColumnSelection::default());
+    let (mut result, _) = Table::read(name, &written.bytes)?.inspect(name, "csv", &ColumnSelection::default());
+    result["origin"] = json!(source.origin());
     Ok(Answer { result, series: named([("u", made.u()), ("y", made.y())]), files: vec![written] })
 }
 
@@ -72,12 +74,19 @@ fn excite(given: &Given) -> Result<Answer, Error> {
     let made = common.run(Excitation::find(&kind)?, Value::Object(own))?;
     let result = json!({"ts": made.ts, "unit": made.unit, "usage": made.usage, "clipped": made.clipped});
     let file = File::new("signal.csv", made.written("signal.csv")?);
-    Ok(Answer { result, series: named([("u", &made.u)]), files: vec![file] })
+    let (hz, amplitude) = spectrum(&made.u, made.ts);
+    let series = named([("u", &made.u), ("u/hz", &hz), ("u/amplitude", &amplitude)]);
+    Ok(Answer { result, series, files: vec![file] })
 }
 
 fn plan(given: &Given) -> Result<Answer, Error> {
     let model = given.some("model")?.map(|file| file.model()).transpose()?;
     let plan = given.options::<PlanOptions>()?.run(model.as_ref())?;
-    let series = plan.drives.iter().map(|drive| (drive.name.to_string(), drive.u.clone())).collect();
+    let mut series = Vec::new();
+    for drive in &plan.drives {
+        let (hz, amplitude) = spectrum(&drive.u, plan.ts);
+        series.push((drive.name.to_string(), drive.u.clone()));
+        series.extend([(format!("{}/hz", drive.name), hz), (format!("{}/amplitude", drive.name), amplitude)]);
+    }
     Ok(Answer { result: plan.to_json(), series, files: plan.files()? })
 }

@@ -88,10 +88,12 @@ fn loops(given: &Given) -> Result<Answer, Error> {
     Ok(Answer { result, series: named(series), files: Vec::new() })
 }
 
+/// The name of the front end in the files of models.
+const FRONT_END: &str = if cfg!(target_family = "wasm") { "piezoid page" } else { "piezoid serve" };
+
 fn identify(given: &Given, progress: &mut Progress) -> Result<Answer, Error> {
-    let (small, large) = (given.all("small_signal")?, given.all("large_signal")?);
-    let options = given.options::<IdentifyOptions>()?;
-    let made = options.run((&small, &large), &given.columns()?, "piezoid's page: identify", progress)?;
+    let (small, large) = (given.sources("small_signal")?, given.sources("large_signal")?);
+    let made = given.options::<IdentifyOptions>()?.run((&small, &large), FRONT_END, progress)?;
     let result = json!({
         "model": made.model.to_string(), "verdict": made.model.verdict(), "told": told(&made.model),
         "notes": made.found.notes, "reasons": made.found.reasons, "found": made.to_json(),
@@ -106,7 +108,7 @@ fn told(model: &Model) -> Option<String> {
 
 fn validate(given: &Given) -> Result<Answer, Error> {
     let model = given.one("model")?.model()?;
-    let made = given.options::<ValidateOptions>()?.run(&model, &given.all("data")?, &given.columns()?)?;
+    let made = given.options::<ValidateOptions>()?.run(&model, &given.sources("data")?)?;
     let verdict = made.verdict(&model);
     let mut result = made.to_json();
     result["told"] = json!(verdict.as_ref().map(ToString::to_string));

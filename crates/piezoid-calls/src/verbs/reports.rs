@@ -70,14 +70,14 @@ fn control(given: &Given, progress: &mut Progress) -> Result<Answer, Error> {
 
 fn page(given: &Given) -> Result<Answer, Error> {
     let model = given.one("model")?.model()?;
-    let made = given.options::<ValidateOptions>()?.run(&model, &given.all("data")?, &given.columns()?)?;
+    let made = given.options::<ValidateOptions>()?.run(&model, &given.sources("data")?)?;
     let result = json!({"told": made.verdict(&model).map(|verdict| verdict.to_string())});
     Ok(Answer { result, series: Vec::new(), files: vec![File::new("report.html", report(&model, &made).html())] })
 }
 
 fn compare(given: &Given) -> Result<Answer, Error> {
     let options = given.options::<CompareOptions>()?;
-    let made = options.run(&given.all("model")?, &given.all("data")?, &given.columns()?)?;
+    let made = options.run(&given.all("model")?, &given.sources("data")?)?;
     let files = vec![File::new("compare.html", comparison(&made).html())];
     Ok(Answer { result: made.to_json(), series: Vec::new(), files })
 }

@@ -2,14 +2,14 @@
 
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::layout::{capitalised, table};
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid::number::short as number;
-use piezoid::{CompareOptions, ModelComparison};
+use piezoid::{CompareOptions, ModelComparison, Source};
 use piezoid_report::report::comparison;
 use std::path::{Path, PathBuf};
 
@@ -51,7 +51,8 @@ impl Compare {
         apart(&results, &self.models.iter().chain(&self.data).collect::<Vec<_>>())?;
         files::ready(&results)?;
         let (models, data) = (files::read_all(&self.models)?, files::read_all(&self.data)?);
-        let compared = self.options.0.run(&models, &data, &self.columns.read()?).map_err(failed)?;
+        let data = Source::all(data, &self.columns.read()?);
+        let compared = self.options.0.run(&models, &data).map_err(failed)?;
         let is_free = !results.contains(&Some(Path::new("-")));
         if is_free {
             console.print(&errors(&compared, console))?;
@@ -63,10 +64,8 @@ impl Compare {
                 }
             }
         }
-        if let Some(path) = &self.output {
-            files::write(path, &comparison(&compared).html(), console)?;
-        }
-        files::write_json(self.json.as_deref(), &compared.to_json(), console)?;
+        let page = Results::default().file(self.output.as_deref(), comparison(&compared).html());
+        page.json(self.json.as_deref(), &compared.to_json()).write(console)?;
         let said = compared.summary().unwrap_or_else(|| "no error is defined: the outputs are constant".into());
         let wrote = match &self.output {
             Some(path) => format!("; wrote {}", path.display()),

@@ -2,7 +2,7 @@
 
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::layout::table;
 use crate::values::{apart, record};
@@ -66,8 +66,8 @@ impl Compensate {
         for note in made.made.notes.iter().chain([&made.proven()]) {
             console.remark(note);
         }
-        files::write_record(&self.output, |name| made.written(name), console)?;
-        files::write_json(self.json.as_deref(), &made.to_json(), console)
+        let record = Results::default().record(Some(&self.output), |name| made.written(name))?;
+        record.json(self.json.as_deref(), &made.to_json()).write(console)
     }
 }
 

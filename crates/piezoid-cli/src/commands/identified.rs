@@ -124,7 +124,7 @@ fn beside(model: &Model, console: &Console) -> String {
 /// The operators that were tried, best first.
 fn trials(found: &Identified, console: &Console) -> String {
     let mut trials: Vec<&OperatorTrial> = found.trials.iter().collect();
-    trials.sort_by(|p, q| p.held_out_percent.total_cmp(&q.held_out_percent));
+    trials.sort_by(|p, q| p.error_percent.total_cmp(&q.error_percent));
     let row = |t: &&OperatorTrial| {
         let [held_out, free_run] = [t.held_out_percent, t.free_run_percent].map(number);
         vec![t.operator.to_string(), t.parameters.to_string(), held_out, free_run, t.verdict.to_string()]

@@ -3,15 +3,16 @@
 use super::identified::summary;
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::layout::capitalised;
 use crate::tables::verdict;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::IdentifyOptions;
+use piezoid::formats::ColumnSelection;
 use piezoid::number::join;
+use piezoid::{IdentifyOptions, Options, Source};
 use piezoid_export::ExportTarget;
 use piezoid_report::report;
 use std::path::{Path, PathBuf};
@@ -26,12 +27,17 @@ Examples:
     piezoid identify run1.csv run2.csv --operator pi -o model.json --report report.html
   The paper's method: two branches per frequency, ARX by particle swarm:
     piezoid identify sine5.csv sine20.csv --small-signal prbs.csv --method paper -o model.json
+  A model again, from the files that it was identified from, to see that it is the same:
+    piezoid identify --again model.json rise1.csv rise20.csv rise80.csv prbs.csv
   Columns of other names, and no time column:
     piezoid identify log.csv --ts 5ms --input-col cmd_V --output-col pos_um -o model.json";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid identify <FILE>... [--small-signal <FILE>...]\n           [OPTIONS] -o <FILE>")]
+#[command(
+    override_usage = "piezoid identify <FILE>... [--small-signal <FILE>...]\n           [OPTIONS] -o <FILE>\n       \
+                             piezoid identify --again <MODEL> <FILE>..."
+)]
 pub(crate) struct Identify {
     /// Large-signal records, which exercise the hysteresis: rising sines at some frequencies. Without a small-signal
     /// record, they are for the linear block too.
@@ -46,6 +52,9 @@ pub(crate) struct Identify {
     /// The same as <FILE>...
     #[arg(long, value_name = "FILE", num_args = 1..)]
     data: Vec<PathBuf>,
+    /// Repeat the identification of this model: with its options, roles and columns, from its files in any order.
+    #[arg(long, value_name = "MODEL", conflicts_with_all = fixed_by_a_model())]
+    again: Option<PathBuf>,
     #[command(flatten)]
     options: Flags<IdentifyOptions>,
     /// The export target that the model is for: only operators that it serves are tried (see `piezoid targets
@@ -55,9 +64,9 @@ pub(crate) struct Identify {
     /// Show the tables: linear block, modes, operators tried, parameters, errors on the training records.
     #[arg(short, long)]
     verbose: bool,
-    /// The model file to write; - is stdout.
-    #[arg(short, long, value_name = "FILE")]
-    output: PathBuf,
+    /// The model file to write; - is stdout. With --again it may be left out.
+    #[arg(short, long, value_name = "FILE", required_unless_present = "again")]
+    output: Option<PathBuf>,
     /// Write a page on the model and its errors on the training records; - is stdout.
     #[arg(long, value_name = "FILE")]
     report: Option<PathBuf>,
@@ -68,11 +77,17 @@ pub(crate) struct Identify {
     columns: Columns,
 }
 
+/// The arguments that a model answers itself.
+fn fixed_by_a_model() -> Vec<&'static str> {
+    let rows = IdentifyOptions::rows().into_iter().chain(ColumnSelection::rows());
+    rows.map(|row| row.name).chain(["small_signal", "target", "profile"]).collect()
+}
+
 impl Identify {
     pub(crate) fn run(mut self, console: &Console) -> Result<()> {
         let large_signal = [self.large_signal, self.files, self.data].concat();
         let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&large_signal).collect();
-        let results = [Some(self.output.as_path()), self.report.as_deref(), self.json.as_deref()];
+        let results = [self.output.as_deref(), self.report.as_deref(), self.json.as_deref()];
         apart(&results, &paths)?;
         files::ready(&results)?;
         self.options.0.check().map_err(failed)?;
@@ -82,9 +97,16 @@ impl Identify {
                 ExportTarget::find(target).and_then(|t| t.operators(&options.operator)).map_err(failed)?;
         }
         let columns = self.columns.read()?;
+        let before = self.again.as_ref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
         let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&large_signal)?);
         let mut progress = console.progress();
-        let made = self.options.0.run((&small, &large), &columns, &files::command(), &mut progress);
+        let made = match &before {
+            Some(before) => before.again(&large, &mut progress),
+            None => {
+                let [small, large] = [&small, &large].map(|files| Source::all(files.clone(), &columns));
+                self.options.0.run((&small, &large), "piezoid identify", &mut progress)
+            }
+        };
         drop(progress);
         let made = console.done(made)?;
         let stdout = Path::new("-");
@@ -101,16 +123,16 @@ impl Identify {
                 console.remark(&format!("{}: {}", file.name, seen.verdict));
             }
         }
-        files::write_json(self.json.as_deref(), &made.to_json(), console)?;
-        files::write(&self.output, &made.model.to_json(), console)?;
-        if let Some(path) = &self.report {
-            files::write(path, &report::identification(&made).html(), console)?;
-        }
-        let files = [Some(self.output.as_path()), self.report.as_deref()].into_iter().flatten();
+        let written = Results::default().json(self.json.as_deref(), &made.to_json());
+        let written = written.file(self.output.as_deref(), made.model.to_json());
+        written.file(self.report.as_deref(), report::identification(&made).html()).write(console)?;
+        let files = [self.output.as_deref(), self.report.as_deref()].into_iter().flatten();
         let named: Vec<String> = files.filter(|path| *path != stdout).map(|path| path.display().to_string()).collect();
         let wrote = if named.is_empty() { String::new() } else { format!("; wrote {}", join(&named)) };
+        let same = before.filter(|before| *before == made.model);
+        let same = same.and(self.again).map(|path| format!("Equal to {} to the bit", path.display()));
         let said = [made.model.to_string(), capitalised(&verdict(made.model.verdict().as_ref())) + &wrote];
-        for line in said {
+        for line in said.into_iter().chain(same) {
             match is_free {
                 true => console.print(&console.paragraph(&format!("{line}."), ""))?,
                 false => console.remark(&line),

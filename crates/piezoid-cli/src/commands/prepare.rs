@@ -2,12 +2,12 @@
 
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::values::{apart, record};
 use anyhow::Result;
 use clap::Args;
-use piezoid::PrepareOptions;
+use piezoid::{PrepareOptions, Source, Step};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -49,10 +49,10 @@ impl Prepare {
         apart(&[Some(&self.output)], &[&self.file])?;
         files::ready(&[Some(&self.output)])?;
         let (columns, file) = (self.columns.read()?, files::read(&self.file)?);
-        let made = file.prepared(&columns, &self.options.0).map_err(failed)?;
+        let made = Source::new(file, columns, vec![Step::Prepare(self.options.0)]).record().map_err(failed)?;
         for step in made.history() {
             console.remark(step);
         }
-        files::write_record(&self.output, |name| made.written(name), console)
+        Results::default().record(Some(&self.output), |name| made.written(name))?.write(console)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::validate::ValidationFlags;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::layout::capitalised;
 use crate::tables::verdict;
 use crate::values::apart;
@@ -31,7 +31,7 @@ impl Report {
         apart(&[Some(&self.output)], &self.flags.inputs())?;
         files::ready(&[Some(&self.output)])?;
         let (model, validated) = self.flags.run()?;
-        files::write(&self.output, &report(&model, &validated).html(), console)?;
+        Results::default().file(Some(&self.output), report(&model, &validated).html()).write(console)?;
         if self.output == Path::new("-") {
             return Ok(());
         }

@@ -2,7 +2,7 @@
 
 use crate::columns::Columns;
 use crate::console::Console;
-use crate::files;
+use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
 use crate::layout::capitalised;
 use crate::tables;
@@ -10,7 +10,7 @@ use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
 use piezoid::validation::ValidateOptions;
-use piezoid::{Model, Validated};
+use piezoid::{Model, Source, Validated};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
@@ -72,8 +72,8 @@ impl ValidationFlags {
 
     pub(crate) fn run(&self) -> Result<(Model, Validated)> {
         let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::read_all(self.records())?);
-        let columns = self.columns.read()?;
-        let validated = self.options.0.run(&model, &data, &columns).map_err(failed)?;
+        let data = Source::all(data, &self.columns.read()?);
+        let validated = self.options.0.run(&model, &data).map_err(failed)?;
         Ok((model, validated))
     }
 }
@@ -95,7 +95,7 @@ impl Validate {
                 console.remark(&format!("{}: {remark}", compared.name));
             }
         }
-        files::write_json(self.json.as_deref(), &validated.to_json(), console)?;
+        Results::default().json(self.json.as_deref(), &validated.to_json()).write(console)?;
         let said = capitalised(&tables::verdict(validated.verdict(&model).as_ref()));
         if is_free { console.print(&console.paragraph(&format!("{said}."), "")) } else { Ok(()) }
     }

@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 import inspect
+from collections.abc import Sequence
 from typing import Any
 
 from ._piezoid import excite as _samples
@@ -42,7 +43,7 @@ class Excitation:
         own = [inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, annotation=float) for name in ("ts", "duration")]
         self.__signature__ = inspect.Signature([*own, *settings], return_annotation=Array)
 
-    def __call__(self, *, ts: float, duration: float, **settings: float) -> Array:
+    def __call__(self, *, ts: float, duration: float, **settings: float | Sequence[float]) -> Array:
         return _samples(self.kind, {"ts": ts, "duration": duration}, settings)
 
     def __repr__(self) -> str:
@@ -51,7 +52,8 @@ class Excitation:
 
 def _setting(row: dict[str, Any]) -> inspect.Parameter:
     default = inspect.Parameter.empty if row["required"] else row["default"]
-    return inspect.Parameter(row["name"], inspect.Parameter.KEYWORD_ONLY, default=default, annotation=float)
+    kind = Sequence[float] if isinstance(row["default"], list) else float
+    return inspect.Parameter(row["name"], inspect.Parameter.KEYWORD_ONLY, default=default, annotation=kind)
 
 
 _KINDS = {row["name"].replace("-", "_"): Excitation(row) for row in ALL["excitations"]}

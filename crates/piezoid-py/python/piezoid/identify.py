@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Mapping
-from hashlib import sha256
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -96,19 +93,11 @@ def identify(
     how: dict[str, Any] = {"ts": ts, "fs": fs, "units": units, "profile": profile}
     # linear and rich are the former names of small_signal and large_signal.
     given = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], _data(data, y, how)]
-    small, large, everything = records = [[_record(source, how) for source in part] for part in given]
+    small, large, everything = [[_record(source, how)._core for source in part] for part in given]
     if everything and large:
         raise PiezoidError("large_signal is the same as data: give the records in one of them")
-    usual = {row["name"]: row["default"] for row in rows}
-    changed = {name: value for name, value in options.items() if name == "method" or value != usual[name]}
-    changed |= {} if target is None else {"target": target}
-    command = f"piezoid.identify({', '.join(f'{name}={value!r}' for name, value in changed.items())})"
-    pairs = [pair for part, made in zip(given, records, strict=True) for pair in zip(part, made, strict=True)]
-    files = [origin for source, record in pairs if (origin := _origin(source, record))]
     with told(progress) as watch:
-        cores = [r._core for r in small], [r._core for r in large + everything]
-        core = _piezoid.identify(cores, options, (command, json.dumps(files)), watch)
-    return Model._of(core)
+        return Model._of(_piezoid.identify((small, large + everything), options, watch))
 
 
 def _data(data: Any, y: Samples | None, how: dict[str, Any]) -> list[Source]:
@@ -127,10 +116,3 @@ def _data(data: Any, y: Samples | None, how: dict[str, Any]) -> list[Source]:
 def _record(source: Source, how: dict[str, Any]) -> Record:
     return source if isinstance(source, Record) else read(source, **how)
 
-
-def _origin(source: Source, record: Record) -> dict[str, Any]:
-    """Name and hash of a file, and how its record was made; empty without both."""
-    origin: dict[str, Any] = {}
-    if isinstance(source, (str, os.PathLike)):
-        origin |= {"file": Path(source).name, "sha256": sha256(Path(source).read_bytes()).hexdigest()}
-    return origin | ({"steps": record.history} if record.history else {})

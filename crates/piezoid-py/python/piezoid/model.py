@@ -14,7 +14,8 @@ from . import _files, _html, _piezoid
 from ._checks import whole
 from ._checks import limits as checked
 from ._piezoid import FeedForward, PiezoidError
-from ._types import Array, Begin, Offset, Samples, Units
+from ._progress import told
+from ._types import Array, Begin, Offset, Progress, Samples, Units
 from .records import as_record, read_input
 from .results import Compensation, Validation, Verdict, frame
 from ._summary import summary
@@ -123,8 +124,8 @@ class Model:
 
     @cached_property
     def provenance(self) -> dict[str, Any]:
-        """Origin: command, version, seed, files with hashes, operators that were tried, parameters with errors,
-        notes."""
+        """Origin: front end, version, options, seed, files with hashes, operators that were tried, parameters with
+        errors, notes."""
         made = self.to_dict()["fit"]
         return made if isinstance(made, dict) else {}
 
@@ -148,6 +149,16 @@ class Model:
         """How good the model was at its identification; None if its file does not say so."""
         found = self._core.verdict
         return None if found is None else Verdict._of(found)
+
+    def again(self, *files: str | os.PathLike[str], progress: Progress = None) -> Model:
+        """Identifies it again, from the files that it was identified from, in any order, with its own options.
+
+        The result equals this model, to the bit on the same version and kind of machine. A file that differs or is
+        missing is named in the error, and so is a result that differs by more than rounding.
+        """
+        with told(progress) as watch:
+            named = [(str(path), _files.read(path)) for path in files]
+            return Model._of(_piezoid.again(self._core, named, watch))
 
     def summary(self) -> str:
         """The model in words: what it is, how good it is and where, its parameters with standard errors, remarks.

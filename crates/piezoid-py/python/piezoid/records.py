@@ -178,7 +178,7 @@ class Record:
         return hash((self.ts, self.units, u.tobytes(), y.tobytes()))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _restored, (self.u, self.y, self.ts, self.units, self.history)
+        return _restored, (self.u, self.y, self.ts, self.units, (self.history, self._core.origin))
 
     def __repr__(self) -> str:
         (low, high), (bottom, top), (u, y) = _ends(self.u), _ends(self.y), self.units
@@ -191,9 +191,9 @@ class Record:
         return _html.record(self)
 
 
-def _restored(u: Samples, y: Samples, ts: float, units: Units, history: list[str]) -> Record:
-    """A record with its history."""
-    return Record._of(_piezoid.Record(u, y, ts, units, history))
+def _restored(u: Samples, y: Samples, ts: float, units: Units, past: tuple[list[str], str]) -> Record:
+    """A record with its history and its origin."""
+    return Record._of(_piezoid.Record(u, y, ts, units, past))
 
 
 _ENDS = {"from": "start", "to": "stop"}
@@ -312,9 +312,7 @@ def read(
     }
     with columns.named(), called(**_ENDS):
         record = Record._of(columns.core.record(given, rig))
-    if units is None:
-        return record
-    return _restored(record.u, record.y, record.ts, _units(units, record.units), record.history)
+    return record if units is None else Record._of(record._core.with_units(_units(units, record.units)))
 
 
 def read_reference(

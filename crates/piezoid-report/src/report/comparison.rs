@@ -195,7 +195,8 @@ mod tests {
         let models = [("dahl", 2.1), ("proportional", 1.5), ("dahl", 1.0)];
         let file = |(k, (name, gain)): (usize, &(&str, f64))| File::new(format!("m&{k}"), model(name, *gain).to_json());
         let models: Vec<File> = models.iter().enumerate().map(file).collect();
-        CompareOptions::default().run(&models, &[record(1.0), record(3.0)], &Default::default()).unwrap()
+        let data = piezoid::Source::all(vec![record(1.0), record(3.0)], &Default::default());
+        CompareOptions::default().run(&models, &data).unwrap()
     }
 
     #[test]

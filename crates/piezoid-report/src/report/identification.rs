@@ -41,7 +41,6 @@ mod tests {
     use piezoid::excitation::Prbs;
     use piezoid::progress::Stage;
     use piezoid::{IdentifyOptions, Method, Record, Records};
-    use serde_json::Value;
 
     #[test]
     fn the_report_of_an_identification_tells_its_training_and_its_search() {
@@ -58,7 +57,7 @@ mod tests {
             IdentifyOptions { method: Method::Paper, operator: "proportional".into(), ..IdentifyOptions::default() };
         let (records, names) = (std::slice::from_ref(&record), ["small <1>", "large"]);
         let records = Records { small_signal: records, large_signal: records };
-        let made = swarm.prove(records, &names, "piezoid identify", Value::Null, &mut Stage::ignore).unwrap();
+        let made = swarm.prove(records, &names, ("piezoid identify", &[]), &mut Stage::ignore).unwrap();
         let html = identification(&made).html();
         for said in ["Training records", "The identification", "Convergence", "piezoid identify", " large</h2>"] {
             assert!(html.contains(said), "{said}");

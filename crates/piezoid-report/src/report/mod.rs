@@ -192,8 +192,8 @@ mod tests {
             "trials": [
                 {"operator": "stop", "parameters": 30, "held_out_percent": null, "verdict": "refused", "refused": "no \
                     & why"},
-                {"operator": "duhem", "parameters": 9, "held_out_percent": 0.5, "verdict": "as good", "refused": null},
-                {"operator": "dahl", "parameters": 2, "held_out_percent": 0.25, "verdict": "taken", "refused": null},
+                {"operator": "duhem", "parameters": 9, "held_out_percent": 0.5, "error_percent": 0.5, "verdict": "as good"},
+                {"operator": "dahl", "parameters": 2, "held_out_percent": 0.25, "error_percent": 0.25, "verdict": "taken"},
             ],
             "parameters": [{"name": "mode 1 damping", "value": 0.03, "error": null}],
         });

@@ -18,18 +18,35 @@ pub(super) fn section(model: &Model) -> Option<Section> {
     let section = if tried.is_empty() { section } else { section.table(trials(tried)) };
     let section = if known.is_empty() { section } else { section.table(parameters(known)) };
     match made["command"].as_str() {
-        Some(command) => Some(section.text(Text::from("Made by ").code(command).plain("."))),
+        Some(command) => Some(section.text(origin(command, made))),
         None => (tried.len() + known.len() > 0).then_some(section),
     }
+}
+
+/// The front end, the options that were changed, and the files.
+fn origin(command: &str, made: &Value) -> Text {
+    let text = Text::from("Made by ").code(command);
+    let options = made["options"].as_object().into_iter().flatten();
+    let options: Vec<String> = options.map(|(name, value)| format!("{name} = {}", plain(value))).collect();
+    let text = if options.is_empty() { text } else { text.plain(" with ").code(options.join(", ")) };
+    let files: Vec<&str> =
+        made["files"].as_array().into_iter().flatten().filter_map(|one| one["file"].as_str()).collect();
+    let text = if files.is_empty() { text } else { text.plain(" from ").code(files.join(", ")) };
+    text.plain(".")
+}
+
+/// A value without quotes.
+fn plain(value: &Value) -> String {
+    value.as_str().map_or_else(|| value.to_string(), String::from)
 }
 
 /// The operators, the best first.
 fn trials(tried: &[Value]) -> PageTable {
     let errors = |trial: &Value| [&trial["held_out_percent"], &trial["free_run_percent"]].map(Value::as_f64);
-    let held_out = |trial: &Value| errors(trial)[0].unwrap_or(f64::INFINITY);
+    let error = |trial: &Value| trial["error_percent"].as_f64().unwrap_or(f64::INFINITY);
     let word = |trial: &Value, key: &str| trial[key].as_str().unwrap_or_default().to_string();
     let mut tried: Vec<&Value> = tried.iter().collect();
-    tried.sort_by(|p, q| held_out(p).total_cmp(&held_out(q)));
+    tried.sort_by(|p, q| error(p).total_cmp(&error(q)));
     let row = |trial: &Value| {
         let verdict = word(trial, "verdict");
         let taken = verdict == "taken";
@@ -42,7 +59,7 @@ fn trials(tried: &[Value]) -> PageTable {
     let table = table.number("held out [%]").number("free run [%]").text("verdict");
     let table = tried.iter().fold(table, |table, trial| table.row(row(trial))).note(
         "Rms errors over peak-to-peak: of parts held out (cross-validation), and of the free run on the training \
-        records. Among the operators as good as the best, the simplest is selected.",
+        records; the larger of the two ranks them. Among the operators as good as the best, the simplest is selected.",
     );
     let refused = tried.iter().filter_map(|trial| Some((word(trial, "operator"), trial["refused"].as_str()?)));
     refused.fold(table, |table, (operator, why)| table.note(format!("{operator}: {why}")))

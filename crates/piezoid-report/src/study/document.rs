@@ -90,6 +90,7 @@ fn joint(study: &Study) -> Value {
             "parameters": t.parameters,
             "held_out_percent": t.held_out_percent,
             "free_run_percent": t.free_run_percent,
+            "error_percent": t.error_percent,
             "as_good": t.as_good,
             "verdict": t.verdict,
             "shape": t.shape.iter().map(|&(name, value)| (name.to_string(), value.into())).collect::<Map<_, _>>(),

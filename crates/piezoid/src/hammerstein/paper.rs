@@ -66,6 +66,9 @@ pub struct Identified {
     pub trials: Vec<OperatorTrial>,
     /// Physical parameters with standard errors; only the joint method has them.
     pub parameters: Vec<FittedParameter>,
+    /// Decrease of the sum of squared errors that another step of the search promises, if the fit is not at its minimum
+    /// [%]; only the joint method knows it.
+    pub left_percent: Option<f64>,
     /// Why this linear block and this operator, and how the search ended.
     pub reasons: Vec<String>,
     /// Remarks for the user.
@@ -155,6 +158,7 @@ pub(crate) fn identify_paper(
         trials: Vec::new(),
         parameters: Vec::new(),
         reasons: Vec::new(),
+        left_percent: None,
         notes,
     })
 }

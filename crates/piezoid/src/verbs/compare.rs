@@ -1,9 +1,8 @@
 //! Several models on the same records.
 
 use super::validate::records;
-use super::{File, Validated, short};
+use super::{File, Source, Validated, short};
 use crate::error::Error;
-use crate::formats::ColumnSelection;
 use crate::hammerstein::Model;
 use crate::options::{OptionKind, OptionRow, options};
 use crate::record::Record;
@@ -44,14 +43,14 @@ impl CompareOptions {
     ///
     /// # Errors
     /// Returns an error for files without a model or a record. The errors of [`CompareOptions::on`].
-    pub fn run(&self, models: &[File], data: &[File], columns: &ColumnSelection) -> Result<ModelComparison, Error> {
+    pub fn run(&self, models: &[File], data: &[Source]) -> Result<ModelComparison, Error> {
         // Names without folders, if these tell the files apart.
         let alone = |file: &File| models.iter().filter(|other| other.short() == file.short()).count() == 1;
         let named = |file: &File| {
             let name = if alone(file) { short(&file.name) } else { &file.name };
             Ok((name.to_string(), file.model()?))
         };
-        self.on(models.iter().map(named).collect::<Result<_, Error>>()?, &records(data, columns)?)
+        self.on(models.iter().map(named).collect::<Result<_, Error>>()?, &records(data)?)
     }
 
     /// Compares named models with named records, each record in the unit of the first.
@@ -127,6 +126,7 @@ impl ModelComparison {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::ColumnSelection;
     use crate::hysteresis::Proportional;
     use crate::linear::Arx;
     use std::sync::Arc;
@@ -145,7 +145,8 @@ mod tests {
     }
 
     fn run(options: &CompareOptions, models: &[File]) -> Result<ModelComparison, Error> {
-        options.run(models, &[record("x/a.csv", 2.0), record("x/b.csv", 3.0)], &ColumnSelection::default())
+        let data = vec![record("x/a.csv", 2.0), record("x/b.csv", 3.0)];
+        options.run(models, &Source::all(data, &ColumnSelection::default()))
     }
 
     #[test]

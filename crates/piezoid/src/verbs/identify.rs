@@ -1,11 +1,12 @@
 //! Identification of a model from records in files.
 
-use super::{Compared, File, Verdict};
+use super::origin::{Origin, Training};
+use super::{Compared, Source, Verdict};
 use crate::error::Error;
-use crate::formats::ColumnSelection;
 use crate::hammerstein::{HiddenLoop, Identified, Model};
 use crate::identification::{IdentifyOptions, Method, Records};
 use crate::linear::{Arx, PoleShare};
+use crate::options::Options;
 use crate::progress::Progress;
 use crate::record::Record;
 use crate::validation::{Linearity, Offset, ValidateOptions};
@@ -25,33 +26,34 @@ pub struct Identification {
 }
 
 impl IdentifyOptions {
-    /// Identifies a model from the records in files. `command` is stored in the model's provenance.
+    /// Identifies a model from the records of small-signal and of large-signal files. `command` is the name of the
+    /// front end, for the model's file.
     ///
     /// # Errors
     /// Returns an error for files without records. The errors of [`identify`](crate::identify).
     pub fn run(
         &self,
-        (small, large): (&[File], &[File]),
-        columns: &ColumnSelection,
+        (small, large): (&[Source], &[Source]),
         command: &str,
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
         self.check()?;
-        let read = |files: &[File]| files.iter().map(|file| file.record(columns)).collect::<Result<Vec<_>, _>>();
+        let read = |sources: &[Source]| sources.iter().map(Source::record).collect::<Result<Vec<_>, _>>();
         let (small_signal, large_signal) = (read(small)?, read(large)?);
-        let every = || small.iter().chain(large).zip(small_signal.iter().chain(&large_signal));
-        let origins = every().map(|(file, record)| file.origin(record)).collect();
-        let steps = every().flat_map(|(file, record)| record.history().iter().map(|s| format!("{}: {s}", file.name)));
-        let steps: Vec<String> = steps.collect();
-        let names: Vec<&str> = small.iter().chain(large).map(|file| &*file.name).collect();
+        let sources = || small.iter().chain(large);
+        let origins: Vec<_> = sources().map(Source::origin).collect();
+        let names: Vec<&str> = sources().map(|source| &*source.file.name).collect();
         let records = Records { small_signal: &small_signal, large_signal: &large_signal };
-        let mut made = self.prove(records, &names, command, origins, progress)?;
+        let mut made = self.prove(records, &names, (command, &origins), progress)?;
+        let histories = names.iter().zip(small_signal.iter().chain(&large_signal));
+        let steps =
+            histories.flat_map(|(name, record)| record.history().iter().map(move |step| format!("{name}: {step}")));
         made.found.notes.splice(0..0, steps);
         Ok(made)
     }
 
     /// Identifies a model from records and tests it on them. `names` are those of the small-signal records, then of the
-    /// large-signal records; `command` and `files` are stored in the model's provenance.
+    /// large-signal records; the front end and the origins of the records, in this order, are for the model's file.
     ///
     /// # Errors
     /// The errors of [`identify`](crate::identify).
@@ -59,8 +61,7 @@ impl IdentifyOptions {
         &self,
         records: Records,
         names: &[&str],
-        command: &str,
-        files: Value,
+        (command, origins): (&str, &[Origin]),
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
         let found = records.identify(self, progress).map_err(|error| named(error, records, names))?;
@@ -84,25 +85,30 @@ impl IdentifyOptions {
             large => Verdict::of_identified(&found, large, small_signal),
         };
         let linearity = small_signal.iter().map(|record| Linearity::of(record).ok()).collect();
-        let mut provenance = self.provenance(&found, command, files);
-        if let Some(verdict) = &verdict {
-            provenance["verdict"] = json!(verdict);
-        }
-        let model = found.model.clone().with_provenance(provenance);
+        let fit = self.fit(&found, command, &Training::all(records, origins), verdict.as_ref());
+        let model = found.model.clone().with_provenance(fit);
         Ok(Identification { found, model, training, linearity })
     }
 
-    /// The provenance of a model, for its file: the command, the files, the operators that were tried, and the
-    /// parameters with their errors. A report needs the last two, and the model alone does not contain them.
-    fn provenance(&self, found: &Identified, command: &str, files: Value) -> Value {
+    /// How a model was identified, for its file: what repeats it (see [`Model::again`]), the operators that were tried,
+    /// the parameters with their errors, notes and verdict. A report needs these, and the blocks do not contain them.
+    fn fit(&self, found: &Identified, command: &str, files: &[Training], verdict: Option<&Verdict>) -> Value {
         let version = env!("CARGO_PKG_VERSION");
-        let mut made = json!({"command": command, "version": version, "files": files, "seed": self.seed});
-        for (name, known) in [("trials", json!(found.trials)), ("parameters", json!(found.parameters))] {
-            if known != json!([]) {
-                made[name] = known;
+        let options = self.to_json();
+        let mut fit =
+            json!({"command": command, "version": version, "options": options, "files": files, "seed": self.seed});
+        let results = [
+            ("trials", json!(found.trials)),
+            ("parameters", json!(found.parameters)),
+            ("notes", json!(found.told())),
+            ("verdict", json!(verdict)),
+        ];
+        for (name, result) in results {
+            if result != json!([]) && !result.is_null() {
+                fit[name] = result;
             }
         }
-        made
+        fit
     }
 }
 
@@ -173,6 +179,8 @@ fn modal_form(arx: &Arx) -> Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::File;
+    use crate::formats::ColumnSelection;
     use crate::progress::Stage;
 
     #[test]
@@ -182,8 +190,8 @@ mod tests {
             File::new(name, String::from("t_s,u_V,y_um\n") + &(0..400).map(row).collect::<String>())
         };
         let large = [file("fast.csv", 5e-4), file("slow.csv", 2e-3)];
-        let options = IdentifyOptions::default();
-        let run = options.run((&[], &large), &ColumnSelection::default(), "", &mut Stage::ignore);
+        let large = Source::all(large.into(), &ColumnSelection::default());
+        let run = IdentifyOptions::default().run((&[], &large), "", &mut Stage::ignore);
         assert_eq!(
             run.unwrap_err().to_string(),
             "fast.csv is sampled every 0.0005 s but slow.csv every 0.002 s: resample one of them; `prepare` does, with \

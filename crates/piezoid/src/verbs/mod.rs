@@ -7,6 +7,7 @@ mod control;
 mod excite;
 mod identify;
 mod inspect;
+mod origin;
 mod plan;
 mod prepare;
 mod same_actuator;
@@ -19,7 +20,9 @@ pub use compensate::{CompensateOptions, Compensation};
 pub use control::{ControlOptions, TuneOptions};
 pub use excite::{ExciteOptions, Excited};
 pub use identify::Identification;
+pub use origin::Origin;
 pub use plan::{Plan, PlanOptions, PlannedDrive};
+pub use prepare::{Source, Step};
 pub use simulate::{SimulateOptions, Simulated};
 pub use validate::{Compared, Validated};
 pub use verdict::Verdict;
@@ -29,8 +32,7 @@ use crate::formats::{ColumnSelection, Signal, Table, archive};
 use crate::hammerstein::Model;
 use crate::record::Record;
 use crate::system::System;
-use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
+use serde_json::Value;
 
 /// A file that a verb reads or writes: bytes with a name.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -116,16 +118,6 @@ impl File {
     pub fn model(&self) -> Result<Model, Error> {
         let known = |e| Error::Content(format!("{e}; give a file that `piezoid identify` wrote")).of(&self.name);
         Model::from_json(self.text()?).map_err(known)
-    }
-
-    /// Its name and hash, and how its record was made, for the provenance of results.
-    fn origin(&self, record: &Record) -> Value {
-        let hex: String = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
-        let mut origin = json!({"file": self.short(), "sha256": hex});
-        if !record.history().is_empty() {
-            origin["steps"] = json!(record.history());
-        }
-        origin
     }
 }
 

@@ -1,21 +1,98 @@
-//! The record in a file, prepared.
+//! The record of a file: how its columns are read, and the steps of its preparation.
 
-use super::File;
+use super::{File, Origin};
 use crate::error::Error;
 use crate::formats::ColumnSelection;
+use crate::options::by_name;
 use crate::preparation::PrepareOptions;
-use crate::record::Record;
+use crate::record::{Record, Units};
+use serde::{Deserialize, Serialize};
 
-impl File {
-    /// The record in this file after the steps of `options`. If it is resampled, its times may be uneven: the samples
-    /// are interpolated first, and the record's history says so.
+/// A file, and how its record is made.
+#[derive(Debug, Clone)]
+pub struct Source {
+    /// The file.
+    pub file: File,
+    /// How its columns are read.
+    pub columns: ColumnSelection,
+    /// What is done to the record, in this order.
+    pub preparation: Vec<Step>,
+    /// Where the record comes from, if the file was made of another one.
+    pub origin: Option<Origin>,
+}
+
+/// A step of the preparation of a record; as JSON such as `{"prepare": {"decimate": 4}}`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Step {
+    /// [`Record::part`] from the first time to the second [s]; to the end without a second.
+    Part(f64, Option<f64>),
+    /// [`Record::scaled`] by these factors of input and output.
+    Scaled(String, String),
+    /// [`Record::output_in`] this unit.
+    OutputIn(String),
+    /// [`Record::with_units`].
+    Units(Units),
+    /// [`PrepareOptions::run`].
+    #[serde(with = "by_name")]
+    Prepare(PrepareOptions),
+}
+
+impl Source {
+    /// Files whose columns are read in the same way, and whose records are used as they are.
+    pub fn all(files: Vec<File>, columns: &ColumnSelection) -> Vec<Source> {
+        files.into_iter().map(|file| Source::new(file, columns.clone(), Vec::new())).collect()
+    }
+
+    /// A file with how its columns are read, and what is done to its record.
+    pub fn new(file: File, columns: ColumnSelection, preparation: Vec<Step>) -> Self {
+        Source {
+            file,
+            columns,
+            preparation: preparation.into_iter().filter(|step| !step.is_empty()).collect(),
+            origin: None,
+        }
+    }
+
+    /// The record. If the first step resamples it, its times may be uneven: the samples are interpolated first, and the
+    /// record's history says so.
     ///
     /// # Errors
-    /// The errors of [`File::record`] and of [`PrepareOptions::run`].
-    #[doc(hidden)]
-    pub fn prepared(&self, columns: &ColumnSelection, options: &PrepareOptions) -> Result<Record, Error> {
-        let record = self.read(|table| table.resampled(columns, options.resample))?;
-        options.run(&record).map_err(|error| error.about(&self.name))
+    /// The errors of [`File::record`] and of the steps.
+    pub fn record(&self) -> Result<Record, Error> {
+        let resample = match self.preparation.first() {
+            Some(Step::Prepare(options)) => options.resample,
+            _ => None,
+        };
+        let record = self.file.read(|table| table.resampled(&self.columns, resample))?;
+        let prepared = self.preparation.iter().try_fold(record, |record, step| step.run(record));
+        prepared.map_err(|error| error.about(&self.file.name))
+    }
+}
+
+impl Step {
+    /// True if it leaves every record as it is.
+    pub fn is_empty(&self) -> bool {
+        match self {
+            Step::Part(from, to) => *from == 0.0 && to.is_none(),
+            Step::Scaled(input, output) => [input, output].iter().all(|factor| factor.trim().is_empty()),
+            Step::Prepare(options) => *options == PrepareOptions::default(),
+            Step::OutputIn(_) | Step::Units(_) => false,
+        }
+    }
+
+    /// The record after this step.
+    ///
+    /// # Errors
+    /// The errors of the method that the step names.
+    pub fn run(&self, record: Record) -> Result<Record, Error> {
+        match self {
+            Step::Part(from, to) => record.part(*from, to.unwrap_or(f64::INFINITY)),
+            Step::Scaled(input, output) => record.scaled(input, output),
+            Step::OutputIn(unit) => record.output_in(unit),
+            Step::Units(units) => Ok(record.with_units(units.clone())),
+            Step::Prepare(options) => options.run(&record),
+        }
     }
 }
 
@@ -33,15 +110,18 @@ mod tests {
         File::new("jitter.csv", text)
     }
 
+    fn prepared(file: &File, columns: ColumnSelection, options: PrepareOptions) -> Result<Record, Error> {
+        Source::new(file.clone(), columns, vec![Step::Prepare(options)]).record()
+    }
+
     fn resampled(file: &File, ts: f64) -> Result<Record, Error> {
-        let options = PrepareOptions { resample: Some(ts), ..PrepareOptions::default() };
-        file.prepared(&ColumnSelection::default(), &options)
+        prepared(file, ColumnSelection::default(), PrepareOptions { resample: Some(ts), ..PrepareOptions::default() })
     }
 
     #[test]
     fn uneven_times_are_refused_unless_the_record_is_resampled() {
         let file = file(0.2);
-        let refused = file.prepared(&ColumnSelection::default(), &PrepareOptions::default()).unwrap_err().to_string();
+        let refused = prepared(&file, ColumnSelection::default(), PrepareOptions::default()).unwrap_err().to_string();
         assert!(refused.contains("use `prepare` with the option resample = 0.001;"), "{refused}");
         for (ts, count) in [(1e-3, 400), (4e-3, 100), (5e-4, 799)] {
             let record = resampled(&file, ts).unwrap();
@@ -73,12 +153,30 @@ mod tests {
         let (_, from) = refused.rsplit_once("give `from` = ").unwrap();
         let columns = ColumnSelection { from: from.parse().ok(), ..ColumnSelection::default() };
         let options = PrepareOptions { resample: Some(1e-3), ..PrepareOptions::default() };
-        assert_eq!(gap.prepared(&columns, &options).unwrap().len(), 250);
+        assert_eq!(prepared(&gap, columns, options).unwrap().len(), 250);
     }
 
     #[test]
     fn times_that_stand_still_are_not_resampled() {
         let still = File::new("still.csv", "t_s,u_V,y_um\n0,1,2\n0.1,1,2\n0.1,1,2\n0.3,1,2\n");
         assert!(resampled(&still, 0.1).unwrap_err().to_string().contains("two rows have the time 0.1 s"));
+    }
+
+    #[test]
+    fn steps_are_repeated_from_their_document() {
+        let document = serde_json::json!([
+            {"prepare": {"detrend": "mean", "resample": 2e-3}}, {"part": [0.1, null]}, {"scaled": ["20", "5um/um"]},
+            {"output_in": "nm"}, {"units": {"u": "V", "y": "pm"}},
+        ]);
+        let steps: Vec<Step> = serde_json::from_value(document.clone()).unwrap();
+        assert_eq!(serde_json::to_value(&steps).unwrap(), document);
+        let source = Source::new(file(0.2), ColumnSelection::default(), steps);
+        let record = source.record().unwrap();
+        let alone = Source { preparation: source.preparation[..1].to_vec(), ..source }.record().unwrap();
+        assert_eq!((record.len(), record.units().y.as_str()), (alone.len() - 50, "pm"));
+        assert_eq!((record.u()[0], record.y()[0]), (20.0 * alone.u()[50], alone.y()[50] * 5.0 * 1e3));
+        let wrong = serde_json::json!({"prepare": {"decimate": -1}});
+        let refused = serde_json::from_value::<Step>(wrong).unwrap_err().to_string();
+        assert!(refused.contains("decimate = -1"), "{refused}");
     }
 }

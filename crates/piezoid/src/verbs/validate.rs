@@ -1,8 +1,7 @@
 //! Validation of a model on records in files.
 
-use super::{File, merge, short};
+use super::{Source, merge, short};
 use crate::error::Error;
-use crate::formats::ColumnSelection;
 use crate::hammerstein::Model;
 use crate::number::round;
 use crate::record::Record;
@@ -32,8 +31,8 @@ impl ValidateOptions {
     ///
     /// # Errors
     /// Returns an error for files without records. The errors of [`ValidateOptions::on`].
-    pub fn run(&self, model: &Model, data: &[File], columns: &ColumnSelection) -> Result<Validated, Error> {
-        self.on(model, &records(data, columns)?)
+    pub fn run(&self, model: &Model, data: &[Source]) -> Result<Validated, Error> {
+        self.on(model, &records(data)?)
     }
 
     /// Compares a model with named records, in the unit of the first.
@@ -56,9 +55,9 @@ impl ValidateOptions {
     }
 }
 
-/// The records in files, with the names of the files.
-pub(super) fn records(data: &[File], columns: &ColumnSelection) -> Result<Vec<(String, Record)>, Error> {
-    data.iter().map(|file| Ok((file.name.clone(), file.record(columns)?))).collect()
+/// The records of sources, with the names of their files.
+pub(super) fn records(data: &[Source]) -> Result<Vec<(String, Record)>, Error> {
+    data.iter().map(|source| Ok((source.file.name.clone(), source.record()?))).collect()
 }
 
 impl Compared {

@@ -38,7 +38,7 @@ const LONG: f64 = 60.0;
 /// let y = u.iter().map(|u| 30.0 * u + 5.0).collect();
 /// let options = IdentifyOptions { operator: "proportional".into(), order: Some(0), ..IdentifyOptions::default() };
 /// let records = [Record::new(1e-3, u, y)?];
-/// let model = options.prove(Records::from(&records), &["sine"], "", Value::Null, &mut Stage::ignore)?.model;
+/// let model = options.prove(Records::from(&records), &["sine"], ("", &[]), &mut Stage::ignore)?.model;
 /// let said = model.verdict().unwrap().to_string();
 /// assert!(said.contains("+-10 V") && said.contains("unproven: "), "{said}");
 /// # Ok::<(), piezoid::Error>(())
@@ -70,6 +70,10 @@ pub struct Verdict {
     /// large and neither noise nor a constant offset explain it [-].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub times_worse: Option<f64>,
+    /// Decrease of the sum of squared errors that another step of the search promises [%]; `None` if the fit is at its
+    /// minimum, or if that is not known. A model is *only* good to its error if this is not `None`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub left_percent: Option<f64>,
 }
 
 impl Verdict {
@@ -79,7 +83,7 @@ impl Verdict {
         let all = Validated { files: training.to_vec() };
         let taken = found.trials.iter().find(|trial| trial.verdict == "taken");
         let (error_percent, measured) = match taken {
-            Some(trial) => (trial.held_out_percent.max(trial.free_run_percent), "free run on held-out parts"),
+            Some(trial) => (trial.error_percent, "free run on held-out parts"),
             None => (all.total().rms_pp_percent, "free run on the training records only"),
         };
         let mut verdict = Verdict::of(&all, error_percent, measured.into())?;
@@ -125,7 +129,7 @@ impl Verdict {
         if longest < LONG {
             unproven.push(format!("creep beyond {} s", rough(longest)));
         }
-        verdict.unproven = unproven;
+        (verdict.unproven, verdict.left_percent) = (unproven, found.left_percent);
         Some(verdict)
     }
 
@@ -139,6 +143,7 @@ impl Verdict {
         };
         let measured = format!("free run on {on}{}", before.unwrap_or_default());
         let mut verdict = Verdict::of(validated, validated.total().rms_pp_percent, measured)?;
+        verdict.left_percent = model.verdict().and_then(|verdict| verdict.left_percent);
         // A small signal has a large error over its own peak-to-peak, most of it noise.
         let whole = verdict.u;
         let large = validated.files.iter().filter(|c| validated.files.len() == 1 || is_large(&c.record, whole));
@@ -178,6 +183,7 @@ impl Verdict {
             worst_record: None,
             worst_percent: None,
             times_worse: None,
+            left_percent: None,
         };
         error_percent.is_finite().then_some(found)
     }
@@ -230,7 +236,9 @@ impl std::fmt::Display for Verdict {
         let (error, measured) = (rough(self.error_percent), &self.measured);
         match self.times_worse {
             Some(times) => write!(f, "{} times worse than at identification: ", rough(times))?,
-            None if self.worst_percent.unwrap_or(self.error_percent) > POOR => f.write_str("only good to ")?,
+            None if self.worst_percent.unwrap_or(self.error_percent) > POOR || self.left_percent.is_some() => {
+                f.write_str("only good to ")?;
+            }
             None => f.write_str("good to ")?,
         }
         match self.worst_percent.zip(self.worst_record.as_ref()) {
@@ -246,6 +254,13 @@ impl std::fmt::Display for Verdict {
             None => {}
         }
         f.write_str(&range(self.u, &self.unit))?;
+        if let Some(left) = self.left_percent {
+            let left = rough(left);
+            write!(
+                f,
+                "; the fit is not at its minimum: another step would lower its sum of squared errors by {left} %"
+            )?;
+        }
         if !self.unproven.is_empty() {
             write!(f, "; unproven: {}", self.unproven.join(", "))?;
         }
@@ -289,7 +304,7 @@ mod tests {
     use crate::progress::Stage;
     use crate::testing::noise;
     use crate::validation::ValidateOptions;
-    use serde_json::{Value, json};
+    use serde_json::json;
     use std::sync::Arc;
 
     const TS: f64 = 1e-3;
@@ -345,12 +360,26 @@ mod tests {
     }
 
     #[test]
+    fn a_fit_that_is_not_at_its_minimum_is_not_called_good() {
+        let mut verdict = model().verdict().unwrap();
+        assert!(verdict.to_string().starts_with("good to 0.1 %"), "{verdict}");
+        verdict.left_percent = Some(8.2);
+        let said = verdict.to_string();
+        assert!(said.starts_with("only good to 0.1 %") && said.contains("squared errors by 8.2 %"), "{said}");
+        // What is made of the model, and its validation, say so too.
+        let model = model().with_provenance(json!({"verdict": verdict}));
+        assert!(model.proven().contains("not at its minimum"));
+        let again = ValidateOptions::default().on(&model, &[record("r.csv", 1.0, 0.0, 0.001)]).unwrap();
+        assert_eq!(again.verdict(&model).unwrap().left_percent, Some(8.2));
+    }
+
+    #[test]
     fn an_input_that_never_falls_or_a_short_record_leaves_the_hysteresis_unproven() {
         let said = |operator: &str, u: Vec<f64>| {
             let y = u.iter().zip(noise(5, u.len())).map(|(u, e)| 0.1 * u + 0.001 * e).collect();
             let records = [Record::new(0.02, u, y).unwrap()];
             let options = IdentifyOptions { operator: operator.into(), order: Some(0), ..IdentifyOptions::default() };
-            let made = options.prove(Records::from(&records), &["r"], "", Value::Null, &mut Stage::ignore).unwrap();
+            let made = options.prove(Records::from(&records), &["r"], ("", &[]), &mut Stage::ignore).unwrap();
             made.model.verdict().unwrap().unproven
         };
         let step = |from: f64, to: f64| (0..1500).map(|t| if t < 100 { from } else { to }).collect::<Vec<f64>>();

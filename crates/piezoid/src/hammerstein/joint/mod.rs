@@ -203,8 +203,10 @@ pub(crate) fn identify_joint(
     let mut reasons = Vec::new();
     // Of a stated order it says if it is too low.
     if settings.order.is_some() { &mut notes } else { &mut reasons }.push(format!("linear block: {reason}"));
-    if let Some((is_minimum, note)) = optimality::optimality(&fitted, &runs) {
-        if is_minimum { &mut reasons } else { &mut notes }.push(note);
+    let mut left_percent = None;
+    if let Some(end) = optimality::optimality(&fitted, &runs) {
+        left_percent = end.left_percent;
+        if left_percent.is_none() { &mut reasons } else { &mut notes }.push(end.note);
     }
     notes.extend(check::check_fit(&fitted, &runs)?);
     reasons.extend(trials::why(&trials).map(|why| format!("operator: {why}")));
@@ -232,7 +234,7 @@ pub(crate) fn identify_joint(
     let is_seen = model.linear().resonance().is_some_and(|mode| growth.is_seen(mode.hz));
     notes.extend(unexcited_resonance(model.linear(), small.iter().chain(&large_signal)).filter(|_| !is_seen));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason };
-    Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, reasons, notes })
+    Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, left_percent, reasons, notes })
 }
 
 /// Mean of the free-run error of a record, and its rms about that mean.

@@ -10,8 +10,15 @@ use crate::number::short;
 const UNFINISHED: f64 = 1.0;
 const NEXT_TO_NOTHING: f64 = 0.01;
 
-/// Whether it is a minimum, and the note.
-pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<(bool, String)> {
+/// How a search ended.
+pub(super) struct Optimality {
+    /// Decrease of the sum of squares that another step promises, if the fit is not at its minimum [%].
+    pub(super) left_percent: Option<f64>,
+    /// The end of the search in words.
+    pub(super) note: String,
+}
+
+pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<Optimality> {
     let (estimate, lambda) = (&fitted.estimate, fitted.held_out.lambda);
     let signed: Vec<f64> = Prior::of(estimate).signed().collect();
     let zeros = signed.iter().filter(|value| **value == 0.0).count();
@@ -21,15 +28,15 @@ pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<(bo
         .map(|p| format!("{} = {}", p.name, short(p.value)))
         .collect();
     let point = Iterate::at(estimate.with_linear(estimate.linear.clone())?, runs, &fitted.own, FreeParameters::All);
-    let promised = 100.0 * (1.0 - point.predicted(lambda) / point.cost(lambda));
-    let is_minimum = promised < UNFINISHED;
-    let promised = match promised {
+    let left = 100.0 * (1.0 - point.predicted(lambda) / point.cost(lambda));
+    let left_percent = Some(left).filter(|left| *left >= UNFINISHED);
+    let promised = match left {
         least if least < NEXT_TO_NOTHING => format!("by less than {NEXT_TO_NOTHING} %"),
         more => format!("by {} %", short(more)),
     };
-    let ends = match is_minimum {
-        true => format!("the fit is at its minimum (another step would lower the sum of squared errors {promised})"),
-        false => format!(
+    let ends = match left_percent {
+        None => format!("the fit is at its minimum (another step would lower the sum of squared errors {promised})"),
+        Some(_) => format!(
             "the fit ended before its minimum (another step would still lower the sum of squared errors {promised})"
         ),
     };
@@ -37,7 +44,7 @@ pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<(bo
     if !limits.is_empty() {
         note += &format!("; at the limit of what is allowed: {}", limits.join(", "));
     }
-    Some((is_minimum, note))
+    Some(Optimality { left_percent, note })
 }
 
 #[cfg(test)]
@@ -60,16 +67,20 @@ mod tests {
         let mut runs = of(&[], &records, &mut Vec::new()).unwrap();
         let start = estimate("prandtl-ishlinskii", 6).with_linear(block).unwrap();
         let mut fit = refine_from(start, Smoothness::Any, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
-        let (is_minimum, note) = optimality(&fit, &runs).unwrap();
+        let Optimality { left_percent, note } = optimality(&fit, &runs).unwrap();
         assert!(
-            is_minimum
+            left_percent.is_none()
                 && note.starts_with("search: the fit is at its minimum (another step would lower")
                 && note.contains(" by less than 0.01 %)"),
             "{note}"
         );
         assert!(note.contains(" of 7 weights and creep gains are zero"), "{note}");
         fit.estimate = fit.estimate.with_linear(Arx::new(5e-4, vec![0.8], vec![0.2]).unwrap()).unwrap();
-        let (is_minimum, note) = optimality(&fit, &runs).unwrap();
-        assert!(!is_minimum && note.starts_with("search: the fit ended before its minimum"), "{note}");
+        let Optimality { left_percent, note } = optimality(&fit, &runs).unwrap();
+        assert!(
+            left_percent.is_some_and(|left| left > UNFINISHED)
+                && note.starts_with("search: the fit ended before its minimum"),
+            "{note}"
+        );
     }
 }

@@ -35,6 +35,9 @@ pub struct OperatorTrial {
     /// Free-run rms error of the training records over peak-to-peak [%], each with its own offset; infinite if the fit
     /// failed.
     pub free_run_percent: f64,
+    /// The larger of the two errors, by which operators are ranked [%]: the state before a part that is held out is
+    /// known; before a record it is not.
+    pub error_percent: f64,
     /// True if it is as good as the best, within its uncertainty.
     pub as_good: bool,
     /// `taken`, `as good`, `refused`, or empty.
@@ -149,11 +152,13 @@ impl OperatorTrial {
     /// `free_run` is the free-run rms error over peak-to-peak.
     pub(super) fn of(row: &Operator, fitted: &Fitted, free_run: f64) -> Self {
         let shape = fitted.estimate.basis.shape();
+        let (held_out_percent, free_run_percent) = (100.0 * fitted.held_out.rms_pp(), 100.0 * free_run);
         OperatorTrial {
             operator: row.name,
             parameters: fitted.estimate.weights.len() + shape.len(),
-            held_out_percent: 100.0 * fitted.held_out.rms_pp(),
-            free_run_percent: 100.0 * free_run,
+            held_out_percent,
+            free_run_percent,
+            error_percent: held_out_percent.max(free_run_percent),
             as_good: false,
             verdict: "",
             shape: shape.iter().map(|shape| (shape.name, shape.value)).collect(),
@@ -162,18 +167,18 @@ impl OperatorTrial {
     }
 
     /// The errors by name, for progress.
-    pub(super) fn figures(&self) -> [(&'static str, f64); 3] {
+    pub(super) fn figures(&self) -> [(&'static str, f64); 4] {
         [
             ("held_out_percent", self.held_out_percent),
             ("free_run_percent", self.free_run_percent),
+            ("error_percent", self.error_percent),
             ("parameters", self.parameters as f64),
         ]
     }
 
-    /// The larger of the two errors, with rounding [%]. The state before a part that is held out is known; before a
-    /// record it is not.
+    /// The larger of the two errors, with rounding [%].
     pub(super) fn error(&self) -> f64 {
-        self.held_out_percent.max(self.free_run_percent).hypot(ROUNDED)
+        self.error_percent.hypot(ROUNDED)
     }
 
     pub(super) fn refused(row: &Operator, why: String) -> Self {
@@ -182,6 +187,7 @@ impl OperatorTrial {
             parameters: 0,
             held_out_percent: f64::INFINITY,
             free_run_percent: f64::INFINITY,
+            error_percent: f64::INFINITY,
             as_good: false,
             verdict: "refused",
             shape: Vec::new(),

@@ -1,0 +1,304 @@
+//! Where a model comes from, as its file states in `fit`, and its repetition:
+//!
+//! ```json
+//! {
+//!   "command": "piezoid identify",
+//!   "version": "0.1.0",
+//!   "options": {"operator": "preisach"},
+//!   "files": [
+//!     {"role": "small_signal", "file": "prbs.csv", "sha256": "9f86..."},
+//!     {"role": "large_signal", "file": "log.mat", "sha256": "5e88...", "columns": {"input_scale": "20"},
+//!      "preparation": [{"prepare": {"decimate": 4}}], "steps": ["input scaled by 20", "decimated by 4 ..."]}
+//!   ],
+//!   "seed": 1
+//! }
+//! ```
+//! `options`, `columns` and `preparation` hold what differs from the defaults. `steps` are the history of the record
+//! for people. The `command` is the front end, the only member in which front ends differ.
+
+use super::{File, Identification, Source, Step, short};
+use crate::error::Error;
+use crate::formats::ColumnSelection;
+use crate::hammerstein::Model;
+use crate::identification::{IdentifyOptions, Records};
+use crate::options::{Options, by_name};
+use crate::progress::Progress;
+use crate::record::Record;
+use crate::system::System;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+/// Where a record comes from.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Origin {
+    /// Name of its file, without folders; empty if it was in none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub file: String,
+    /// Hash of the bytes of its file; empty if it was in none.
+    #[serde(skip_serializing_if = "String::is_empty")]
+    pub sha256: String,
+    /// How its columns are read.
+    #[serde(with = "by_name", skip_serializing_if = "is_usual")]
+    pub columns: ColumnSelection,
+    /// What is done to it.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub preparation: Vec<Step>,
+}
+
+/// What a record of an identification is used for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+enum Role {
+    SmallSignal,
+    LargeSignal,
+}
+
+/// A record of an identification, as its model states it.
+#[derive(Serialize, Deserialize)]
+pub(super) struct Training {
+    role: Role,
+    #[serde(flatten)]
+    origin: Origin,
+    /// The history of the record.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    steps: Vec<String>,
+}
+
+impl Training {
+    /// The records of an identification in their order, with their origins as far as they are known.
+    pub(super) fn all(records: Records, origins: &[Origin]) -> Vec<Training> {
+        let roles = [(Role::SmallSignal, records.small_signal), (Role::LargeSignal, records.large_signal)];
+        let records = roles.into_iter().flat_map(|(role, records)| records.iter().map(move |record| (role, record)));
+        let one = |(k, (role, record)): (usize, (Role, &Record))| {
+            let origin = origins.get(k).cloned().unwrap_or_default();
+            Training { role, origin, steps: record.history().to_vec() }
+        };
+        records.enumerate().map(one).collect()
+    }
+}
+
+fn is_usual(columns: &ColumnSelection) -> bool {
+    *columns == ColumnSelection::default()
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+impl Origin {
+    /// The origin of a record in a file of this name and content.
+    pub fn of(name: &str, bytes: &[u8]) -> Self {
+        Origin { file: short(name).into(), sha256: sha256(bytes), ..Origin::default() }
+    }
+}
+
+impl Source {
+    /// Where its record comes from.
+    pub fn origin(&self) -> Origin {
+        let own = || Origin {
+            columns: self.columns.clone(),
+            preparation: self.preparation.clone(),
+            ..Origin::of(&self.file.name, &self.file.bytes)
+        };
+        self.origin.clone().unwrap_or_else(own)
+    }
+}
+
+/// What a model states of its identification.
+#[derive(Deserialize)]
+struct Recipe {
+    command: String,
+    version: String,
+    options: Value,
+    files: Vec<Training>,
+}
+
+/// Two models are the same but for rounding if their free runs differ by less [of the stroke].
+const ROUNDING: f64 = 1e-6;
+
+impl Model {
+    /// Identifies this model again, from its files in any order and under any names, with its own options. If it is
+    /// not the same to the bit, the notes of the result say how far the two are apart.
+    ///
+    /// # Errors
+    /// Returns an error if the model does not state how it was identified, or from records that were in no file; if a
+    /// file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
+    pub fn again(&self, files: &[File], progress: &mut Progress) -> Result<Identification, Error> {
+        let older = |e| {
+            let why = "it is of an older version, or was not made by `identify`: identify it anew";
+            Error::Content(format!("the model does not state how it was identified ({e}): {why}"))
+        };
+        let Recipe { command, version, options, files: training } =
+            Recipe::deserialize(self.provenance()).map_err(older)?;
+        let options = IdentifyOptions::from_json(options)?;
+        let origins: Vec<&Origin> = training.iter().map(|one| &one.origin).collect();
+        let of = |role: Role, sources: &[Source]| -> Vec<Source> {
+            let both = training.iter().zip(sources).filter(|(one, _)| one.role == role);
+            both.map(|(_, source)| source.clone()).collect()
+        };
+        let sources = sources(&origins, files)?;
+        let [small, large] = [Role::SmallSignal, Role::LargeSignal].map(|role| of(role, &sources));
+        let mut again = options.run((&small, &large), &command, progress)?;
+        if again.model != *self {
+            let mut apart = sources.iter().map(|source| self.apart(&again.model, &source.record()?));
+            let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;
+            let this = env!("CARGO_PKG_VERSION");
+            let versions = format!("it is of version {version}, and this is {this}");
+            if apart > ROUNDING {
+                let percent = crate::number::short(100.0 * apart);
+                let why = "it was changed since, or another version or machine identified it";
+                return Err(Error::Content(format!(
+                    "the model identified again is another one: their free runs on the training records differ by up \
+                     to {percent} % of stroke ({versions}): {why}"
+                )));
+            }
+            again.found.notes.push(format!(
+                "the model is not the same to the bit ({versions}): free runs on the training records differ by up to \
+                 {apart:.1e} of stroke"
+            ));
+        }
+        Ok(again)
+    }
+
+    /// The largest difference of the free runs of two models on a record, over the stroke.
+    fn apart(&self, other: &Model, record: &Record) -> Result<f64, Error> {
+        Record::same_sampling("the model", self.ts(), "the model identified again", other.ts())?;
+        let (own, others) = (self.simulate(record.u()), other.simulate(record.u()));
+        let (low, high) = crate::series::ends(own.iter().copied());
+        let worst = own.iter().zip(&others).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        // Where nothing moves, any difference is one.
+        Ok(if worst == 0.0 { 0.0 } else { worst / (high - low) })
+    }
+}
+
+/// The sources of a model among these files, in the order of its origins.
+fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
+    let hashes: Vec<String> = files.iter().map(|file| sha256(&file.bytes)).collect();
+    let found = |origin: &&Origin| {
+        if origin.sha256.is_empty() {
+            let why = "was identified from a record that was in no file";
+            return Err(Error::Content(format!("the model {why}: it can be repeated only where that record is")));
+        }
+        if let Some((file, _)) = files.iter().zip(&hashes).find(|(_, hash)| **hash == origin.sha256) {
+            let file = File::new(&origin.file, file.bytes.clone());
+            return Ok(Source::new(file, origin.columns.clone(), origin.preparation.clone()));
+        }
+        let (name, hash) = (&origin.file, &origin.sha256);
+        let named = files.iter().zip(&hashes).find(|(file, _)| short(&file.name) == name);
+        Err(Error::Content(match named {
+            Some((file, other)) => format!(
+                "{} is not the file that the model was identified from: its SHA-256 is {other}, but was {hash}: give \
+                 the file as it was",
+                file.name
+            ),
+            None => format!("the model was identified from {name} (SHA-256 {hash}): give this file as well"),
+        }))
+    };
+    let sources = origins.iter().map(found).collect::<Result<_, _>>()?;
+    match files.iter().zip(&hashes).find(|(_, hash)| origins.iter().all(|origin| origin.sha256 != **hash)) {
+        Some((file, _)) => {
+            let names: Vec<&str> = origins.iter().map(|origin| &*origin.file).collect();
+            let known = crate::number::join(&names);
+            Err(Error::Content(format!(
+                "{} is no file that the model was identified from ({known}): leave it out",
+                file.name
+            )))
+        }
+        None => Ok(sources),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::preparation::PrepareOptions;
+    use crate::progress::Stage;
+    use serde_json::json;
+
+    /// A record of 4 Hz at 1 kHz, of a plant of this gain.
+    fn file(name: &str, gain: f64) -> File {
+        let row = |k: i32| {
+            let u = 20.0 * (0.025 * f64::from(k)).sin();
+            format!("{},{u},{}\n", 1e-3 * f64::from(k), gain * u)
+        };
+        File::new(name, format!("t_s,u_V,y_um\n{}", (0..1000).map(row).collect::<String>()))
+    }
+
+    /// A model of `lab/a.csv`, scaled and decimated, and of `b.csv`.
+    fn identified() -> Model {
+        let scale = ColumnSelection { input_scale: Some("2".into()), ..ColumnSelection::default() };
+        let decimate = PrepareOptions { decimate: Some(2), ..PrepareOptions::default() };
+        let source = |file, columns| Source::new(file, columns, vec![Step::Prepare(decimate.clone())]);
+        let data = [source(file("lab/a.csv", 0.5), scale), source(file("b.csv", 0.25), ColumnSelection::default())];
+        let options = IdentifyOptions { operator: "proportional".into(), order: Some(1), ..IdentifyOptions::default() };
+        options.run((&[], &data), "a program", &mut Stage::ignore).unwrap().model
+    }
+
+    fn again(model: &Model, files: &[File]) -> Result<Identification, String> {
+        model.again(files, &mut Stage::ignore).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn a_model_states_what_repeats_it() {
+        let model = identified();
+        let fit = model.provenance();
+        assert_eq!(fit["command"], "a program");
+        assert_eq!(fit["options"], json!({"operator": "proportional", "order": 1}));
+        let [a, b] = [0, 1].map(|k| &fit["files"][k]);
+        assert_eq!((&a["file"], &a["role"]), (&json!("a.csv"), &json!("large_signal")));
+        assert_eq!((&a["columns"], b.get("columns")), (&json!({"input_scale": "2"}), None));
+        assert_eq!(b["preparation"], json!([{"prepare": {"decimate": 2}}]));
+        assert_eq!(b["sha256"], sha256(&file("", 0.25).bytes));
+        let steps = a["steps"].as_array().unwrap();
+        assert!(steps.iter().any(|step| step.as_str().unwrap().contains("decimated")), "{steps:?}");
+    }
+
+    #[test]
+    fn a_model_is_identified_again_to_the_bit() {
+        let model = identified();
+        let made = again(&model, &[file("renamed.csv", 0.25), file("a.csv", 0.5)]).unwrap();
+        assert_eq!(made.model.to_json(), model.to_json());
+        assert!(made.found.notes.iter().all(|note| !note.contains("to the bit")), "{:?}", made.found.notes);
+    }
+
+    #[test]
+    fn the_file_that_differs_is_named() {
+        let model = identified();
+        let [a, b] = [file("a.csv", 0.5), file("b.csv", 0.25)];
+        let said = |files: &[File]| again(&model, files).unwrap_err();
+        assert!(said(std::slice::from_ref(&a)).contains("identified from b.csv (SHA-256 "));
+        let changed = said(&[a.clone(), file("lab/b.csv", 0.26)]);
+        assert!(changed.starts_with("lab/b.csv is not the file"), "{changed}");
+        let extra = said(&[a, b, file("c.csv", 1.0)]);
+        assert!(extra.starts_with("c.csv is no file that the model was identified from (a.csv"), "{extra}");
+    }
+
+    #[test]
+    fn a_model_that_was_changed_is_not_repeated() {
+        let files = [file("a.csv", 0.5), file("b.csv", 0.25)];
+        let changed = |gain: f64| {
+            let mut document: Value = serde_json::from_str(&identified().to_json()).unwrap();
+            let b = document["linear"]["b"].as_array_mut().unwrap();
+            b.iter_mut().for_each(|b| *b = json!(gain * b.as_f64().unwrap()));
+            again(&Model::from_json(&document.to_string()).unwrap(), &files)
+        };
+        let refused = changed(1.1).unwrap_err();
+        assert!(refused.contains("is another one") && refused.contains("up to 4.545 %"), "{refused}");
+        let notes = changed(1.0 + 1e-9).unwrap().found.notes;
+        assert!(notes.iter().any(|note| note.starts_with("the model is not the same to the bit")), "{notes:?}");
+    }
+
+    #[test]
+    fn models_that_do_not_state_their_files_are_refused() {
+        let mut fit = identified().provenance().clone();
+        fit["files"][1].as_object_mut().unwrap().remove("sha256");
+        let of = |fit: Value| again(&identified().with_provenance(fit), &[file("a.csv", 0.5)]).unwrap_err();
+        assert!(of(fit).contains("a record that was in no file"));
+        assert!(of(Value::Null).contains("does not state how it was identified"));
+        assert!(
+            of(json!({"command": "piezoid identify a.csv", "version": "0.1.0", "files": []})).contains("`options`")
+        );
+    }
+}
