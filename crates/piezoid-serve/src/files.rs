@@ -17,11 +17,33 @@ use std::io::{Error, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
+use tempfile::NamedTempFile;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::sync::Mutex;
 
 /// Bytes of a piece.
 const PIECE: usize = 1 << 16;
+
+/// What names of files begin with while they arrive.
+const UPLOAD: &str = ".piezoid-upload-";
+
+/// Removes files that had not arrived when an earlier server of this folder was ended by force.
+pub(crate) fn sweep(folder: &Path) {
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        if entry.file_name().to_str().is_some_and(|name| name.starts_with(UPLOAD)) {
+            // One that cannot be removed does no harm.
+            let _ = std::fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// A file for what arrives, which is deleted unless it is kept.
+fn upload(folder: &Path) -> Result<NamedTempFile, Error> {
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.prefix(UPLOAD).tempfile_in(folder)
+}
 
 /// The project folder.
 pub(crate) struct Folder {
@@ -158,9 +180,9 @@ pub(crate) async fn write(
     let (parts, mut body) = request.into_parts();
     let stated = body::length(&parts.headers, &mut body, server.limit).await?;
     let failed = |e: Error| Failure::of(&name, &e);
-    let (place, told) = (path.clone(), name.clone());
+    let (folder, told) = (server.folder.path.clone(), name.clone());
     let staged = blocking(move || {
-        let staged = piezoid_host::files::beside(&place)?;
+        let staged = upload(&folder)?;
         Ok::<_, Error>((staged.as_file().try_clone()?, staged))
     });
     let (file, staged) = staged.await?.map_err(failed)?;

@@ -8,6 +8,7 @@
 
 use crate::Server;
 use crate::failure::Failure;
+use crate::listen::Place;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, StatusCode, header};
 use axum::middleware::Next;
@@ -50,6 +51,9 @@ pub(crate) async fn locked(State(server): State<Arc<Server>>, request: Request, 
         given.len() == server.key.len() && differ == 0
     };
     if given.is_some_and(same) {
+        if let Some(place) = request.extensions().get::<Arc<Place>>() {
+            place.shown();
+        }
         return next.run(request).await;
     }
     let why = "the key is missing or wrong: open the address that `piezoid serve` printed; programs send its key as \

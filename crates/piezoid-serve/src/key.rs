@@ -1,4 +1,16 @@
-//! The key of a project folder: other users of this machine can open the port too, but they cannot read this file.
+//! The key of a server: other users of this machine can open the port too, but they cannot read this file.
+//!
+//! Each start makes a new key, so that a key that anybody has learned opens no later server. And before the page sends
+//! anything, the server proves that it has the key: the port may belong to another program by then.
+
+use crate::Server;
+use crate::failure::document;
+use axum::extract::{RawQuery, State};
+use axum::response::Response;
+use hmac::{Hmac, KeyInit, Mac};
+use serde_json::json;
+use sha2::Sha256;
+use std::sync::Arc;
 
 use std::io::Write;
 use std::path::Path;
@@ -9,25 +21,39 @@ const FILE: &str = ".piezoid-key";
 /// Bytes of a key.
 const LENGTH: usize = 16;
 
-/// The key in the folder, so that a page stays open when the server starts again; else a new one, which is kept there
-/// if that is possible.
+/// A new key, which is kept in the folder for programs, if that is possible.
 pub(crate) fn key(folder: &Path) -> std::io::Result<String> {
-    let path = folder.join(FILE);
-    let valid = |key: &String| key.len() == 2 * LENGTH && key.bytes().all(|digit| digit.is_ascii_hexdigit());
-    if let Some(key) = std::fs::read_to_string(&path).ok().filter(valid) {
-        return Ok(key);
-    }
     let mut bytes = [0; LENGTH];
     getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
-    let key: String = bytes.iter().map(|byte| format!("{byte:02x}")).collect();
+    let key = hex(&bytes);
     // Only the owner may read the temporary file, and so the key.
     let kept = tempfile::Builder::new().prefix(".piezoid-").tempfile_in(folder).and_then(|mut file| {
         file.write_all(key.as_bytes())?;
-        file.persist(&path).map_err(|failed| failed.error)
+        file.persist(folder.join(FILE)).map_err(|failed| failed.error)
     });
     // Without the file, the key is good until the server ends.
     drop(kept);
     Ok(key)
+}
+
+/// The version, and for a request with `?nonce=` and 32 hexadecimal digits the HMAC-SHA256 (RFC 2104) of these digits
+/// under the key.
+pub(crate) async fn health(State(server): State<Arc<Server>>, RawQuery(query): RawQuery) -> Response {
+    let nonce = query.as_deref().and_then(|query| query.strip_prefix("nonce="));
+    let valid = |nonce: &&str| nonce.len() == 2 * LENGTH && nonce.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let proof = nonce.filter(valid).and_then(|nonce| {
+        let mut mac = Hmac::<Sha256>::new_from_slice(server.key.as_bytes()).ok()?;
+        mac.update(nonce.as_bytes());
+        Some(hex(&mac.finalize().into_bytes()))
+    });
+    document(&match proof {
+        Some(proof) => json!({"version": env!("CARGO_PKG_VERSION"), "proof": proof}),
+        None => json!({"version": env!("CARGO_PKG_VERSION")}),
+    })
+}
+
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 #[cfg(test)]
@@ -35,18 +61,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_folder_keeps_its_key_for_its_owner() {
-        let [one, other] = [tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap()];
+    fn each_start_has_a_key_of_its_own_for_the_owner() {
+        let one = tempfile::tempdir().unwrap();
         let first = key(one.path()).unwrap();
-        assert_eq!((key(one.path()).unwrap(), first.len()), (first.clone(), 32));
-        assert_ne!(key(other.path()).unwrap(), first);
+        assert_eq!((std::fs::read_to_string(one.path().join(FILE)).unwrap(), first.len()), (first.clone(), 32));
+        assert_ne!(key(one.path()).unwrap(), first);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
             let mode = std::fs::metadata(one.path().join(FILE)).unwrap().permissions().mode();
             assert_eq!(mode & 0o777, 0o600);
         }
-        std::fs::write(one.path().join(FILE), "damaged").unwrap();
-        assert_ne!(key(one.path()).unwrap(), first);
     }
 }

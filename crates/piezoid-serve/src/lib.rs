@@ -6,7 +6,8 @@
 //! GET    /api/files            the project folder: names, sizes, times of change
 //! GET    /api/files/{name}     a file; PUT and DELETE take If-Match and If-None-Match
 //! GET    /api/lists            what menus and forms need
-//! GET    /api/openapi.json     all of this for programs; /api/health: the version
+//! GET    /api/openapi.json     all of this for programs
+//! GET    /api/health           the version, and a proof that this server has the key
 //! ```
 //! Every call runs in a process of its own ([`answer`]): it is ended when its client goes, whatever it does, and a
 //! fault in it ends neither the server nor other calls. Packed requests and answers are those of `piezoid_calls`.
@@ -18,6 +19,7 @@ mod files;
 mod guard;
 mod key;
 mod listen;
+mod lock;
 mod names;
 mod page;
 mod tags;
@@ -32,8 +34,8 @@ use axum::http::{StatusCode, header};
 use axum::middleware::from_fn_with_state;
 use axum::routing::{get, post};
 use failure::{Failure, document};
+use lock::Lock;
 use piezoid::Error;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -63,35 +65,62 @@ struct Server {
 /// How long file operations may go on when the server ends.
 const GRACE: Duration = Duration::from_millis(700);
 
-/// Serves until Ctrl-C. `ready` is told the address of the page, with its key.
+/// Serves until a signal that asks to end. `ready` gets the address of the page, with its key.
 ///
 /// # Errors
-/// Returns the reason why the folder cannot be used or the port cannot be opened, and what to do.
+/// Returns the reason why the folder cannot be used, for example by another server, or why the port cannot be opened,
+/// and what to do.
 pub fn serve(settings: &Settings, ready: impl FnOnce(&str)) -> Result<(), Error> {
     let failed = |e: std::io::Error| Error::Content(format!("the server cannot start: {e}"));
     let runtime = tokio::runtime::Builder::new_current_thread().max_blocking_threads(8).enable_all().build();
     let runtime = runtime.map_err(failed)?;
     let served = runtime.block_on(async {
-        let key = prepared(&settings.folder)?;
+        let (mut lock, key) = prepared(&settings.folder)?;
         let (listeners, port) = listen::bind(settings.port).await?;
         let address = format!("http://127.0.0.1:{port}/?key={key}");
+        lock.tell(&format!("http://127.0.0.1:{port}/"));
         let router = router(settings, port, key);
-        let ended = tokio::signal::ctrl_c();
+        let ended = ended().map_err(failed)?;
         ready(&address);
         tokio::select! {
             never = listen::listen(listeners, router) => match never {},
-            ended = ended => ended.map_err(failed),
+            () = ended => {}
         }
+        Ok(lock)
     });
     // Ends connections, and with them calls. A file that is being replaced is replaced.
     runtime.shutdown_timeout(GRACE);
-    served
+    served.map(drop)
 }
 
-/// Makes the project folder, and returns its key.
-fn prepared(folder: &Path) -> Result<String, Error> {
+/// Waits for a signal that asks to end; signals are handled from the call on.
+#[cfg(unix)]
+fn ended() -> std::io::Result<impl Future<Output = ()>> {
+    use tokio::signal::unix::{SignalKind, signal};
+    let [mut interrupt, mut terminate, mut hangup] =
+        [signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?, signal(SignalKind::hangup())?];
+    Ok(async move {
+        tokio::select! {
+            _ = interrupt.recv() => {}
+            _ = terminate.recv() => {}
+            _ = hangup.recv() => {}
+        }
+    })
+}
+
+/// Waits for Ctrl-C.
+#[cfg(not(unix))]
+fn ended() -> std::io::Result<impl Future<Output = ()>> {
+    Ok(async { drop(tokio::signal::ctrl_c().await) })
+}
+
+/// Makes the project folder, locks it, and removes what a server left that was ended by force; a new key for it.
+fn prepared(folder: &Path) -> Result<(Lock, String), Error> {
     let failed = |e| Error::Content(format!("the project folder {} cannot be used: {e}", folder.display()));
-    std::fs::create_dir_all(folder).and_then(|()| key::key(folder)).map_err(failed)
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    let lock = Lock::of(folder)?;
+    files::sweep(folder);
+    Ok((lock, key::key(folder).map_err(failed)?))
 }
 
 /// What answers requests.
@@ -100,7 +129,6 @@ fn router(settings: &Settings, port: u16, key: String) -> Router {
     let folder = files::Folder::new(folder.clone());
     let server =
         Arc::new(Server { port, key, limit: *limit, folder, calls: calls::Calls::new(worker.clone(), *limit) });
-    let open = get(|| async { document(&json!({"version": env!("CARGO_PKG_VERSION")})) });
     let unknown = || async { Failure::new(StatusCode::NOT_FOUND, "there is no such path: see /api/openapi.json") };
     let misused = || async { Failure::new(StatusCode::METHOD_NOT_ALLOWED, "this path does not take this method") };
     let api = Router::new()
@@ -113,7 +141,7 @@ fn router(settings: &Settings, port: u16, key: String) -> Router {
         .method_not_allowed_fallback(misused)
         .layer(from_fn_with_state(server.clone(), guard::locked));
     Router::new()
-        .route("/api/health", open)
+        .route("/api/health", get(key::health))
         .nest("/api", api)
         .fallback_service(get(page::page).fallback(misused))
         .method_not_allowed_fallback(misused)

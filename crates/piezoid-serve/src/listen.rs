@@ -1,6 +1,6 @@
 //! Ports of the loopback interface, and the connections to them.
 
-use axum::Router;
+use axum::{Extension, Router};
 use hyper::server::conn::http1::Builder;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use hyper_util::service::TowerToHyperService;
@@ -8,12 +8,13 @@ use piezoid::Error;
 use std::convert::Infallible;
 use std::io::{self, ErrorKind};
 use std::net::{Ipv4Addr, Ipv6Addr};
-use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 use tokio::net::{TcpListener, TcpStream};
-use tokio::sync::Semaphore;
+use tokio::sync::Notify;
 
-/// How many connections are open; others wait.
+/// How many connections are open, if not more have shown the key.
 const CONNECTIONS: usize = 300;
 
 /// Most headers of a request, and their bytes together.
@@ -60,19 +61,52 @@ async fn both(port: u16) -> io::Result<(Vec<TcpListener>, u16)> {
     }
 }
 
+/// A connection. Where too many are open, the oldest that has not shown the key is closed: who has the key finds a
+/// place, however many others open connections.
+#[derive(Default)]
+pub(crate) struct Place {
+    has_key: AtomicBool,
+    closed: Notify,
+}
+
+impl Place {
+    /// A request on this connection had the key.
+    pub(crate) fn shown(&self) {
+        self.has_key.store(true, Ordering::Relaxed);
+    }
+}
+
+/// The open connections, the oldest first.
+#[derive(Clone, Default)]
+struct Places(Arc<Mutex<Vec<Arc<Place>>>>);
+
+impl Places {
+    fn enter(&self) -> Arc<Place> {
+        let mut all = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if all.len() >= CONNECTIONS
+            && let Some(oldest) = all.iter().position(|place| !place.has_key.load(Ordering::Relaxed))
+        {
+            all.remove(oldest).closed.notify_one();
+        }
+        let place = Arc::new(Place::default());
+        all.push(place.clone());
+        place
+    }
+
+    fn leave(&self, place: &Arc<Place>) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).retain(|other| !Arc::ptr_eq(other, place));
+    }
+}
+
 /// Serves the connections to these ports.
 pub(crate) async fn listen(listeners: Vec<TcpListener>, router: Router) -> Infallible {
-    let places = Arc::new(Semaphore::new(CONNECTIONS));
+    let places = Places::default();
     for listener in listeners {
         let (places, router) = (places.clone(), router.clone());
         tokio::spawn(async move {
-            while let Ok(place) = places.clone().acquire_owned().await {
-                let router = router.clone();
+            loop {
                 match listener.accept().await {
-                    Ok((stream, _)) => drop(tokio::spawn(async move {
-                        connection(stream, router).await;
-                        drop(place);
-                    })),
+                    Ok((stream, _)) => drop(tokio::spawn(connection(stream, router.clone(), places.clone()))),
                     // No file descriptor is left, for example.
                     Err(_) => tokio::time::sleep(Duration::from_millis(100)).await,
                 }
@@ -83,12 +117,18 @@ pub(crate) async fn listen(listeners: Vec<TcpListener>, router: Router) -> Infal
 }
 
 /// Answers the requests of a connection. Heads must arrive within 30 s.
-async fn connection(stream: TcpStream, router: Router) {
+async fn connection(stream: TcpStream, router: Router, places: Places) {
     drop(stream.set_nodelay(true));
+    let place = places.enter();
     let mut server = Builder::new();
     server.timer(TokioTimer::new()).max_headers(HEADERS).max_buf_size(HEADER_BYTES);
-    // A client that goes is no error.
-    drop(server.serve_connection(TokioIo::new(stream), TowerToHyperService::new(router)).await);
+    let service = TowerToHyperService::new(router.layer(Extension(place.clone())));
+    tokio::select! {
+        // A client that goes is no error.
+        _ = server.serve_connection(TokioIo::new(stream), service) => {}
+        () = place.closed.notified() => {}
+    }
+    places.leave(&place);
 }
 
 #[cfg(test)]

@@ -4,7 +4,13 @@
 const LONGEST: usize = 200;
 
 /// Names that are devices on Windows, with any extension.
-const DEVICES: [&str; 4] = ["con", "prn", "aux", "nul"];
+const DEVICES: [&str; 7] = ["con", "prn", "aux", "nul", "conin$", "conout$", "clock$"];
+
+/// Characters that turn the direction of text, so that a name looks like another one.
+const TURNS: [char; 12] = [
+    '\u{61c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}',
+    '\u{2067}', '\u{2068}', '\u{2069}',
+];
 
 /// Why `name` cannot be the name of a file; `None` if it can.
 pub(crate) fn fault(name: &str) -> Option<String> {
@@ -13,7 +19,7 @@ pub(crate) fn fault(name: &str) -> Option<String> {
         let number = stem.strip_prefix(port).unwrap_or_default();
         number.chars().count() == 1 && number.contains(|c: char| "0123456789¹²³".contains(c))
     });
-    let special = name.chars().find(|c| c.is_control() || "/\\<>:\"|?*".contains(*c));
+    let special = name.chars().find(|c| c.is_control() || TURNS.contains(c) || "/\\<>:\"|?*".contains(*c));
     let why = match special {
         _ if name.is_empty() => "it is empty".into(),
         _ if name.len() > LONGEST => format!("it has {} bytes, at most {LONGEST} are possible", name.len()),
@@ -52,6 +58,9 @@ mod tests {
             ("con.csv", "`con` is a device"),
             ("Lpt1.tar.gz", "`lpt1` is a device"),
             ("com¹", "is a device"),
+            ("CONIN$.csv", "`conin$` is a device"),
+            ("clock$", "is a device"),
+            ("a\u{202e}vsc.exe", "'\\u{202e}'"),
             (&"n".repeat(201), "201 bytes, at most 200"),
         ] {
             let told = fault(name).unwrap_or_default();
