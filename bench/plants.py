@@ -64,6 +64,12 @@ def measured(piezoid: str, folder: Path, options: list[str]) -> dict:
     return row
 
 
+def ratio(row: dict) -> float:
+    """The median over the tests of error over floor; infinite if there is no model."""
+    ratios = [error / row["floors"][kind] for kind, error in row["errors"].items()]
+    return statistics.median(ratios) if ratios else float("inf")
+
+
 def arguments(description: str | None) -> argparse.ArgumentParser:
     """The arguments of a program that uses the records of the plants."""
     words = argparse.ArgumentParser(description=description, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -88,8 +94,7 @@ def main() -> None:
         for seed in given.seeds:
             row = measured(given.piezoid, recorded(name, seed, given.data), given.options)
             rows[f"{name}-{seed}"] = row
-            ratios = [e / row["floors"][k] for k, e in row["errors"].items()]
-            row["ratio"] = statistics.median(ratios) if ratios else float("inf")
+            row["ratio"] = ratio(row)
             tests = ", ".join(f"{k} {e:.2g} / {row['floors'][k]:.2g}" for k, e in row["errors"].items())
             tests = tests or row["notes"].strip().splitlines()[-1]
             block = f"{row.get('operator', '-')} | {row.get('order', '-')}"

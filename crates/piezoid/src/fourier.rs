@@ -32,6 +32,13 @@ pub(crate) fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
     bins.into_iter().map(|c| c / squares.sqrt()).collect()
 }
 
+/// The amplitude of a sine in each bin from 0 to n / 2, with the window of [`power`].
+pub(crate) fn amplitudes(x: &[f64]) -> Vec<f64> {
+    let (bins, _) = windowed(x, harris(x.len()));
+    let whole: f64 = (0..x.len()).map(harris(x.len())).sum();
+    bins.iter().map(|c| 2.0 * c.norm() / whole).collect()
+}
+
 /// The power with a window, scaled so that the sum is the mean square.
 fn weighted(x: &[f64], window: impl Fn(usize) -> f64) -> Vec<f64> {
     let n = x.len();

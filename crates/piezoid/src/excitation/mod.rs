@@ -2,9 +2,9 @@
 //!
 //! Small broad-band excitations ([`Prbs`], [`Multisine`]) identify the linear block; large ones ([`RisingSine`],
 //! [`Sine`], [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] sweeps through the
-//! resonance. [`Limits`] checks that a driver can deliver them; [`DRIVERS`] and [`ACTUATORS`] have figures of data
-//! sheets. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts as its documentation says, and is the
-//! same for the same settings.
+//! resonance; `moves` is a path through points. [`Limits`] checks that a driver can deliver them; [`DRIVERS`] and
+//! [`ACTUATORS`] have figures of data sheets. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts as
+//! its documentation says, and is the same for the same settings.
 //!
 //! [`EXCITATIONS`] is the list that the command line and Python use. A new kind needs one file, one `mod` line and one
 //! row.
@@ -18,6 +18,7 @@ mod crest;
 mod drive;
 mod drivers;
 mod limits;
+mod moves;
 mod multisine;
 mod prbs;
 mod rising_sine;
@@ -31,6 +32,7 @@ pub use actuators::{ACTUATORS, Actuator};
 pub use chirp::Chirp;
 pub use drivers::{Amplifier, DRIVERS, LimitOptions};
 pub use limits::{Limits, Peak, Usage};
+pub(crate) use moves::minimum_jerk;
 pub use multisine::Multisine;
 pub use prbs::Prbs;
 pub use rising_sine::RisingSine;
@@ -67,6 +69,7 @@ pub static EXCITATIONS: &[Excitation] = &[
     triangle::ROW,
     staircase::ROW,
     stepped_sine::ROW,
+    moves::ROW,
 ];
 
 const PINTELON_SCHOUKENS: &str = "Pintelon and Schoukens, System Identification, 2012, DOI 10.1002/9781118287422";

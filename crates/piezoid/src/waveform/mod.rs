@@ -1,16 +1,18 @@
-//! Properties of an input: dominant frequency, rate of its cycles, period, cycles, and frequency band.
+//! Properties of an input: dominant frequency, rate of its cycles, period, cycles, frequency band, and spectrum.
 
 mod band;
 mod cycles;
 mod motion;
 mod rate;
 mod repetition;
+mod spectrum;
 
 pub(crate) use band::band;
 pub use cycles::{Cycle, REVERSAL, cycles, reversals};
 pub(crate) use motion::{in_motion, inputs_before};
 pub(crate) use rate::cycle_rate;
 pub use repetition::period;
+pub use spectrum::spectrum;
 
 use crate::series::ends;
 
