@@ -1,11 +1,11 @@
 // A project in one file: a zip archive of its files and project.json.
 
 import { strFromU8, strToU8, unzipSync, zipSync } from "fflate";
-import { filesOf, type Project, read, written } from "./project.ts";
+import { filesOf, PROJECT, type Project, read, written } from "./project.ts";
 import type { File } from "./packet.ts";
 
-/** Name of the project itself among its files. */
-export const PROJECT = "project.json";
+/** Most bytes that an archive may hold, unpacked: as much as `piezoid serve` takes in one file. */
+const LIMIT = 512 * 2 ** 20;
 
 /** All in one file. */
 export function packedProject(project: Project, files: File[]): Uint8Array {
@@ -25,10 +25,21 @@ export function unpackedProject(bytes: Uint8Array): { project: Project; files: F
 }
 
 function unzipped(bytes: Uint8Array): Record<string, Uint8Array> {
+  const failed = () => new Error("this is no project of piezoid, or it is damaged: open a file that Save has written");
+  let size = 0;
+  try {
+    unzipSync(bytes, { filter: ({ originalSize }) => { size += originalSize; return false; } });
+  } catch {
+    throw failed();
+  }
+  if (size > LIMIT) {
+    const [holds, most] = [size, LIMIT].map((count) => Math.round(count / 2 ** 20));
+    throw new Error(`this archive holds ${holds} MiB, but at most ${most} MiB can be opened: add its records one by one`);
+  }
   try {
     return unzipSync(bytes);
   } catch {
-    throw new Error("this is no project of piezoid, or it is damaged: open a file that Save has written");
+    throw failed();
   }
 }
 

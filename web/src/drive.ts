@@ -2,7 +2,13 @@
 
 import type { Figure } from "./plot/figure.ts";
 import { short, unit } from "./plot/ticks.ts";
-import { spectrum } from "./spectrum.ts";
+
+/** The samples of a signal and its spectrum, of an answer that has them under this name. */
+export const samplesOf = (series: Map<string, Float64Array>, name: string): Pick<Signal, "u" | "hz" | "amplitude"> => ({
+  u: series.get(name)!,
+  hz: series.get(`${name}/hz`)!,
+  amplitude: series.get(`${name}/amplitude`)!,
+});
 
 /** What a drive uses of one limit of the driver. */
 export interface Use {
@@ -24,6 +30,9 @@ export interface Usage {
 export interface Signal {
   name: string;
   u: Float64Array;
+  /** The frequencies of its spectrum [Hz], and the amplitudes there. */
+  hz: Float64Array;
+  amplitude: Float64Array;
   ts: number;
   unit: string;
   usage: Usage | null;
@@ -49,8 +58,7 @@ export function timeFigure({ name, u, ts, unit: of, usage }: Signal): Figure {
 const FLOOR = 1e-6;
 
 /** The amplitude spectrum of the signal, with the band of the application. */
-export function spectrumFigure({ name, u, ts, unit: of }: Signal, bandwidth?: number): Figure {
-  const { hz, amplitude } = spectrum(u, ts);
+export function spectrumFigure({ name, hz, amplitude, unit: of }: Signal, bandwidth?: number): Figure {
   const highest = amplitude.reduce((most, value) => Math.max(most, value), 0);
   const y = amplitude.map((value) => Math.max(value, FLOOR * highest));
   const [lowest, last] = [hz[0] ?? 0, hz.at(-1) ?? 0];

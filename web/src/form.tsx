@@ -127,6 +127,10 @@ export function valueOf(row: OptionRow, text: string): unknown {
       const two = text.replaceAll("\u2212", "-").split(/\s*(?:to|;|,|\s)\s*/).filter(Boolean).map(Number);
       return two.length === 2 && two.every(Number.isFinite) ? two : text;
     }
+    case "numbers": {
+      const several = text.replaceAll("\u2212", "-").split(/[;,\s]+/).filter(Boolean).map(Number);
+      return several.every(Number.isFinite) ? several : text;
+    }
     case "texts":
       return text.split(",").map((part) => part.trim()).filter(Boolean);
     default:

@@ -8,6 +8,8 @@ export { Cancelled, Refused } from "./packet.ts";
 
 /** Answers requests. */
 export interface Library {
+  /** True if every call reads files of all formats; otherwise only `inspect` and `prepare` do, and others read text. */
+  readonly readsAll: boolean;
   /** The lists for menus and forms. */
   lists(): Promise<any>;
   /** Loads what these verbs need, where something is loaded. */
@@ -18,6 +20,7 @@ export interface Library {
 
 /** The library in workers of this browser, one for each module: calls of one module wait for each other. */
 export class LocalLibrary implements Library {
+  readonly readsAll = false;
   #base: URL;
   #spawn: () => Worker;
   #lists: Promise<any> | undefined;

@@ -3,7 +3,7 @@
 /** An option of a verb. */
 export interface OptionRow {
   name: string;
-  kind: "switch" | "integer" | "number" | "pair" | "choice" | "text" | "texts";
+  kind: "switch" | "integer" | "number" | "pair" | "numbers" | "choice" | "text" | "texts";
   choices: [string, string][] | null;
   unit: string | null;
   help: string;

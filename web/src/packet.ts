@@ -6,6 +6,15 @@ export interface File {
   bytes: Uint8Array;
 }
 
+/** How a record is made of its file. */
+export interface Reading {
+  columns?: Record<string, unknown>;
+  /** What is done to the record, in this order. */
+  preparation?: { prepare: Record<string, unknown> }[];
+  /** Where the record comes from, if the file was made of another one. */
+  origin?: unknown;
+}
+
 /** What is asked of the library. */
 export interface Request {
   /** Name of the verb. */
@@ -14,6 +23,8 @@ export interface Request {
   options?: Record<string, unknown>;
   /** What is said of the columns of data files. */
   columns?: Record<string, unknown>;
+  /** How records are made of files, by the names of the files. */
+  records?: Record<string, Reading>;
   /** Names of files by their roles. */
   files?: Record<string, string[]>;
 }

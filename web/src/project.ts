@@ -48,13 +48,79 @@ export interface Project {
 
 export const EMPTY: Project = { records: [], models: [], settings: {} };
 
-/** The project in the text that `written` wrote. */
+/** Name of the project itself among its files. */
+export const PROJECT = "project.json";
+
+/** True for names of projects: the first, and those that were begun beside one that cannot be read. */
+export const isProject = (name: string): boolean => /^project(-\d+)?\.json$/i.test(name);
+
+/** The project in the text that `written` wrote. What is missing is empty; the error names what is of another kind. */
 export function read(text: string): Project {
-  const { piezoid, ...project } = JSON.parse(text);
-  if (piezoid !== 1 || !Array.isArray(project.records) || !Array.isArray(project.models)) {
-    throw new Error("this is not a project of piezoid, or of a newer version");
+  const whole = parsed(text);
+  if (!isObject(whole) || whole["piezoid"] !== 1) throw new Error("this is not a project of piezoid, or of a newer version");
+  const { piezoid, ...others } = whole;
+  const settings = object(whole["settings"], "settings");
+  for (const [view, values] of Object.entries(settings)) object(values, `settings.${view}`);
+  for (const name of ["record", "model"]) textOf(whole[name], name);
+  return {
+    ...others,
+    records: list(whole["records"], "records", readRecord),
+    models: list(whole["models"], "models", readModel),
+    settings: settings as Project["settings"],
+  };
+}
+
+function parsed(text: string): unknown {
+  try {
+    return JSON.parse(text);
+  } catch (error) {
+    throw new Error(`this is not a project of piezoid, or it is damaged (${(error as Error).message})`);
   }
-  return { ...EMPTY, ...project };
+}
+
+const isObject = (value: unknown): value is Options => typeof value === "object" && value !== null && !Array.isArray(value);
+
+function wrong(value: unknown, at: string, wanted: string): never {
+  const shown = JSON.stringify(value) ?? "missing";
+  throw new Error(`this project is damaged: ${at} is ${shown.length > 40 ? `${shown.slice(0, 40)}...` : shown}, but must be ${wanted}`);
+}
+
+const object = (value: unknown, at: string): Options =>
+  value === undefined ? {} : isObject(value) ? value : wrong(value, at, "an object");
+
+const textOf = (value: unknown, at: string): string =>
+  value === undefined ? "" : typeof value === "string" ? value : wrong(value, at, "a text");
+
+function list<T>(value: unknown, at: string, each: (value: Options, at: string) => T): T[] {
+  if (value === undefined) return [];
+  if (!Array.isArray(value)) wrong(value, at, "a list");
+  return value.map((one, k) => each(isObject(one) ? one : wrong(one, `${at}[${k}]`, "an object"), `${at}[${k}]`));
+}
+
+const named = ({ file }: Options, at: string): string =>
+  typeof file === "string" && file !== "" ? file : wrong(file, `${at}.file`, "the name of a file");
+
+function readRecord(entry: Options, at: string): RecordEntry {
+  const uses: unknown[] = ["training", "small-signal", "validation", "none"] satisfies Use[];
+  const { columns, prepare, use } = entry;
+  if (!uses.includes(use)) wrong(use, `${at}.use`, `one of ${uses.join(", ")}`);
+  return { ...entry, file: named(entry, at), columns: object(columns, `${at}.columns`), prepare: object(prepare, `${at}.prepare`), use: use as Use };
+}
+
+function readModel(entry: Options, at: string): ModelEntry {
+  const { summary, verdict, notes, from, validated } = entry;
+  if (notes !== undefined && !(Array.isArray(notes) && notes.every((note) => typeof note === "string"))) {
+    wrong(notes, `${at}.notes`, "a list of texts");
+  }
+  textOf(validated, `${at}.validated`);
+  return {
+    ...entry,
+    file: named(entry, at),
+    summary: textOf(summary, `${at}.summary`),
+    verdict: textOf(verdict, `${at}.verdict`),
+    notes: (notes as string[] | undefined) ?? [],
+    ...(from !== undefined && { from: list(from, `${at}.from`, readRecord) }),
+  };
 }
 
 /** The project as text. */
@@ -86,6 +152,18 @@ export const changedSince = ({ from = [] }: ModelEntry, { records }: Project): s
 /** The files that a project needs. */
 export const filesOf = (project: Project): string[] =>
   [...project.records, ...project.models].map((entry) => entry.file);
+
+/** Characters that a file system refuses, and those that turn the direction of text. */
+const REFUSED = /[\p{Cc}/\\<>:"|?*\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/gu;
+
+/** Devices of Windows, with any extension. */
+const DEVICE = /^(con|prn|aux|nul|conin\$|conout\$|clock\$|(com|lpt)[0-9\u00b9\u00b2\u00b3]) *(\.|$)/i;
+
+/** The name under which a file can be kept anywhere, beside the project. */
+export function fileName(name: string): string {
+  const plain = name.replace(REFUSED, "-").replace(/^[. ]+|[. ]+$/g, "");
+  return plain === "" || DEVICE.test(plain) || isProject(plain) ? `file-${plain}` : plain;
+}
 
 /** A name that is not taken yet: log.csv, log-2.csv. */
 export function free(name: string, taken: (name: string) => boolean): string {

@@ -2,7 +2,7 @@
 
 import { useId } from "preact/hooks";
 import type { File } from "./packet.ts";
-import { csv, drawn } from "./path.ts";
+import { csv, moves, pathFile } from "./path.ts";
 import type { Options } from "./project.ts";
 import { SignalForm, useSignal } from "./signal.tsx";
 import { Fault, useSettings, useShared } from "./ui.tsx";
@@ -34,17 +34,16 @@ export function useReference(view: string, start: Options): Reference {
   const made = useSignal(chosen === SIGNAL ? values : undefined);
   const files = async (): Promise<File[]> => {
     if (chosen === "") return [];
-    if (chosen === DRAWN) return [path()];
+    if (chosen === DRAWN) return [await path()];
     if (chosen !== SIGNAL) return [await displacement(chosen)];
     if (made.lacks.length > 0) throw new Error(`the signal of the reference lacks its ${made.lacks.join(", ")}`);
     if (!made.value) throw new Error(made.error ?? "the signal of the reference is not ready yet: try again");
     return [{ name: "signal.csv", bytes: made.value.files[0]!.bytes }];
   };
-  const path = (): File => {
+  const path = async (): Promise<File> => {
     const { points, duration = 0.5 } = (workspace.project.settings["compensate"] ?? {}) as { points?: number[]; duration?: number };
     if (!points) throw new Error("no path is drawn in Compensate: choose another reference");
-    const [ts, of] = [Number(start["ts"]), String(start["unit"])];
-    return csv("path.csv", of, ts, drawn(points, duration, ts));
+    return pathFile(workspace, moves(points, duration), Number(start["ts"]), String(start["unit"]));
   };
   /** The displacement of a record, without its voltage. */
   const displacement = async (name: string): Promise<File> => {

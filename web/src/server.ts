@@ -7,6 +7,12 @@ import type { Store } from "./store.ts";
 
 const GONE = "piezoid serve does not answer: start it again in the same folder, then try again";
 
+const OTHER = "another server answers at this address than this page was opened with: open the address that " +
+  "`piezoid serve` printed last; this page keeps what is not stored yet";
+
+/** How long a proof of the server holds [ms]. */
+const FRESH = 1000;
+
 /** Where this browser keeps the key. */
 const KEY = "piezoid-key";
 
@@ -18,15 +24,19 @@ const OCTETS = { "content-type": "application/octet-stream" };
 /** The server, with the key that it asks for. */
 export class Server {
   static #here: Server | undefined;
+  /** When the server has proven itself last [ms]. */
+  #provenAt = -Infinity;
 
   constructor(
     readonly root: string,
-    readonly key: string,
+    public key: string,
+    /** The key of a server that was started later, if the user has opened its address. */
+    readonly latest = () => key,
   ) {}
 
   /** The server of this page. The key is taken out of the address, and kept for when the page is opened without. */
   static here(): Server {
-    return (Server.#here ??= new Server(location.origin, Server.#opened()));
+    return (Server.#here ??= new Server(location.origin, Server.#opened(), () => localStorage.getItem(KEY) ?? ""));
   }
 
   static #opened(): string {
@@ -39,8 +49,31 @@ export class Server {
     return given;
   }
 
+  /** True if the server has proven itself a moment ago. */
+  get #isProven(): boolean {
+    return performance.now() - this.#provenAt < FRESH;
+  }
+
+  /** Has the server prove that it has the key. Before it has, it gets neither the key nor anything else: another program
+   * may listen at this address by now. */
+  async prove(): Promise<void> {
+    const asked = performance.now();
+    const nonce = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+    const response = await fetch(`${this.root}/api/health?nonce=${nonce}`, { cache: "no-store" }).catch(() => gone());
+    const { proof } = await response.json().catch(() => ({}));
+    const text = new TextEncoder();
+    for (const one of [this.key, this.latest()]) {
+      const key = await crypto.subtle.importKey("raw", text.encode(one), { name: "HMAC", hash: "SHA-256" }, false, ["verify"]);
+      if (!(await crypto.subtle.verify("HMAC", key, bytes(String(proof)), text.encode(nonce)))) continue;
+      [this.key, this.#provenAt] = [one, asked];
+      return;
+    }
+    throw lost(OTHER);
+  }
+
   /** The response to a request; an error in the words of the server if it refuses. */
   async ask(path: string, init: RequestInit = {}): Promise<Response> {
+    if (this.key !== "" && !this.#isProven) await this.prove();
     const headers = { ...init.headers, authorization: `Bearer ${this.key}` };
     const response = await fetch(this.root + path, { ...init, headers, cache: "no-store" }).catch(() => gone(init.signal));
     if (response.ok) return response;
@@ -50,13 +83,22 @@ export class Server {
   }
 }
 
+function bytes(hex: string): Uint8Array<ArrayBuffer> {
+  return Uint8Array.from(hex.match(/../g) ?? [], (byte) => Number.parseInt(byte, 16));
+}
+
 function gone(signal?: AbortSignal | null): never {
   if (signal?.aborted) throw new Cancelled("cancelled");
-  throw Object.assign(new Error(GONE), { name: "Gone" });
+  throw lost(GONE);
+}
+
+function lost(why: string): Error {
+  return Object.assign(new Error(why), { name: "Gone" });
 }
 
 /** The library in processes of this machine. A signal that is aborted ends the call there too. */
 export class ServerLibrary implements Library {
+  readonly readsAll = true;
   #lists: Promise<any> | undefined;
 
   constructor(readonly server = Server.here()) {}
@@ -122,6 +164,11 @@ export class ServerStore implements Store {
   #last: Promise<unknown> = Promise.resolve();
 
   constructor(readonly server = Server.here()) {}
+
+  soon(): void {
+    // A server that is gone is a fault of the write.
+    this.server.prove().catch(() => {});
+  }
 
   async names(): Promise<string[]> {
     const files: { name: string }[] = await (await this.server.ask("/api/files")).json();

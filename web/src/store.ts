@@ -11,6 +11,8 @@ export interface Store {
   /** Writes a content whole, or keeps the old one. */
   write(name: string, bytes: Uint8Array): Promise<void>;
   remove(name: string): Promise<void>;
+  /** Prepares for a write that follows soon. */
+  soon?(): void;
 }
 
 const TABLE = "files";

@@ -1,10 +1,12 @@
 // What all views share: the project with its history and files, the library, and the work under way.
 
-import { PROJECT, packedProject, unpackedProject } from "./archive.ts";
+import { packedProject, unpackedProject } from "./archive.ts";
 import type { Library } from "./library.ts";
 import type { Stage } from "./module.ts";
-import { type Answer, Cancelled, type File, type Request } from "./packet.ts";
-import { EMPTY, filesOf, free, History, type ModelEntry, type Project, read, type RecordEntry, withRecord, written } from "./project.ts";
+import { type Answer, Cancelled, type File, type Reading, type Request } from "./packet.ts";
+import {
+  EMPTY, fileName, filesOf, free, History, isProject, type ModelEntry, PROJECT, type Project, read, type RecordEntry, withRecord, written,
+} from "./project.ts";
 import type { Store } from "./store.ts";
 
 /** Work of the library under way. */
@@ -45,6 +47,11 @@ export class Workspace {
   jobs: Job[] = [];
   /** The last fault of the store or the library that no view shows. */
   fault = "";
+  /** Why the project of the store cannot be read; nothing is stored then, until one is begun beside it. */
+  unreadable = "";
+  /** Where the project is stored. */
+  #name = PROJECT;
+  #beside = PROJECT;
   #history = new History<Project>(EMPTY);
   #files = new Map<string, Uint8Array>();
   #answers = new Map<string, Promise<Answer>>();
@@ -81,12 +88,40 @@ export class Workspace {
     this.#listeners.forEach((listener) => listener());
   }
 
-  /** Takes up what was stored. */
+  /** Takes up what was stored: the first project that can be read. One that cannot be read stays as it is, with all files. */
   async open(): Promise<void> {
     const names = await this.store.names();
-    if (names.includes(PROJECT)) this.#history = new History(read(new TextDecoder().decode(await this.store.read(PROJECT))));
-    const used = new Set([PROJECT, ...filesOf(this.project)]);
-    for (const name of this.store.own ? names : []) if (!used.has(name)) await this.store.remove(name);
+    const number = (name: string) => Number(name.match(/\d+/)?.[0] ?? 1);
+    const projects = names.filter(isProject).sort((a, b) => number(a) - number(b));
+    const whys: string[] = [];
+    for (const name of projects) {
+      const text = new TextDecoder().decode(await this.store.read(name));
+      try {
+        this.#history = new History(read(text));
+        this.#name = name;
+        break;
+      } catch (error) {
+        whys.push(`${name} cannot be read: ${(error as Error).message}`);
+      }
+    }
+    if (whys.length === projects.length) this.unreadable = whys.join("; ");
+    this.#beside = free(PROJECT, (name) => projects.includes(name));
+    const used = new Set([this.#name, ...filesOf(this.project)]);
+    const unused = this.store.own && whys.length === 0 ? names.filter((name) => !used.has(name)) : [];
+    for (const name of unused) await this.store.remove(name);
+    this.changed();
+  }
+
+  /** The name of a project that is begun beside one that cannot be read. */
+  get beside(): string {
+    return this.#beside;
+  }
+
+  /** Stores the project under that name from now on. */
+  begin(): void {
+    this.#name = this.#beside;
+    this.unreadable = "";
+    this.#save();
     this.changed();
   }
 
@@ -120,7 +155,8 @@ export class Workspace {
   async flush(): Promise<void> {
     clearTimeout(this.#saving);
     this.#saving = undefined;
-    await this.store.write(PROJECT, new TextEncoder().encode(written(this.project)));
+    if (this.unreadable) return;
+    await this.store.write(this.#name, new TextEncoder().encode(written(this.project)));
   }
 
   /** True while it is told that another tab or program has written another version of the project. */
@@ -130,7 +166,7 @@ export class Workspace {
 
   /** Stores the project in the place of another version of it, which another tab or program has written. */
   async overwrite(): Promise<void> {
-    await this.store.read(PROJECT);
+    await this.store.read(this.#name);
     await this.flush();
     this.fault = "";
     this.changed();
@@ -138,6 +174,7 @@ export class Workspace {
 
   #save(delay = DELAY): void {
     clearTimeout(this.#saving);
+    this.store.soon?.();
     this.#saving = setTimeout(() => this.flush().then(() => this.#stored(), (error) => this.#unstored(error)), delay);
   }
 
@@ -179,8 +216,9 @@ export class Workspace {
    * is there already with this name and content will do. */
   async keep(file: File, same = false): Promise<string> {
     const stored = new Set(await this.store.names());
-    if (same && (this.#files.has(file.name) || stored.has(file.name)) && equal(await this.bytes(file.name), file.bytes)) return file.name;
-    const name = free(file.name.replace(/[/\\]/g, "-"), (one) => this.#files.has(one) || stored.has(one));
+    const plain = fileName(file.name);
+    if (same && plain === file.name && (this.#files.has(file.name) || stored.has(file.name)) && equal(await this.bytes(file.name), file.bytes)) return file.name;
+    const name = free(plain, (one) => this.#files.has(one) || stored.has(one));
     this.#files.set(name, file.bytes);
     await this.store.write(name, file.bytes);
     return name;
@@ -303,6 +341,19 @@ export class Workspace {
     const [made] = (await this.prepared(entry)).files;
     if (!made) throw new Error(`${entry.file}: nothing was prepared`);
     return { name: entry.file, bytes: made.bytes };
+  }
+
+  /** Records for a call: their files and how they are read; where calls read text alone, the prepared records and
+   * where they come from. */
+  async sources(entries: RecordEntry[]): Promise<{ files: File[]; records: Record<string, Reading> }> {
+    const { readsAll } = this.library;
+    const files = await Promise.all(entries.map((entry) => (readsAll ? this.file(entry.file) : this.ready(entry))));
+    const reading = async (entry: RecordEntry): Promise<Reading> => {
+      if (readsAll) return { columns: entry.columns, preparation: [{ prepare: entry.prepare }] };
+      return { origin: (await this.prepared(entry)).result.origin };
+    };
+    const each = entries.map(async (entry) => [entry.file, await reading(entry)] as const);
+    return { files, records: Object.fromEntries(await Promise.all(each)) };
   }
 
   /** Changes what is said of a record. */

@@ -1,7 +1,8 @@
 // The page from `piezoid serve`: the same work, in native processes, with the project in a folder.
 import assert from "node:assert/strict";
 import { execFileSync, spawn } from "node:child_process";
-import { copyFileSync, existsSync, mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { copyFileSync, existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
@@ -75,7 +76,24 @@ test("a project lives in a folder, and outlasts a server that is killed", { skip
   await identify();
   await page.getByRole("alert").getByText("start it again in the same folder").first().waitFor();
 
-  await served(new URL(url).port);
+  // Another program at this port gets nothing; then the server is there again, with another key.
+  const heard = [];
+  const foreign = createServer((request, response) => {
+    heard.push(`${request.method} ${request.url.split("?")[0]} ${request.headers.authorization ?? ""}`);
+    response.end("{}");
+  });
+  await new Promise((listens) => foreign.listen(new URL(url).port, "127.0.0.1", listens));
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByRole("button", { name: "Redo" }).click();
+  await page.getByRole("alert").getByText("another server answers at this address").first().waitFor();
+  assert.deepEqual([...new Set(heard)], ["GET /api/health "]);
+  foreign.closeAllConnections();
+  await new Promise((closed) => foreign.close(closed));
+  const later = await served(new URL(url).port);
+  assert.notEqual(later, url);
+  const other = await context.newPage();
+  await other.goto(later);
+  await other.close();
   await identify();
   await page.getByRole("button", { name: "prandtl-ishlinskii-2.json", exact: true }).waitFor({ timeout: 120_000 });
   await page.waitForTimeout(500);
@@ -130,5 +148,54 @@ test("drives of a plan are measured on a controller", { skip, timeout: 180_000 }
   assert.match(text, /^# piezoid: measured by the controller piezoid, paper/);
   assert.deepEqual(faults, []);
   if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT, fullPage: true });
+  await context.close();
+});
+
+for (const [what, text] of [
+  ["of a newer version", '{"piezoid":2,"records":[],"models":[],"future":"precious work"}'],
+  ["of another program", '{"name":"my app","version":"1.0"}'],
+  ["cut in the middle", '{"piezoid":1,"records":[{"fi'],
+  ["with settings that are null", '{"piezoid":1,"records":[],"models":[],"settings":null}'],
+  ["with a record that is null", '{"piezoid":1,"records":[null],"models":[]}'],
+]) {
+  test(`a project ${what} stays, and one is begun beside it`, { skip, timeout: 60_000 }, async () => {
+    for (const name of readdirSync(folder)) if (!name.startsWith(".")) rmSync(join(folder, name));
+    writeFileSync(join(folder, "project.json"), text);
+    const { page, faults, context } = await opened(browser, await served());
+    await page.getByRole("alert").getByText("project.json cannot be read").waitFor();
+    await page.getByLabel("Data files").setInputFiles(measured("slow.csv"));
+    await page.getByText(/4,000 samples/).waitFor();
+    await page.waitForTimeout(500);
+    assert.ok(!existsSync(join(folder, "project-2.json")));
+    if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT });
+    await page.getByRole("button", { name: "Begin beside it, as project-2.json" }).click();
+    await page.waitForTimeout(500);
+    await page.reload();
+    await page.getByRole("button", { name: "slow.csv", exact: true }).waitFor();
+    assert.equal(await page.getByRole("alert").count(), 0);
+    assert.equal(readFileSync(join(folder, "project.json"), "utf8"), text);
+    assert.equal(JSON.parse(readFileSync(join(folder, "project-2.json"))).records[0].file, "slow.csv");
+    assert.deepEqual(faults, []);
+    await context.close();
+  });
+}
+
+test("a model of the name of the project is kept under another", { skip, timeout: 120_000 }, async () => {
+  for (const name of readdirSync(folder)) if (!name.startsWith(".")) rmSync(join(folder, name));
+  const model = join(measured("r.csv"), "../project.json");
+  execFileSync(PIEZOID, ["identify", "r.csv", "--operator", "dahl", "--order", "0", "-o", model], { cwd: join(model, ".."), stdio: "ignore" });
+  const { page, context } = await opened(browser, await served());
+  await page.getByText("on this computer").waitFor();
+  const drop = await page.evaluateHandle((text) => {
+    const data = new DataTransfer();
+    data.items.add(new File([text], "project.json"));
+    return data;
+  }, readFileSync(model, "utf8"));
+  await page.dispatchEvent(".app", "drop", { dataTransfer: drop });
+  await page.waitForTimeout(800);
+  await page.reload();
+  await page.getByRole("link", { name: "Identify", exact: true }).click();
+  await page.getByRole("button", { name: "file-project.json", exact: true }).waitFor();
+  assert.equal(JSON.parse(readFileSync(join(folder, "file-project.json"))).hysteresis.operator, "dahl");
   await context.close();
 });

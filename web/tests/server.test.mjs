@@ -1,5 +1,6 @@
 // What the page does with the answers of `piezoid serve`, whose place another server takes here.
 import assert from "node:assert/strict";
+import { createHmac } from "node:crypto";
 import { createServer } from "node:http";
 import { after, before, test } from "node:test";
 import { setTimeout as pause } from "node:timers/promises";
@@ -15,9 +16,15 @@ function packed(document, samples) {
 
 let web, root;
 let answer = () => {};
+/** True while the server has the key. */
+let proves = true;
 
 before(async () => {
-  web = createServer((request, response) => answer(request, response));
+  web = createServer((request, response) => {
+    const nonce = request.url.match(/^\/api\/health\?nonce=([0-9a-f]{32})$/)?.[1];
+    if (!nonce || !proves) return answer(request, response);
+    response.end(JSON.stringify({ proof: createHmac("sha256", "secret").update(nonce).digest("hex") }));
+  });
   await new Promise((resolve) => web.listen(0, "127.0.0.1", resolve));
   root = `http://127.0.0.1:${web.address().port}`;
 });
@@ -47,6 +54,28 @@ test("progress is told and the answer read, however they are cut", async () => {
     assert.deepEqual([result, Array.from(series.get("u"))], [{ a: 1 }, [0.5, 5.25]]);
     assert.deepEqual(stages, [{ what: "x µ", done: 1, total: 2, figures: { c: 0.5 } }, { what: "y", done: 2, total: 2, figures: {} }]);
   }
+});
+
+test("a program that only listens gets neither the key nor any content", async () => {
+  proves = false;
+  const heard = [];
+  for (const said of ["{}", '{"proof":"00"}', "<html>", JSON.stringify({ proof: createHmac("sha256", "another").update("x").digest("hex") })]) {
+    answer = (request, response) => {
+      heard.push(request);
+      response.end(said);
+    };
+    await assert.rejects(store().write("project.json", new Uint8Array(9)), { name: "Gone", message: /another server answers/ });
+    await assert.rejects(library().call(INSPECT, []), { name: "Gone" });
+  }
+  assert.equal(heard.length, 8);
+  assert.ok(heard.every(({ method, url, headers }) => method === "GET" && url.startsWith("/api/health?nonce=") && !headers.authorization));
+  proves = true;
+});
+
+test("a page goes on with the key of a server that was started later", async () => {
+  const server = new Server(root, "former", () => "secret");
+  answer = (request, response) => response.end(JSON.stringify([request.headers.authorization]));
+  assert.deepEqual(await (await server.ask("/api/lists")).json(), ["Bearer secret"]);
 });
 
 test("a refusal is told in the words of the server, and one of the library in its words", async () => {

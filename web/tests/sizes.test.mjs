@@ -7,10 +7,10 @@ import { DIST } from "./modules.mjs";
 
 /** The largest sizes [bytes, gzipped]: just above those that were reached. */
 const LARGEST = {
-  "files.wasm": 717_000,
-  "models.wasm": 802_000,
-  "reports.wasm": 992_000,
-  "exports.wasm": 935_000,
+  "files.wasm": 745_000,
+  "models.wasm": 825_000,
+  "reports.wasm": 1_022_000,
+  "exports.wasm": 965_000,
   "lists.json": 9_200,
 };
 

@@ -5,7 +5,7 @@ import { Form } from "../form.tsx";
 import { type Lists, optionsOf } from "../lists.ts";
 import { ModelChoice } from "../models.tsx";
 import type { Answer, File } from "../packet.ts";
-import { csv, drawn } from "../path.ts";
+import { moves, pathFile } from "../path.ts";
 import type { Figure, Series } from "../plot/figure.ts";
 import { download } from "../plot/download.ts";
 import { prose, short, unit } from "../plot/ticks.ts";
@@ -118,12 +118,9 @@ async function pathOf(
   { path = "drawn", signal = {} }: Settings,
   { points, duration, ts, of, usual }: { points: number[]; duration: number; ts: number; of: string; usual: Record<string, number> },
 ): Promise<File> {
-  if (path === "drawn") return csv("path.csv", of, ts, drawn(points, duration, ts));
   const record = workspace.project.records.find((one) => one.file === path);
   if (record) return { ...(await workspace.ready(record)), name: "path.csv" };
-  const options = { kind: path, ts, unit: of, duration, ...usual, ...signal };
-  const answer = await workspace.run({ name: "path", request: { call: "excite", options }, files: [], quiet: true });
-  return { name: "path.csv", bytes: answer.files[0]!.bytes };
+  return pathFile(workspace, path === "drawn" ? moves(points, duration) : { kind: path, duration, ...usual, ...signal }, ts, of);
 }
 
 interface Changing {

@@ -1,7 +1,7 @@
 // Experiment: the drives of an identification within the limits of a driver, tried on a twin; and single signals.
 
 import { useMemo } from "preact/hooks";
-import { type Signal, spectrumFigure, timeFigure, type Usage, type Use } from "../drive.ts";
+import { samplesOf, type Signal, spectrumFigure, timeFigure, type Usage, type Use } from "../drive.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
@@ -76,7 +76,7 @@ function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
   const shown = drives.find((drive) => drive.name === chosen) ?? drives[0];
   const [time, spectrum] = useMemo(() => {
     if (!shown) return [];
-    const signal: Signal = { name: shown.name, u: series.get(shown.name)!, ts: result.ts, unit: "V", usage: shown.usage };
+    const signal: Signal = { name: shown.name, ...samplesOf(series, shown.name), ts: result.ts, unit: "V", usage: shown.usage };
     return [timeFigure(signal), spectrumFigure(signal, bandwidth)];
   }, [answer, shown, bandwidth]);
   const rows = drives.map((drive) => [
@@ -152,7 +152,7 @@ function OneSignal() {
   const [time, spectrum] = useMemo(() => {
     if (!made.value) return [];
     const { result, series } = made.value;
-    const signal: Signal = { name: String(values["kind"] ?? "sine"), u: series.get("u")!, ...result };
+    const signal: Signal = { name: String(values["kind"] ?? "sine"), ...samplesOf(series, "u"), ...result };
     return [timeFigure(signal), spectrumFigure(signal)];
   }, [made.value]);
   const { clipped, usage } = made.value?.result ?? {};

@@ -17,6 +17,8 @@ interface Trial {
   parameters?: number;
   held_out_percent?: number | null;
   free_run_percent?: number | null;
+  /** By which operators are ranked. */
+  error_percent?: number | null;
   verdict?: string;
 }
 
@@ -71,14 +73,13 @@ const named = (entries: RecordEntry[]) => entries.map((entry) => entry.file).joi
 
 /** Identifies a model and adds it to the project. */
 async function identify(workspace: Workspace, small: RecordEntry[], large: RecordEntry[], tell: (told: Told) => void): Promise<void> {
-  const ready = (entries: RecordEntry[]) => Promise.all(entries.map((entry) => workspace.ready(entry)));
-  const [of_small, of_large] = [await ready(small), await ready(large)];
+  const { files, records } = await workspace.sources([...small, ...large]);
   const options = workspace.project.settings["identify"] ?? {};
-  const names = (files: { name: string }[]) => files.map((file) => file.name);
+  const names = (entries: RecordEntry[]) => entries.map((entry) => entry.file);
   const answer = await workspace.run({
     name: "identify",
-    request: { call: "identify", options, files: { small_signal: names(of_small), large_signal: names(of_large) } },
-    files: [...of_small, ...of_large],
+    request: { call: "identify", options, records, files: { small_signal: names(small), large_signal: names(large) } },
+    files,
     told: (what, figures) => Object.keys(figures).length > 0 && tell({ what, figures }),
   });
   const [file] = answer.files;
@@ -130,15 +131,15 @@ function convergence(told: Told[]): Figure | undefined {
   };
 }
 
-const worse = ({ held_out_percent: held, free_run_percent: free }: Trial): number =>
-  Math.max(held ?? Infinity, free ?? held ?? Infinity);
+/** The error of an operator; while it is fitted, the held-out error alone is known. */
+const errorOf = (trial: Trial): number => trial.error_percent ?? trial.held_out_percent ?? Infinity;
 
 function Ranking({ trials }: { trials: Trial[] }) {
-  const sorted = [...trials].sort((a, b) => worse(a) - worse(b));
-  const least = Math.log(Math.max(1e-6, Math.min(...sorted.map(worse))) / 2);
-  const most = Math.log(Math.max(...sorted.map(worse).filter(Number.isFinite), 1e-5));
+  const sorted = [...trials].sort((a, b) => errorOf(a) - errorOf(b));
+  const least = Math.log(Math.max(1e-6, Math.min(...sorted.map(errorOf))) / 2);
+  const most = Math.log(Math.max(...sorted.map(errorOf).filter(Number.isFinite), 1e-5));
   const bar = (trial: Trial) => {
-    const error = worse(trial);
+    const error = errorOf(trial);
     return Number.isFinite(error)
       ? <meter min={0} max={1} value={most > least ? (Math.log(Math.max(1e-6, error)) - least) / (most - least) : 1} aria-label={`error of ${trial.operator}`} />
       : "";

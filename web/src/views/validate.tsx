@@ -30,12 +30,12 @@ export function ValidateView() {
 async function task(
   workspace: Workspace, call: "validate" | "report" | "compare", models: ModelEntry[], records: RecordEntry[], options: Options,
 ) {
-  const data = await Promise.all(records.map((entry) => workspace.ready(entry)));
+  const data = await workspace.sources(records);
   const model = models.map((entry) => entry.file);
   return {
     name: `${call} ${model.join(", ")}`,
-    request: { call, options, files: { model, data: data.map((file) => file.name) } },
-    files: [...(await Promise.all(model.map((file) => workspace.file(file)))), ...data],
+    request: { call, options, records: data.records, files: { model, data: records.map((entry) => entry.file) } },
+    files: [...(await Promise.all(model.map((file) => workspace.file(file)))), ...data.files],
   };
 }
 

@@ -1,0 +1,97 @@
+// A model is the same wherever it is identified, and states what repeats it: command line, `piezoid serve`, static page.
+// (Python is compared with the command line in crates/piezoid-py/tests/test_identify.py.)
+import assert from "node:assert/strict";
+import { execFileSync, spawn } from "node:child_process";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { download, launched, opened, served, skip as noBrowser } from "./browser.mjs";
+
+const target = process.env.CARGO_TARGET_DIR ?? new URL("../../target", import.meta.url).pathname;
+const PIEZOID = join(target, "debug/piezoid");
+const skip = noBrowser || (existsSync(PIEZOID) || process.env.CI ? false : `no ${PIEZOID}: cargo build -p piezoid-cli`);
+const cwd = mkdtempSync(join(tmpdir(), "piezoid-origin-"));
+const piezoid = (...words) => execFileSync(PIEZOID, words, { cwd, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+let browser, server, running;
+
+before(async () => {
+  if (skip) return;
+  [browser, server] = await Promise.all([launched(), served()]);
+  piezoid(..."excite rising-sine --amplitude 28 --frequency 5 --ts 0.5ms --duration 2 -o u.csv".split(" "));
+  piezoid(..."simulate u.csv --plant pl140 -o log.mat".split(" "));
+  piezoid(..."identify log.mat --operator pi --order 2 --elements 8 --from 0.1 --output-scale 2 -o line.json".split(" "));
+});
+after(async () => {
+  await browser?.close();
+  server?.close();
+  running?.kill("SIGKILL");
+  rmSync(cwd, { recursive: true });
+});
+
+/** The address of `piezoid serve`. */
+async function native() {
+  running = spawn(PIEZOID, ["serve", "project", "--port", "0"], { cwd, stdio: ["ignore", "pipe", "ignore"] });
+  for await (const piece of running.stdout) {
+    const address = String(piece).match(/http:\/\/\S+/)?.[0];
+    if (address) return address;
+  }
+}
+
+/** The model that the page identifies, with the options of the command line above. */
+async function identified(url) {
+  const { page, faults, context } = await opened(browser, url);
+  await page.getByLabel("Data files").setInputFiles(join(cwd, "log.mat"));
+  await page.getByText(/4,000 samples/).waitFor();
+  const fill = async (name, value) => {
+    const field = page.locator(`input[name="${name}"]`);
+    if (!(await field.isVisible())) await page.locator("details", { has: field }).locator("summary").first().click();
+    await field.fill(value);
+    await field.blur();
+  };
+  await fill("from", "0.1");
+  await fill("output_scale", "2");
+  await page.getByText("cut from 0.1 s").waitFor();
+  await page.getByRole("link", { name: "Identify", exact: true }).click();
+  for (const [name, value] of [["operator", "pi"], ["order", "2"], ["elements", "8"]]) await fill(name, value);
+  await page.getByRole("button", { name: "Identify", exact: true }).click();
+  await page.locator(".verdict").first().waitFor({ timeout: 120_000 });
+  const model = await download(page, () => page.getByRole("button", { name: "Download the model" }).click());
+  assert.deepEqual(faults, []);
+  await context.close();
+  return model;
+}
+
+/** The model of the command line under the name of another front end. */
+function line(command) {
+  const model = JSON.parse(readFileSync(join(cwd, "line.json")));
+  assert.equal(model.fit.command, "piezoid identify");
+  return { ...model, fit: { ...model.fit, command } };
+}
+
+test("the model of `piezoid serve` is that of the command line to the bit", { skip, timeout: 180_000 }, async () => {
+  const model = await identified(await native());
+  assert.deepEqual(JSON.parse(model), line("piezoid serve"));
+  writeFileSync(join(cwd, "serve.json"), model);
+  assert.match(piezoid("identify", "--again", "serve.json", "log.mat"), /Equal to serve.json to the bit/);
+});
+
+/** Asserts that two documents are equal but for the rounding of their numbers: WebAssembly has no fused multiply-add. */
+function assertNear(a, b, at = "") {
+  if (typeof a === "number" && typeof b === "number") {
+    return assert.ok(Math.abs(a - b) <= 1e-5 * Math.max(Math.abs(a), Math.abs(b)) + 1e-12, `${at}: ${a}, not ${b}`);
+  }
+  if (typeof a !== "object" || a === null || b === null) return assert.deepEqual(a, b, at);
+  assert.deepEqual(Object.keys(a), Object.keys(b), at);
+  for (const key of Object.keys(a)) assertNear(a[key], b[key], `${at}.${key}`);
+}
+
+test("the model of the static page is that of the command line but for rounding", { skip, timeout: 180_000 }, async () => {
+  const model = await identified(server.url);
+  const found = JSON.parse(model);
+  const wanted = line("piezoid page");
+  assertNear(found, wanted);
+  assert.deepEqual(found.fit.files, wanted.fit.files);
+  writeFileSync(join(cwd, "page.json"), model);
+  assert.match(piezoid("identify", "--again", "page.json", "log.mat"), /^prandtl-ishlinskii/);
+});
