@@ -15,7 +15,7 @@ await build({ ...common, entryPoints: { main: "src/main.tsx" } });
 // A worker of the old kind: one file.
 await build({ ...common, format: "iife", entryPoints: { worker: "src/worker.ts" } });
 // For the tests.
-const parts = ["library", "module", "packet", "server", "words"];
+const parts = ["archive", "library", "module", "packet", "server", "words", "workspace"];
 await build({ ...common, outdir: "dist/parts", minify: false, entryPoints: parts.map((name) => `src/${name}.ts`) });
 for (const file of PAGE) copyFileSync(file, `dist/${file}`);
 

@@ -69,7 +69,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
       <main ref={main} tabIndex={-1} aria-label={view.title}>
         {workspace.unreadable && (
           <div class="fault" role="alert">
-            {workspace.unreadable}. It stays as it is, and nothing is stored here until another project is begun.
+            {workspace.unreadable}. It stays as it is, and changes are not stored until another project is begun.
             <button type="button" onClick={() => workspace.begin()}>Begin beside it, as {workspace.beside}</button>
           </div>
         )}

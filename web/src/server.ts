@@ -10,8 +10,9 @@ const GONE = "piezoid serve does not answer: start it again in the same folder, 
 const OTHER = "another server answers at this address than this page was opened with: open the address that " +
   "`piezoid serve` printed last; this page keeps what is not stored yet";
 
-/** How long a proof of the server holds [ms]. */
+/** How long a proof of the server holds, and how long it may take [ms]. */
 const FRESH = 1000;
+const PATIENCE = 5000;
 
 /** Where this browser keeps the key. */
 const KEY = "piezoid-key";
@@ -56,13 +57,17 @@ export class Server {
 
   /** Has the server prove that it has the key. Before it has, it gets neither the key nor anything else: another program
    * may listen at this address by now. */
-  async prove(): Promise<void> {
+  async prove(signal?: AbortSignal | null): Promise<void> {
+    if (this.#isProven) return;
     const asked = performance.now();
     const nonce = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
-    const response = await fetch(`${this.root}/api/health?nonce=${nonce}`, { cache: "no-store" }).catch(() => gone());
+    // A program that only listens never answers.
+    const ends = AbortSignal.any([AbortSignal.timeout(PATIENCE), ...(signal ? [signal] : [])]);
+    const init: RequestInit = { cache: "no-store", signal: ends };
+    const response = await fetch(`${this.root}/api/health?nonce=${nonce}`, init).catch(() => gone(signal));
     const { proof } = await response.json().catch(() => ({}));
     const text = new TextEncoder();
-    for (const one of [this.key, this.latest()]) {
+    for (const one of [this.key, this.latest()].filter((key) => key !== "")) {
       const key = await crypto.subtle.importKey("raw", text.encode(one), { name: "HMAC", hash: "SHA-256" }, false, ["verify"]);
       if (!(await crypto.subtle.verify("HMAC", key, bytes(String(proof)), text.encode(nonce)))) continue;
       [this.key, this.#provenAt] = [one, asked];
@@ -73,7 +78,9 @@ export class Server {
 
   /** The response to a request; an error in the words of the server if it refuses. */
   async ask(path: string, init: RequestInit = {}): Promise<Response> {
-    if (this.key !== "" && !this.#isProven) await this.prove();
+    // Without a key the server only says what is missing, and needs no content for that.
+    if (this.key || this.latest()) await this.prove(init.signal);
+    else init = { ...init, body: null };
     const headers = { ...init.headers, authorization: `Bearer ${this.key}` };
     const response = await fetch(this.root + path, { ...init, headers, cache: "no-store" }).catch(() => gone(init.signal));
     if (response.ok) return response;

@@ -49,6 +49,8 @@ export class Workspace {
   fault = "";
   /** Why the project of the store cannot be read; nothing is stored then, until one is begun beside it. */
   unreadable = "";
+  /** True once the project of the store is known: nothing is stored before, not even if that fails. */
+  #isOpen = false;
   /** Where the project is stored. */
   #name = PROJECT;
   #beside = PROJECT;
@@ -106,6 +108,7 @@ export class Workspace {
     }
     if (whys.length === projects.length) this.unreadable = whys.join("; ");
     this.#beside = free(PROJECT, (name) => projects.includes(name));
+    this.#isOpen = true;
     const used = new Set([this.#name, ...filesOf(this.project)]);
     const unused = this.store.own && whys.length === 0 ? names.filter((name) => !used.has(name)) : [];
     for (const name of unused) await this.store.remove(name);
@@ -155,7 +158,7 @@ export class Workspace {
   async flush(): Promise<void> {
     clearTimeout(this.#saving);
     this.#saving = undefined;
-    if (this.unreadable) return;
+    if (!this.#isOpen || this.unreadable) return;
     await this.store.write(this.#name, new TextEncoder().encode(written(this.project)));
   }
 

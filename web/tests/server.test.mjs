@@ -72,6 +72,30 @@ test("a program that only listens gets neither the key nor any content", async (
   proves = true;
 });
 
+test("a program that never answers is given up, and does not keep a call from being cancelled", async () => {
+  proves = false;
+  answer = () => {};
+  const asked = performance.now();
+  const cancelled = new AbortController();
+  setTimeout(() => cancelled.abort(), 20);
+  await assert.rejects(library().call(INSPECT, [], () => {}, cancelled.signal), { message: "cancelled" });
+  assert.ok(performance.now() - asked < 1000);
+  await assert.rejects(store().names(), { name: "Gone", message: /does not answer/ });
+  proves = true;
+});
+
+test("without a key nothing of the user is sent", async () => {
+  let sent;
+  answer = async (request, response) => {
+    sent = [];
+    for await (const piece of request) sent.push(piece);
+    response.writeHead(401).end(JSON.stringify({ error: "the key is missing" }));
+  };
+  const write = new ServerStore(new Server(root, "")).write("project.json", new Uint8Array(9));
+  await assert.rejects(write, { message: "the key is missing" });
+  assert.deepEqual(sent, []);
+});
+
 test("a page goes on with the key of a server that was started later", async () => {
   const server = new Server(root, "former", () => "secret");
   answer = (request, response) => response.end(JSON.stringify([request.headers.authorization]));

@@ -17,7 +17,7 @@ const COMMITTED: [&str; 5] = [
 ];
 
 /// Tests that need no module.
-const SERVED: [&str; 3] = ["serve", "server", "words"];
+const SERVED: [&str; 4] = ["project", "serve", "server", "words"];
 
 /// Builds everything, and tests it.
 pub(super) fn web() -> Result<(), String> {

@@ -21,10 +21,11 @@ pub(crate) fn row(page: &str, names: &[&str]) -> BTreeMap<String, String> {
     titles.into_iter().zip(cells(lines[row])).collect()
 }
 
-/// Asserts that a measured value is the printed one, which has two digits.
+/// Asserts that a measured value is the printed one, within half of its last digit.
 #[track_caller]
 pub(crate) fn assert_printed(what: &str, now: f64, printed: &str) {
     let kept: f64 = printed.parse().unwrap_or_else(|e| panic!("{what}: {printed}: {e}"));
-    let alike = (now - kept).abs() <= 0.06 * kept;
+    let decimals = printed.split_once('.').map_or(0, |(_, decimals)| decimals.len() as i32);
+    let alike = (now - kept).abs() <= 0.501 * 0.1f64.powi(decimals);
     assert!(alike, "{what}: {now}, the page says {kept}: run `cargo xtask docs`");
 }

@@ -123,6 +123,7 @@ pub(crate) fn handle_signals() {
     // Without a handler a signal ends the process too, but leaves temporary files.
     #[cfg(unix)]
     {
+        use piezoid_host::signals::is_ignored;
         use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
         let handled = [SIGHUP, SIGINT, SIGTERM].into_iter().filter(|signal| !is_ignored(*signal));
         if let Ok(mut signals) = signal_hook::iterator::Signals::new(handled) {
@@ -132,14 +133,6 @@ pub(crate) fn handle_signals() {
     }
     #[cfg(not(unix))]
     let _ = ctrlc::set_handler(end);
-}
-
-/// True if whoever started this process has it ignore a signal, as `nohup` does; Linux alone tells.
-#[cfg(unix)]
-fn is_ignored(signal: i32) -> bool {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
-    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).unwrap_or("0");
-    u64::from_str_radix(mask.trim(), 16).is_ok_and(|mask| mask >> (signal - 1) & 1 == 1)
 }
 
 /// Prints one error message on stderr, with its causes after colons.

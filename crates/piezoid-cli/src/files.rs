@@ -23,12 +23,8 @@ pub(crate) fn read(path: &Path) -> Result<File> {
         _ => Error::new(error).context(format!("cannot read {}", named(path))),
     });
     let bytes = bytes?;
-    if files::is_unfinished(path) {
-        let name = named(path);
-        crate::console::say(&format!(
-            "note: {name} is of a run that was ended while it wrote its files: some are new and others old ({} names them)",
-            files::UNFINISHED
-        ));
+    if let Some(remark) = files::unfinished(path) {
+        crate::console::say(&format!("note: {remark}"));
     }
     Ok(File::new(named(path), bytes))
 }

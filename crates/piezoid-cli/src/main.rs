@@ -54,11 +54,13 @@ fn main() -> ExitCode {
 
 /// Prints help or a message on the command line, and ends.
 fn leave(wrong: &clap::Error) -> ! {
-    let is_printed = wrong.print().or_else(|error| match error.kind() {
-        std::io::ErrorKind::BrokenPipe => Ok(()),
-        _ => Err(error),
-    });
-    std::process::exit(if is_printed.is_ok() { wrong.exit_code() } else { 1 })
+    match wrong.print() {
+        Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
+            console::complain(&anyhow::Error::new(error).context("cannot write to stdout"));
+            std::process::exit(1)
+        }
+        _ => std::process::exit(wrong.exit_code()),
+    }
 }
 
 /// Adds the known names to the message on an unknown verb or kind.

@@ -33,7 +33,7 @@ struct Row {
 /// What changes in a folder.
 #[derive(Debug, PartialEq)]
 pub struct Placement {
-    /// Files to write, the list last.
+    /// Files to write, the list first.
     pub write: Vec<File>,
     /// Files of the same export that it no longer has.
     pub remove: Vec<String>,

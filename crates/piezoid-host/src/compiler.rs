@@ -34,10 +34,7 @@ exit $status"#;
 /// Compiles in a temporary folder. File names are given without a folder, so the library contains no path.
 fn library(files: &[File]) -> Result<Vec<u8>, Error> {
     let failed = |error: std::io::Error| Error::Content(format!("the C compiler could not be run: {error}"));
-    let folder = crate::temporary::folder().map_err(failed)?;
-    for file in files {
-        std::fs::write(folder.path().join(&file.name), &file.bytes).map_err(failed)?;
-    }
+    let folder = crate::temporary::folder(files).map_err(failed)?;
     let sources = files.iter().filter(|file| file.name.ends_with(".c")).map(|file| OsString::from(&file.name));
     let mut cc = Command::new("sh");
     cc.args(["-c", WATCHED, "sh", "cc"]).args(FLAGS).args(PLAIN).args(sources).args(["-o", "library"]);

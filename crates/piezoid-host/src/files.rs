@@ -22,7 +22,7 @@ Repeat the command that writes them all; it removes this file.
 const LINKS: usize = 40;
 
 /// How long another run may place its files in a folder before that is thought to be locked for another reason.
-const PATIENCE: Duration = Duration::from_secs(1);
+const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Files that replace older ones together.
 ///
@@ -57,10 +57,16 @@ pub fn ready(path: &Path) -> Result<(), Error> {
     beside(&mut own(), &place).map(drop).map_err(|error| unwritable(path, &error))
 }
 
-/// True if the run that last wrote this file was ended before it had written all files of its set.
-pub fn is_unfinished(path: &Path) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned());
-    name.is_some_and(|name| named_in(folder_of(path)).contains(&name))
+/// A remark on a file of a run that was ended before it had written all files of its set.
+pub fn unfinished(path: &Path) -> Option<String> {
+    let place = end(path).ok()?;
+    let name = place.file_name()?.to_string_lossy().into_owned();
+    named_in(folder_of(&place)).contains(&name).then(|| {
+        let path = path.display();
+        format!(
+            "{path} may be older than other files of its run, which was ended while it replaced them (see {UNFINISHED})"
+        )
+    })
 }
 
 impl FileSet {
@@ -125,7 +131,15 @@ impl FileSet {
             let staged = staged.and_then(|mut staged| staged.write_all(bytes).map(|()| staged));
             staged.map(|staged| (staged, place)).map_err(|error| unwritable(path, &error))
         };
-        self.files.iter().map(stage).collect()
+        let staged: Vec<(NamedTempFile, PathBuf)> = self.files.iter().map(stage).collect::<Result<_, _>>()?;
+        let mut places = BTreeSet::new();
+        match staged.iter().find(|(_, place)| !places.insert(place)) {
+            Some((_, place)) => {
+                let what = "two results lead to this file: name another for one of them";
+                Err(Error::Content(format!("cannot write {}: {what}", place.display())))
+            }
+            None => Ok(staged),
+        }
     }
 
     /// Renames the files to their places, while the marks of their folders name them.
@@ -146,6 +160,13 @@ impl FileSet {
             (Err(_), false) => marks.iter().try_for_each(|mark| mark.name(&mark.before, &mut held)),
             (Err(_), true) => Ok(()),
         };
+        let placed = placed.map_err(|error| match begun {
+            true => Error::Content(format!(
+                "{error}; some files of this set are new and others old by now, {UNFINISHED} names them: repeat the \
+                 command afterwards"
+            )),
+            false => error,
+        });
         drop((held, locked));
         folders.iter().for_each(|folder| sweep_files(folder));
         placed.and(told)
@@ -183,7 +204,9 @@ impl Mark {
         let own = places.iter().filter(|place| folder_of(place) == folder).filter_map(|place| place.file_name());
         let own: BTreeSet<String> = own.map(|name| name.to_string_lossy().into_owned()).collect();
         let before = named_in(folder);
-        Mark { path: folder.join(UNFINISHED), during: &before | &own, after: &before - &own, before }
+        // A file that is not there, as one that the killed run removed, cannot be taken for another.
+        let after = (&before - &own).into_iter().filter(|name| folder.join(name).exists()).collect();
+        Mark { path: folder.join(UNFINISHED), during: &before | &own, after, before }
     }
 
     /// Names these files. Without any there is no mark.
@@ -270,28 +293,49 @@ mod tests {
     use super::*;
 
     /// A folder in which a run was ended while it replaced `m.json` and `r.json`.
-    fn unfinished() -> tempfile::TempDir {
+    fn marked() -> tempfile::TempDir {
         let folder = tempfile::tempdir().unwrap();
+        ["m.json", "r.json"].iter().for_each(|name| std::fs::write(folder.path().join(name), "").unwrap());
         std::fs::write(folder.path().join(UNFINISHED), text(&["m.json", "r.json"].map(String::from).into())).unwrap();
         folder
     }
 
     #[test]
     fn a_mark_names_what_is_still_unfinished() {
-        let folder = unfinished();
+        let folder = marked();
         let [m, r, other] = ["m.json", "r.json", "other"].map(|name| folder.path().join(name));
         write(&other, b"").unwrap();
         FileSet::default().with(&other, "").with(&folder.path().join("more"), "").write().unwrap();
-        assert_eq!([&m, &r, &other].map(|path| is_unfinished(path)), [true, true, false]);
+        assert_eq!([&m, &r, &other].map(|path| unfinished(path).is_some()), [true, true, false]);
         write(&m, b"").unwrap();
-        assert_eq!([&m, &r, &other].map(|path| is_unfinished(path)), [false, true, false]);
-        write(&r, b"").unwrap();
+        assert_eq!([&m, &r, &other].map(|path| unfinished(path).is_some()), [false, true, false]);
+        std::fs::remove_file(&r).unwrap();
+        FileSet::default().with(&other, "").with(&folder.path().join("more"), "").write().unwrap();
         assert!(!folder.path().join(UNFINISHED).exists());
     }
 
     #[test]
+    #[cfg(unix)]
+    fn links_count_as_the_files_that_they_lead_to() {
+        let folder = marked();
+        let path = |name: &str| folder.path().join(name);
+        std::fs::create_dir(path("in")).unwrap();
+        std::os::unix::fs::symlink("../m.json", path("in/link")).unwrap();
+        assert!(unfinished(&path("in/link")).is_some());
+        let both = FileSet::default().with(&path("in/link"), "1").with(&path("m.json"), "2");
+        let refused = both.write().unwrap_err().to_string();
+        assert!(refused.ends_with("m.json: two results lead to this file: name another for one of them"), "{refused}");
+        write(&path("in/link"), b"1").unwrap();
+        assert_eq!(std::fs::read(path("m.json")).unwrap(), b"1");
+        for (link, target) in [("self", "self"), ("away", "nowhere/x")] {
+            std::os::unix::fs::symlink(target, path(link)).unwrap();
+            assert!(write(&path(link), b"").is_err() && path(link).is_symlink(), "{link}");
+        }
+    }
+
+    #[test]
     fn a_set_that_cannot_be_placed_leaves_its_folders_as_they_were() {
-        let folder = unfinished();
+        let folder = marked();
         let mark = || std::fs::read_to_string(folder.path().join(UNFINISHED)).unwrap();
         let before = mark();
         let set = FileSet::default().with(&folder.path().join("m.json"), "").with(&folder.path().join("new"), "");
@@ -303,6 +347,6 @@ mod tests {
         assert_eq!(mark(), before);
         let within = FileSet::in_folder(&folder.path().join("a/b"), &[File::new("c/d", "")]).unwrap();
         assert!(within.write().unwrap_err().to_string().contains("there is no folder"));
-        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 2);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
     }
 }

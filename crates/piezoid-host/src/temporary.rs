@@ -1,5 +1,6 @@
 //! Temporary files and folders, which a signal removes, and which a later run sweeps if nothing could.
 
+use piezoid::File;
 use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,9 +8,13 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// What names of temporary files and folders begin with; six letters or digits follow.
-const FILE: &str = ".piezoid-";
-const FOLDER: &str = "piezoid-";
+/// What names of temporary files and folders begin with; [`RANDOM`] letters or digits follow.
+const FILE: &str = ".piezoid-tmp-";
+const FOLDER: &str = "piezoid-tmp-";
+const UPLOAD: &str = ".piezoid-upload-";
+
+/// So many that nobody gives such a name to a file of his own.
+const RANDOM: usize = 12;
 
 /// Age from which a temporary file belongs to no run that is alive.
 const OLD: Duration = Duration::from_secs(3600);
@@ -43,21 +48,20 @@ pub fn abandon() {
 
 /// A file beside `path`, which is deleted unless it is kept.
 pub(crate) fn beside(own: &mut Own, path: &Path) -> io::Result<NamedTempFile> {
-    let mut builder = Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let made = builder.prefix(FILE).tempfile_in(folder_of(path))?;
+    let made = shared(FILE).tempfile_in(folder_of(path))?;
     own.temporary.retain(|path| path.exists());
     own.temporary.push(made.path().into());
     Ok(made)
 }
 
-/// A folder for work.
-pub(crate) fn folder() -> io::Result<TempDir> {
-    sweep(&std::env::temp_dir(), FOLDER);
+/// A folder for work with these files.
+pub(crate) fn folder(files: &[File]) -> io::Result<TempDir> {
+    sweep(&std::env::temp_dir(), FOLDER, OLD);
+    // Until the files are there, nobody removes the folder.
     let mut own = own();
-    let made = Builder::new().prefix(FOLDER).tempdir()?;
+    let made = named(FOLDER).tempdir()?;
     own.temporary.push(made.path().into());
+    files.iter().try_for_each(|file| std::fs::write(made.path().join(&file.name), &file.bytes))?;
     Ok(made)
 }
 
@@ -92,15 +96,50 @@ pub(crate) fn folder_of(path: &Path) -> &Path {
     path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
 }
 
-/// Removes what runs left in a folder that could not end in an orderly way.
-pub(crate) fn sweep_files(folder: &Path) {
-    sweep(folder, FILE);
+/// A file for what arrives in a folder, which is deleted unless it is kept.
+///
+/// # Errors
+/// Returns the reason why the folder takes no new file.
+pub fn upload(folder: &Path) -> io::Result<NamedTempFile> {
+    shared(UPLOAD).tempfile_in(folder)
 }
 
-fn sweep(folder: &Path, prefix: &str) {
+/// Removes what arrived in a folder and was not kept, of whatever age: nobody else may receive there.
+pub fn sweep_uploads(folder: &Path) {
+    sweep(folder, UPLOAD, Duration::ZERO);
+}
+
+/// A file that its owner alone may read, which is deleted unless it is kept.
+///
+/// # Errors
+/// Returns the reason why the folder takes no new file.
+pub fn secret(folder: &Path) -> io::Result<NamedTempFile> {
+    named(FILE).tempfile_in(folder)
+}
+
+fn named(prefix: &str) -> Builder<'_, 'static> {
+    let mut builder = Builder::new();
+    builder.prefix(prefix).rand_bytes(RANDOM);
+    builder
+}
+
+/// The same, for files that others may read as far as the user allows.
+fn shared(prefix: &str) -> Builder<'_, 'static> {
+    let mut builder = named(prefix);
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder
+}
+
+/// Removes what runs left in a folder that could not end in an orderly way.
+pub fn sweep_files(folder: &Path) {
+    sweep(folder, FILE, OLD);
+}
+
+fn sweep(folder: &Path, prefix: &str, age: Duration) {
     for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
         let path = entry.path();
-        if is_temporary(&entry.file_name(), prefix) && is_left(&path) {
+        if is_temporary(&entry.file_name(), prefix) && is_left(&path, age) {
             // What belongs to another user stays.
             let _ = if path.is_dir() { std::fs::remove_dir_all(&path) } else { std::fs::remove_file(&path) };
         }
@@ -109,12 +148,40 @@ fn sweep(folder: &Path, prefix: &str) {
 
 fn is_temporary(name: &OsStr, prefix: &str) -> bool {
     let random = name.to_str().and_then(|name| name.strip_prefix(prefix));
-    random.is_some_and(|rest| rest.len() == 6 && rest.bytes().all(|b| b.is_ascii_alphanumeric()))
+    random.is_some_and(|rest| rest.len() == RANDOM && rest.bytes().all(|b| b.is_ascii_alphanumeric()))
 }
 
-/// True for files and folders, not links, that nobody has written to for long.
-fn is_left(path: &Path) -> bool {
+/// True for files and folders, not links, of at least this age.
+fn is_left(path: &Path, age: Duration) -> bool {
     let Ok(what) = std::fs::symlink_metadata(path) else { return false };
-    let age = what.modified().ok().and_then(|time| time.elapsed().ok());
-    !what.is_symlink() && age.is_some_and(|age| age > OLD)
+    let since = what.modified().ok().and_then(|time| time.elapsed().ok());
+    !what.is_symlink() && since.is_some_and(|since| since >= age)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs::{File, create_dir, write};
+    use std::time::SystemTime;
+
+    #[test]
+    fn only_what_runs_left_is_swept() {
+        let home = tempfile::tempdir().unwrap();
+        let made = [beside(&mut own(), &home.path().join("x")), upload(home.path()), secret(home.path())];
+        let left = made.map(|file| file.unwrap().keep().unwrap().1);
+        let others = [".piezoid-config", ".piezoid-backup", ".piezoid-tmp-notes", ".piezoid-upload-of-monday"];
+        let others = others.map(|name| home.path().join(name));
+        others.iter().for_each(|path| write(path, "a user's").unwrap());
+        let folders = ["piezoid-models", "piezoid-tmp-folder"].map(|name| home.path().join(name));
+        folders.iter().for_each(|path| create_dir(path).unwrap());
+        sweep_files(home.path());
+        assert!(left.iter().all(|path| path.exists()), "none is an hour old");
+        let hours_ago = SystemTime::now() - 2 * OLD;
+        left.iter().chain(&others).for_each(|path| File::open(path).unwrap().set_modified(hours_ago).unwrap());
+        sweep_files(home.path());
+        sweep(home.path(), FOLDER, Duration::ZERO);
+        assert_eq!([0, 1, 2].map(|k| left[k].exists()), [false, true, false]);
+        sweep_uploads(home.path());
+        assert!(!left[1].exists() && others.iter().chain(&folders).all(|path| path.exists()));
+    }
 }

@@ -22,6 +22,12 @@ pub(crate) fn write(path: PathBuf, content: &[u8]) -> PyResult<()> {
     files::write(&path, content).map_err(raised)
 }
 
+/// Why a file may be older than others of its run, if it may be.
+#[pyfunction]
+pub(crate) fn unfinished(path: PathBuf) -> Option<String> {
+    files::unfinished(&path)
+}
+
 /// Exports a model to a target, and writes the files into a folder if one is given.
 #[pyfunction]
 pub(crate) fn export(

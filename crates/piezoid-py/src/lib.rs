@@ -29,7 +29,7 @@ mod _piezoid {
     #[pymodule_export]
     use crate::error::PiezoidError;
     #[pymodule_export]
-    use crate::export::{export, export_options, served, write};
+    use crate::export::{export, export_options, served, unfinished, write};
     #[pymodule_export]
     use crate::identify::{again, identify, identify_options};
     #[pymodule_export]

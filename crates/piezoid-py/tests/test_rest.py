@@ -170,3 +170,14 @@ def test_blocks_are_fitted_in_one_unit(small: pz.Record) -> None:
     assert np.allclose(both.a, alone.a) and np.allclose(both.b, alone.b)
     with pytest.raises(pz.PiezoidError, match="the conversion is unknown"):
         pz.linear.fit([small, pz.Record(small.u, small.y, small.ts, units=("V", "furlong"))])
+
+
+def test_a_file_of_a_run_that_was_killed_is_told(tmp_path: Path, model: pz.Model) -> None:
+    path = tmp_path / "m.json"
+    model.save(path)
+    pz.load(path)
+    about = "piezoid was ended while it replaced these files: some may be new and others old.\n"
+    about += "Repeat the command that writes them all; it removes this file.\n"
+    (tmp_path / "piezoid-unfinished.txt").write_text(f"{about}\nm.json\n")
+    with pytest.warns(UserWarning, match="m.json may be older than other files of its run"):
+        pz.load(path)

@@ -10,6 +10,7 @@ use axum::extract::{Path as Segment, Request, State};
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream::unfold;
+use piezoid_host::temporary;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 use std::fs::File;
@@ -17,33 +18,11 @@ use std::io::{Error, Read, Seek};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::UNIX_EPOCH;
-use tempfile::NamedTempFile;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::sync::Mutex;
 
 /// Bytes of a piece.
 const PIECE: usize = 1 << 16;
-
-/// What names of files begin with while they arrive.
-const UPLOAD: &str = ".piezoid-upload-";
-
-/// Removes files that had not arrived when an earlier server of this folder was ended by force.
-pub(crate) fn sweep(folder: &Path) {
-    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-        if entry.file_name().to_str().is_some_and(|name| name.starts_with(UPLOAD)) {
-            // One that cannot be removed does no harm.
-            let _ = std::fs::remove_file(entry.path());
-        }
-    }
-}
-
-/// A file for what arrives, which is deleted unless it is kept.
-fn upload(folder: &Path) -> Result<NamedTempFile, Error> {
-    let mut builder = tempfile::Builder::new();
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.prefix(UPLOAD).tempfile_in(folder)
-}
 
 /// The project folder.
 pub(crate) struct Folder {
@@ -182,7 +161,7 @@ pub(crate) async fn write(
     let failed = |e: Error| Failure::of(&name, &e);
     let (folder, told) = (server.folder.path.clone(), name.clone());
     let staged = blocking(move || {
-        let staged = upload(&folder)?;
+        let staged = temporary::upload(&folder)?;
         Ok::<_, Error>((staged.as_file().try_clone()?, staged))
     });
     let (file, staged) = staged.await?.map_err(failed)?;

@@ -10,10 +10,9 @@ use axum::response::Response;
 use hmac::{Hmac, KeyInit, Mac};
 use serde_json::json;
 use sha2::Sha256;
-use std::sync::Arc;
-
 use std::io::Write;
 use std::path::Path;
+use std::sync::Arc;
 
 /// The file of the key. The interface gives no file whose name begins with a dot.
 const FILE: &str = ".piezoid-key";
@@ -27,7 +26,7 @@ pub(crate) fn key(folder: &Path) -> std::io::Result<String> {
     getrandom::fill(&mut bytes).map_err(std::io::Error::other)?;
     let key = hex(&bytes);
     // Only the owner may read the temporary file, and so the key.
-    let kept = tempfile::Builder::new().prefix(".piezoid-").tempfile_in(folder).and_then(|mut file| {
+    let kept = piezoid_host::temporary::secret(folder).and_then(|mut file| {
         file.write_all(key.as_bytes())?;
         file.persist(folder.join(FILE)).map_err(|failed| failed.error)
     });
@@ -41,15 +40,16 @@ pub(crate) fn key(folder: &Path) -> std::io::Result<String> {
 pub(crate) async fn health(State(server): State<Arc<Server>>, RawQuery(query): RawQuery) -> Response {
     let nonce = query.as_deref().and_then(|query| query.strip_prefix("nonce="));
     let valid = |nonce: &&str| nonce.len() == 2 * LENGTH && nonce.bytes().all(|digit| digit.is_ascii_hexdigit());
-    let proof = nonce.filter(valid).and_then(|nonce| {
-        let mut mac = Hmac::<Sha256>::new_from_slice(server.key.as_bytes()).ok()?;
-        mac.update(nonce.as_bytes());
-        Some(hex(&mac.finalize().into_bytes()))
-    });
-    document(&match proof {
+    document(&match nonce.filter(valid).and_then(|nonce| proof(&server.key, nonce)) {
         Some(proof) => json!({"version": env!("CARGO_PKG_VERSION"), "proof": proof}),
         None => json!({"version": env!("CARGO_PKG_VERSION")}),
     })
+}
+
+fn proof(key: &str, nonce: &str) -> Option<String> {
+    let mut mac = Hmac::<Sha256>::new_from_slice(key.as_bytes()).ok()?;
+    mac.update(nonce.as_bytes());
+    Some(hex(&mac.finalize().into_bytes()))
 }
 
 fn hex(bytes: &[u8]) -> String {
@@ -59,6 +59,13 @@ fn hex(bytes: &[u8]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_proof_is_the_hmac_of_rfc_4231() {
+        // Test case 2.
+        let known = "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843";
+        assert_eq!(proof("Jefe", "what do ya want for nothing?").unwrap(), known);
+    }
 
     #[test]
     fn each_start_has_a_key_of_its_own_for_the_owner() {

@@ -36,6 +36,7 @@ use axum::routing::{get, post};
 use failure::{Failure, document};
 use lock::Lock;
 use piezoid::Error;
+use piezoid_host::temporary;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -93,33 +94,39 @@ pub fn serve(settings: &Settings, ready: impl FnOnce(&str)) -> Result<(), Error>
     served.map(drop)
 }
 
-/// Waits for a signal that asks to end; signals are handled from the call on.
+/// Waits for a signal that asks to end, except those that `nohup` has this process ignore; signals are handled from the
+/// call on.
 #[cfg(unix)]
 fn ended() -> std::io::Result<impl Future<Output = ()>> {
     use tokio::signal::unix::{SignalKind, signal};
-    let [mut interrupt, mut terminate, mut hangup] =
-        [signal(SignalKind::interrupt())?, signal(SignalKind::terminate())?, signal(SignalKind::hangup())?];
-    Ok(async move {
-        tokio::select! {
-            _ = interrupt.recv() => {}
-            _ = terminate.recv() => {}
-            _ = hangup.recv() => {}
+    let kinds = [SignalKind::interrupt(), SignalKind::terminate(), SignalKind::hangup()];
+    let heard = kinds.into_iter().filter(|kind| !piezoid_host::signals::is_ignored(kind.as_raw_value()));
+    let mut heard = heard.map(signal).collect::<Result<Vec<_>, _>>()?;
+    Ok(std::future::poll_fn(move |context| {
+        let came = |signal: &mut tokio::signal::unix::Signal| signal.poll_recv(context).is_ready();
+        match heard.iter_mut().any(came) {
+            true => std::task::Poll::Ready(()),
+            false => std::task::Poll::Pending,
         }
-    })
+    }))
 }
 
-/// Waits for Ctrl-C.
-#[cfg(not(unix))]
+/// Waits for Ctrl-C; it is handled from the call on.
+#[cfg(windows)]
 fn ended() -> std::io::Result<impl Future<Output = ()>> {
-    Ok(async { drop(tokio::signal::ctrl_c().await) })
+    let mut interrupt = tokio::signal::windows::ctrl_c()?;
+    Ok(async move { drop(interrupt.recv().await) })
 }
 
-/// Makes the project folder, locks it, and removes what a server left that was ended by force; a new key for it.
+/// Makes the project folder, locks it, and removes what servers left that were ended by force; a new key for it.
 fn prepared(folder: &Path) -> Result<(Lock, String), Error> {
     let failed = |e| Error::Content(format!("the project folder {} cannot be used: {e}", folder.display()));
     std::fs::create_dir_all(folder).map_err(failed)?;
     let lock = Lock::of(folder)?;
-    files::sweep(folder);
+    if lock.is_held() {
+        temporary::sweep_uploads(folder);
+    }
+    temporary::sweep_files(folder);
     Ok((lock, key::key(folder).map_err(failed)?))
 }
 

@@ -22,10 +22,17 @@ impl Lock {
     /// Returns an error if another server has it, with the address of that one, or if the folder cannot be locked.
     pub(crate) fn of(folder: &Path) -> Result<Self, Error> {
         let failed = |e| Error::Content(format!("the project folder {} cannot be locked: {e}", folder.display()));
+        let path = folder.join(FILE);
+        // The address is written into it.
+        if std::fs::symlink_metadata(&path).is_ok_and(|what| !what.is_file()) {
+            let path = path.display();
+            return Err(Error::Content(format!(
+                "{path} is no lock of `piezoid serve`: delete it, or name another folder"
+            )));
+        }
         let mut open = OpenOptions::new();
         #[cfg(unix)]
         std::os::unix::fs::OpenOptionsExt::mode(&mut open, 0o600);
-        let path = folder.join(FILE);
         let mut file = match open.read(true).write(true).create(true).truncate(false).open(&path) {
             Ok(file) => file,
             Err(e) if is_refused(&e) && !path.exists() => return Ok(Lock(None)),
@@ -47,6 +54,11 @@ impl Lock {
                 )))
             }
         }
+    }
+
+    /// True if no other server uses the folder.
+    pub(crate) fn is_held(&self) -> bool {
+        self.0.is_some()
     }
 
     /// Says where the server is, for the next that wants the folder.
@@ -87,5 +99,16 @@ mod tests {
         assert!(refused.contains("at http://127.0.0.1:8642/: use that one"), "{refused}");
         drop(first);
         assert!(Lock::of(folder.path()).is_ok());
+    }
+
+    #[test]
+    #[cfg(unix)]
+    fn a_link_is_not_followed() {
+        let folder = tempfile::tempdir().unwrap();
+        let victim = folder.path().join("victim");
+        std::fs::write(&victim, "precious").unwrap();
+        std::os::unix::fs::symlink(&victim, folder.path().join(FILE)).unwrap();
+        assert!(Lock::of(folder.path()).err().unwrap().to_string().contains("is no lock of `piezoid serve`"));
+        assert_eq!(std::fs::read_to_string(&victim).unwrap(), "precious");
     }
 }

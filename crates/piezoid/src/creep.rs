@@ -13,6 +13,7 @@
 use crate::error::{Error, positive};
 use crate::program::Block;
 use crate::system::System;
+use libm::{expm1, log10};
 use serde::{Deserialize, Serialize};
 
 /// The ladder of lags.
@@ -59,7 +60,7 @@ impl Creep {
             positive(&format!("creep[{k}].tau_s"), lag.tau_s, "seconds")?;
             crate::error::finite("creep gain", &[lag.gain])?;
         }
-        let rates = lags.iter().map(|lag| -(-ts / lag.tau_s).exp_m1()).collect();
+        let rates = lags.iter().map(|lag| -expm1(-ts / lag.tau_s)).collect();
         Ok(Creep { ts, lags, rates })
     }
 
@@ -73,7 +74,7 @@ impl Creep {
         if from > to {
             return Err(Error::parameter("from", from, format!("must not be after `to`, which is {to} s")));
         }
-        let rungs = (to / from).log10().round() as i32;
+        let rungs = log10(to / from).round() as i32;
         Creep::new(ts, (0..=rungs).map(|k| Lag { tau_s: from * 10f64.powi(k), gain: per_decade }).collect())
     }
 
@@ -84,7 +85,7 @@ impl Creep {
 
     /// Creep at time `t` [s] after a step of z, relative to the step [-].
     pub fn after(&self, t: f64) -> f64 {
-        self.lags.iter().map(|lag| -lag.gain * (-t / lag.tau_s).exp_m1()).sum()
+        self.lags.iter().map(|lag| -lag.gain * expm1(-t / lag.tau_s)).sum()
     }
 
     /// Returns the z for which the next step from the state `x` gives `y`. The step is linear in z, so this is exact.

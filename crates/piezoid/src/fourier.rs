@@ -1,5 +1,7 @@
 //! The discrete Fourier transform, X_k = sum over t of x_t exp(-2 pi i k t / n), bit-identical on every processor.
 
+use crate::complex::{modulus, polar};
+use libm::cos;
 use nalgebra::Complex;
 use rustfft::{Fft, FftPlannerScalar};
 use std::f64::consts::PI;
@@ -36,7 +38,7 @@ pub(crate) fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
 pub(crate) fn amplitudes(x: &[f64]) -> Vec<f64> {
     let (bins, _) = windowed(x, harris(x.len()));
     let whole: f64 = (0..x.len()).map(harris(x.len())).sum();
-    bins.iter().map(|c| 2.0 * c.norm() / whole).collect()
+    bins.iter().map(|c| 2.0 * modulus(*c) / whole).collect()
 }
 
 /// The power with a window, scaled so that the sum is the mean square.
@@ -67,7 +69,7 @@ fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>, f64
 fn harris(n: usize) -> impl Fn(usize) -> f64 {
     move |t| {
         let angle = std::f64::consts::TAU * (t as f64 + 0.5) / n as f64;
-        0.35875 - 0.48829 * angle.cos() + 0.14128 * (2.0 * angle).cos() - 0.01168 * (3.0 * angle).cos()
+        0.35875 - 0.48829 * cos(angle) + 0.14128 * cos(2.0 * angle) - 0.01168 * cos(3.0 * angle)
     }
 }
 
@@ -86,7 +88,7 @@ pub(crate) fn autocorrelation(x: &[f64]) -> Vec<f64> {
     // further. Their mean and half their difference, packed in the same way, are the spectrum of the products.
     let packed = |k: usize, bin: Complex<f64>, mirror: Complex<f64>| -> Complex<f64> {
         let even = (bin + mirror.conj()) / 2.0;
-        let turned = Complex::cis(-PI * k as f64 / half as f64);
+        let turned = polar(1.0, -PI * k as f64 / half as f64);
         let odd = turned * (bin - mirror.conj()) * Complex::new(0.0, -0.5);
         let mean = even.norm_sqr() + odd.norm_sqr();
         turned.conj() * Complex::new(0.0, 2.0 * (even * odd.conj()).re) + mean
@@ -113,7 +115,7 @@ pub(crate) fn cosines(lines: &[usize], phases: &[f64], fft: &dyn Fft<f64>) -> Ve
     // The forward transform of conjugate lines: its real part is the sum of cosines.
     let mut signal = vec![Complex::ZERO; fft.len()];
     for (k, phase) in lines.iter().zip(phases) {
-        signal[*k] = Complex::cis(-phase);
+        signal[*k] = polar(1.0, -phase);
     }
     fft.process(&mut signal);
     signal

@@ -31,7 +31,11 @@
 //! The library does no input or output: no files, clock, printing or threads it was not asked for. Seeds are
 //! parameters, and the same input gives the same bytes.
 
+// Tests compare with the C library.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
 pub mod compensation;
+mod complex;
 pub mod control;
 pub mod creep;
 pub mod driver;

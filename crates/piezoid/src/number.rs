@@ -1,5 +1,6 @@
 //! Numbers as text.
 
+use libm::{log10, pow};
 /// `x` with four significant digits, with a power of ten if it is very small or large; `-` if it is not finite.
 ///
 /// ```
@@ -12,7 +13,7 @@ pub fn short(x: f64) -> String {
         a if !a.is_finite() => "-".into(),
         0.0 => "0".into(),
         a if (1e-3..1e5).contains(&a) => {
-            let decimals = (3 - a.log10().floor() as i32).max(0) as usize;
+            let decimals = (3 - log10(a).floor() as i32).max(0) as usize;
             format!("{x:.decimals$}")
         }
         _ => format!("{x:.3e}"),
@@ -42,8 +43,8 @@ pub fn round(x: f64) -> String {
 pub fn quantity(x: f64, unit: &str) -> String {
     const PREFIXES: [&str; 8] = ["p", "n", "u", "m", "", "k", "M", "G"];
     let thousands =
-        if x == 0.0 || !x.is_finite() { 0.0 } else { (x.abs().log10() / 3.0 + 1e-9).floor().clamp(-4.0, 3.0) };
-    format!("{} {}{unit}", round(x / 1000f64.powf(thousands)), PREFIXES[(thousands + 4.0) as usize])
+        if x == 0.0 || !x.is_finite() { 0.0 } else { (log10(x.abs()) / 3.0 + 1e-9).floor().clamp(-4.0, 3.0) };
+    format!("{} {}{unit}", round(x / pow(1000.0, thousands)), PREFIXES[(thousands + 4.0) as usize])
 }
 
 /// `x` with all its digits, and with an exponent beyond 1e15: never with hundreds of zeros.

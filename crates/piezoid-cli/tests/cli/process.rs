@@ -28,10 +28,18 @@ fn a_reader_that_goes_away_is_no_failure() {
 fn a_full_disk_is_a_failure() {
     let bench = Bench::stocked();
     let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
-    for line in ["man", "simulate --plant paper --input drive5.csv -o -"] {
+    for line in ["man", "--help", "simulate --plant paper --input drive5.csv -o -"] {
         let output = bench.command(line).stdout(full()).output().unwrap();
         Run::of(line, &output).exits(1).says(&["error: cannot write to stdout"]);
     }
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_folder_that_takes_no_files_is_named() {
+    let bench = Bench::stocked();
+    let line = "simulate --plant paper --input drive5.csv -o /proc/x.csv";
+    bench.run(line).exits(1).says(&["cannot write /proc/x.csv: /proc takes no new files: name another folder"]);
 }
 
 /// True if the process already handles Ctrl-C.

@@ -24,7 +24,11 @@ impl Drop for Server {
 
 impl Server {
     fn start(bench: &Bench) -> Self {
-        let mut child = bench.command("serve project --port 0").stdout(Stdio::piped()).spawn().unwrap();
+        Self::of(bench.command("serve project --port 0"))
+    }
+
+    fn of(mut command: Command) -> Self {
+        let mut child = command.stdout(Stdio::piped()).spawn().unwrap();
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines().map(Result::unwrap);
         let folder = lines.next().unwrap();
         assert!(folder.ends_with("project at"), "{folder}");
@@ -103,7 +107,7 @@ fn files_of_the_project_outlive_the_server() {
         assert!(status == 200 && String::from_utf8_lossy(&page).contains("data-library=\"server\""));
         assert_eq!(server.ask("PUT /api/files/log.csv", b"t_s,u_V,y_um\n0,0,0\n1,1,1\n").0, 201);
     }
-    bench.write("project/.piezoid-upload-a1b2c3", "half of a fi");
+    bench.write("project/.piezoid-upload-a1b2c3d4e5f6", "half of a fi");
     let server = Server::start(&bench);
     assert_eq!(server.ask("GET /api/files/log.csv", b""), (200, bench.bytes("project/log.csv")));
     assert_eq!(bench.names(), ["project/.piezoid-key", "project/.piezoid-lock", "project/log.csv"]);
@@ -200,16 +204,7 @@ fn signals_end_the_server_and_its_work() {
         let mut server = Server::start(&bench);
         let mut stream = server.sent("POST /api/call", &identify(&bench, 2_000_000));
         stream.read_exact(&mut [0; 20]).unwrap();
-        let mut upload = TcpStream::connect(("127.0.0.1", server.port)).unwrap();
-        let head = format!(
-            "PUT /api/files/half.csv HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\
-             Content-Type: application/octet-stream\r\nContent-Length: 1000\r\n\r\nhalf",
-            server.port, server.key
-        );
-        upload.write_all(head.as_bytes()).unwrap();
-        let arrives = || bench.names().iter().any(|name| name.starts_with("project/.piezoid-upload-"));
-        (0..200).take_while(|_| !arrives()).for_each(|_| std::thread::sleep(Duration::from_millis(10)));
-        assert!(arrives());
+        let _upload = half_sent(&server, &bench);
         let interrupted = Instant::now();
         assert!(Command::new("kill").args([signal, &server.child.id().to_string()]).status().unwrap().success());
         assert_eq!(server.child.wait().unwrap().code(), Some(0), "{signal}");
@@ -217,6 +212,52 @@ fn signals_end_the_server_and_its_work() {
         let left: Vec<String> = bench.names().into_iter().filter(|name| name.starts_with("project/")).collect();
         assert_eq!(left, ["project/.piezoid-key", "project/.piezoid-lock"], "{signal}");
     }
+}
+
+/// An upload of which a part has arrived in the folder.
+fn half_sent(server: &Server, bench: &Bench) -> TcpStream {
+    let mut upload = TcpStream::connect(("127.0.0.1", server.port)).unwrap();
+    let head = format!(
+        "PUT /api/files/half.csv HTTP/1.1\r\nHost: 127.0.0.1:{}\r\nAuthorization: Bearer {}\r\n\
+         Content-Type: application/octet-stream\r\nContent-Length: 1000\r\n\r\nhalf",
+        server.port, server.key
+    );
+    upload.write_all(head.as_bytes()).unwrap();
+    let arrives = || bench.names().iter().any(|name| name.starts_with("project/.piezoid-upload-"));
+    (0..200).take_while(|_| !arrives()).for_each(|_| std::thread::sleep(Duration::from_millis(10)));
+    assert!(arrives());
+    upload
+}
+
+#[test]
+fn what_a_killed_server_left_is_removed_at_the_next_start_and_no_other_file() {
+    let bench = Bench::new();
+    let mut server = Server::start(&bench);
+    let _upload = half_sent(&server, &bench);
+    server.child.kill().unwrap();
+    server.child.wait().unwrap();
+    bench.write("project/.piezoid-upload-notes", "a user's");
+    let _next = Server::start(&bench);
+    let uploads = |name: &String| name.starts_with("project/.piezoid-upload-");
+    assert_eq!(bench.names().into_iter().filter(uploads).collect::<Vec<_>>(), ["project/.piezoid-upload-notes"]);
+}
+
+/// Only Linux tells what is ignored.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_server_that_was_started_by_nohup_outlasts_its_terminal() {
+    let bench = Bench::new();
+    let serve = bench.command("serve project --port 0");
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' HUP; exec \"$0\" \"$@\""]).arg(serve.get_program()).args(serve.get_args());
+    shell.current_dir(serve.get_current_dir().unwrap());
+    let mut server = Server::of(shell);
+    let kill = |signal: &str| Command::new("kill").args([signal, &server.child.id().to_string()]).status().unwrap();
+    assert!(kill("-HUP").success());
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(server.ask("GET /api/health", b"").0, 200);
+    assert!(kill("-TERM").success());
+    assert_eq!(server.child.wait().unwrap().code(), Some(0));
 }
 
 #[test]

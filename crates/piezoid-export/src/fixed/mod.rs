@@ -56,6 +56,13 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 /// Largest allowed error, over the stroke.
 const MOST: f64 = 1e-4;
 
+/// Largest number of operations of a sample, over all entries: their test runs then take seconds. The largest of the
+/// operators with default sizes has 2e4.
+const OPERATIONS: f64 = 5e4;
+
+/// Samples on which operations are counted.
+const TRIED: usize = 16;
+
 /// The exported program with integers.
 pub(super) struct Fixed {
     whole: ExportedProgram,
@@ -106,6 +113,20 @@ impl Fixed {
     /// The program with integers, its errors against the program `exact`.
     fn of(whole: &ExportedProgram, exact: &Program, request: &ExportRequest) -> Result<Self, Error> {
         let test_inputs = test_inputs(whole, request);
+        let mut operations = 0.0;
+        for (entry, TestInputs { inputs, .. }) in whole.entries.iter().zip(&test_inputs) {
+            let mut machine = Machine::new(&whole.program, entry.state, false);
+            inputs.iter().take(TRIED).try_for_each(|input| machine.call(entry.step, input).map(drop))?;
+            operations += machine.counts.total() as f64 / TRIED as f64;
+        }
+        if operations > OPERATIONS {
+            let because = format!(
+                "a sample takes {} operations, and its range and error can be found for at most {}",
+                short(operations),
+                short(OPERATIONS)
+            );
+            return Err(Error::Unsuited { what: "export in fixed point".into(), because });
+        }
         let (mut machines, mut outputs) = (Vec::new(), Vec::new());
         for (entry, TestInputs { starts, inputs }) in whole.entries.iter().zip(&test_inputs) {
             let runs = |mut machine: Machine<'_>| {

@@ -63,7 +63,7 @@ impl PeriodicDrive {
         follows(model, n)?;
         let inverse = FeedForward::new(model, settings)?;
         // The plant is the model, so its inverse is right and the gain can be 1.
-        let share = (HEAVY / model.effort().unwrap_or(1.0).max(1.0)).min(1.0);
+        let share = (HEAVY / model.effort()?.max(1.0)).min(1.0);
         let trials = ((TRIALS as f64 * share) as usize).max(2);
         let learning = Learning { trials, gain: 1.0, cutoff_hz: None };
         let learned = learning.run(&mut |u| answer(model, u).y, &inverse, &r)?;
@@ -143,7 +143,7 @@ pub(super) fn answer(model: &Model, u: &[f64]) -> Answer {
     let from = model.hysteresis().order();
     let mut x = model.settled(u.first().copied().unwrap_or(0.0));
     let mut answer = Answer { y: model.resume(&mut x, u), differs: f64::INFINITY };
-    let patience = PATIENCE.min(OPERATIONS / model.effort().unwrap_or(1.0).max(1.0)) as usize;
+    let patience = PATIENCE.min(OPERATIONS / model.effort().map_or(f64::INFINITY, |effort| effort.max(1.0))) as usize;
     for _ in 0..(patience / u.len().max(1)).max(2) {
         let before = x[from..from + lags.len()].to_vec();
         let next = model.resume(&mut x, u);

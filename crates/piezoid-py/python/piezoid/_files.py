@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -28,6 +29,8 @@ def write(path: str | os.PathLike[str], text: str) -> None:
 
 def read(path: str | os.PathLike[str]) -> bytes:
     """The bytes of a file."""
+    if why := _piezoid.unfinished(path):
+        warnings.warn(why, stacklevel=3)
     try:
         return Path(path).read_bytes()
     except FileNotFoundError:

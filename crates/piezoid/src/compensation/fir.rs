@@ -5,6 +5,7 @@
 //! ```
 //! On a whole record it has a preview of p samples; as a system, sample by sample, it has a delay of p samples.
 
+use crate::complex::{argument, modulus, polar};
 use crate::error::{Error, finite, positive};
 use crate::linear::Response;
 use crate::program::Block;
@@ -88,9 +89,9 @@ impl Fir {
     /// Frequency response at `hz` [Hz] over a whole record.
     pub fn response(&self, hz: f64) -> Response {
         let angle = TAU * hz * self.ts;
-        let sum: Complex<f64> = self.taps.iter().enumerate().map(|(k, f)| f * Complex::cis(-angle * k as f64)).sum();
-        let sum = sum * Complex::cis(angle * self.ahead as f64);
-        Response { hz, gain: sum.norm(), phase: sum.arg() }
+        let sum: Complex<f64> = self.taps.iter().enumerate().map(|(k, f)| f * polar(1.0, -angle * k as f64)).sum();
+        let sum = sum * polar(1.0, angle * self.ahead as f64);
+        Response { hz, gain: modulus(sum), phase: argument(sum) }
     }
 
     /// Rms of the output for white noise of rms 1.

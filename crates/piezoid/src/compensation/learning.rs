@@ -19,6 +19,7 @@
 //! are not periodic with them.
 
 use super::{FeedForward, FeedForwardSettings};
+use crate::complex::{modulus, polar};
 use crate::creep::Creep;
 use crate::error::{Error, finite, positive};
 use crate::fourier::forward;
@@ -176,7 +177,7 @@ impl Harmonics {
         let hz = |k: usize| k as f64 / period;
         let response = |k: usize| {
             let f = inverse.preview().fir().response(hz(k));
-            Complex::from_polar(f.gain, f.phase)
+            polar(f.gain, f.phase)
         };
         let inverse: Vec<_> = (0..=target.len() / 2).map(response).collect();
         let z: Vec<_> = lines(target).iter().zip(&inverse).map(|(r, f)| r * f).collect();
@@ -217,17 +218,17 @@ impl Harmonics {
         for (k, e) in error.into_iter().enumerate() {
             let (z, growing) = (self.z[k], &mut self.growing[k]);
             let best = [self.best.0[k], self.best.1[k]];
-            if lost || growing.last().is_some_and(|[_, before]| e.norm() <= before.norm()) {
+            if lost || growing.last().is_some_and(|[_, before]| modulus(e) <= modulus(*before)) {
                 growing.clear();
             }
             growing.push(if lost { best } else { [z, e] });
             let stuck = self.since >= STUCK && growing.len() > GROWS;
             let [z_then, e_then] = growing[0];
-            if (lost || stuck) && e.norm() > e_then.norm() && e.norm_sqr() > MATTERS * all {
+            if (lost || stuck) && modulus(e) > modulus(e_then) && e.norm_sqr() > MATTERS * all {
                 let measured = self.gain * (z - z_then) / (e_then - e);
-                let most = FURTHER * self.gain * self.inverse[k].norm();
+                let most = FURTHER * self.gain * modulus(self.inverse[k]);
                 if measured.is_finite() {
-                    self.answer[k] = measured * (most / measured.norm()).min(1.0);
+                    self.answer[k] = measured * (most / modulus(measured)).min(1.0);
                 }
                 growing.clear();
             }

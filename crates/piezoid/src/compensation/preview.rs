@@ -15,6 +15,7 @@
 //! [`super::FeedForward`] correct for them.
 
 use super::fir::Fir;
+use crate::complex::{modulus, polar};
 use crate::error::Error;
 use crate::linear::Arx;
 use crate::system::System;
@@ -92,10 +93,10 @@ impl Preview {
         for k in 0..GRID {
             let angle = PI * (k as f64 + 0.5) / GRID as f64;
             let r = block.response(0.5 * angle / (PI * block.ts()));
-            let h = Complex::from_polar(r.gain, r.phase) / g;
+            let h = polar(r.gain, r.phase) / g;
             let weight = (1.0 + (angle / (PI * corner)).powi(2)).powi(-2) / GRID as f64;
-            let rotation = Complex::cis(angle);
-            let (mut rotated, mut lag) = (Complex::cis(-angle * ahead as f64) * h.conj(), Complex::from(h.norm_sqr()));
+            let rotation = polar(1.0, angle);
+            let (mut rotated, mut lag) = (polar(1.0, -angle * ahead as f64) * h.conj(), Complex::from(h.norm_sqr()));
             for j in 0..taps {
                 own[j] += weight * lag.re;
                 right[j] += weight * rotated.re;
@@ -129,7 +130,7 @@ impl Preview {
     /// |G F - 1| at `hz` [Hz]: the relative error for a sine of that frequency.
     pub fn error(&self, hz: f64) -> f64 {
         let (g, f) = (self.block.response(hz), self.fir.response(hz));
-        (Complex::from_polar(g.gain * f.gain, g.phase + f.phase) - 1.0).norm()
+        modulus(polar(g.gain * f.gain, g.phase + f.phase) - 1.0)
     }
 }
 

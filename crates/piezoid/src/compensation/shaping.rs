@@ -20,6 +20,7 @@ use crate::hammerstein::Model;
 use crate::linear::Arx;
 use crate::options::{OptionKind, OptionRow, options};
 use crate::system::System;
+use libm::{cos, exp, sin, tan};
 use std::f64::consts::{PI, TAU};
 
 options! {
@@ -114,10 +115,9 @@ impl Fir {
             return Err(Error::parameter("hz", hz, format!("must have a half period of at most {LONGEST} samples")));
         }
         // A_0 + A_1 p^-n + A_2 p^-(n+1) = 0 at the pole p = exp(-decay + i angle): its imaginary part gives A_1 / A_2.
-        let (a, b) = ((n * angle).sin() * (n * decay).exp(), ((n + 1.0) * angle).sin() * ((n + 1.0) * decay).exp());
+        let (a, b) = (sin(n * angle) * exp(n * decay), sin((n + 1.0) * angle) * exp((n + 1.0) * decay));
         let (one, two) = (-b, a);
-        let real =
-            one * (n * angle).cos() * (n * decay).exp() + two * ((n + 1.0) * angle).cos() * ((n + 1.0) * decay).exp();
+        let real = one * cos(n * angle) * exp(n * decay) + two * cos((n + 1.0) * angle) * exp((n + 1.0) * decay);
         let sum = one + two - real;
         let mut taps = vec![0.0; n as usize + 2];
         taps[0] += -real / sum;
@@ -145,8 +145,8 @@ impl Arx {
         let (_, angle) = mode(ts, hz, 0.0)?;
         positive("width", width, "hertz")?;
         // The bilinear notch: the tangent of half the width gives the poles.
-        let t = (PI * width * ts).min(0.49 * PI).tan();
-        let (c, k) = (angle.cos(), 1.0 / (1.0 + t));
+        let t = tan((PI * width * ts).min(0.49 * PI));
+        let (c, k) = (cos(angle), 1.0 / (1.0 + t));
         Arx::new(ts, vec![2.0 * c * k, -(1.0 - t) * k], vec![k, -2.0 * c * k, k])
     }
 }

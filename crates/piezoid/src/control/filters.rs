@@ -10,12 +10,13 @@
 
 use crate::error::Error;
 use crate::linear::Arx;
+use libm::{cos, exp};
 use std::f64::consts::TAU;
 
 /// p(q) for a natural frequency [Hz] and a damping ratio.
 pub(super) fn pair(ts: f64, hz: f64, damping: f64) -> [f64; 3] {
     let (decay, angle) = (damping * TAU * hz * ts, TAU * hz * ts * (1.0 - damping * damping).max(0.0).sqrt());
-    [1.0, -2.0 * (-decay).exp() * angle.cos(), (-2.0 * decay).exp()]
+    [1.0, -2.0 * exp(-decay) * cos(angle), exp(-2.0 * decay)]
 }
 
 /// Second-order low-pass with static gain 1: p(1) / p(q).

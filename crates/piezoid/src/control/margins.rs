@@ -15,11 +15,13 @@
 
 use super::Controller;
 use super::filters::{plus, ratio, times};
+use crate::complex::{argument, modulus, polar};
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::linear::Arx;
 use crate::series::ends;
 use crate::system::System;
+use libm::{exp, log, log10, pow, sinh};
 use nalgebra::Complex;
 use serde::Serialize;
 
@@ -125,7 +127,7 @@ impl ControlLoop {
             .collect::<Vec<_>>();
         let stable = self.closed(&law, slope).is_ok_and(|t| t.is_stable());
         Some(Margins {
-            gain_db: 20.0 * growths(&l).filter(|&k| k > 1.0).fold(f64::INFINITY, f64::min).log10(),
+            gain_db: 20.0 * log10(growths(&l).filter(|&k| k > 1.0).fold(f64::INFINITY, f64::min)),
             phase_deg: phase(&l),
             peak: peak(&l),
             bandwidth_hz: bandwidth(&grid, &l),
@@ -137,7 +139,7 @@ impl ControlLoop {
     pub(crate) fn sensitivity(&self, controller: &dyn Controller, slope: f64, hz: &[f64]) -> Option<Vec<f64>> {
         let law = controller.law()?;
         let l = open(hz, self.linear(), slope, self.delay_s()).zip(at(hz, &law)).map(|(g, c)| g * c);
-        Some(l.map(|l| 1.0 / (1.0 + l).norm()).collect())
+        Some(l.map(|l| 1.0 / modulus(1.0 + l)).collect())
     }
 
     /// The closed loop from r to y with a linear law.
@@ -181,10 +183,10 @@ pub(super) fn grid(blocks: &[&Arx], late: usize) -> Vec<f64> {
     let Some(first) = blocks.first() else { return Vec::new() };
     let nyquist = 0.5 / first.ts();
     let mut grid: Vec<f64> =
-        (0..=POINTS).map(|i| nyquist * 10f64.powf(6.0 * (i as f64 / POINTS as f64 - 1.0))).collect();
+        (0..=POINTS).map(|i| nyquist * pow(10.0, 6.0 * (i as f64 / POINTS as f64 - 1.0))).collect();
     for pole in blocks.iter().flat_map(|b| b.poles()).filter(|p| p.z.im > 0.0) {
         let width = pole.damping.abs().max(1e-4);
-        grid.extend((-AROUND..=AROUND).map(|i| pole.hz * (1.0 + width * (0.075 * f64::from(i)).sinh() / 4.0)));
+        grid.extend((-AROUND..=AROUND).map(|i| pole.hz * (1.0 + width * sinh(0.075 * f64::from(i)) / 4.0)));
     }
     grid.extend((1..TURN * late).map(|i| nyquist * i as f64 / (TURN * late) as f64));
     grid.retain(|hz| *hz > 0.0 && *hz <= nyquist);
@@ -199,14 +201,14 @@ pub(super) fn open<'a>(
     slope: f64,
     after: f64,
 ) -> impl Iterator<Item = Complex<f64>> + 'a {
-    at(grid, linear).zip(grid).map(move |(g, hz)| g * Complex::from_polar(slope, -std::f64::consts::TAU * hz * after))
+    at(grid, linear).zip(grid).map(move |(g, hz)| g * polar(slope, -std::f64::consts::TAU * hz * after))
 }
 
 /// The response of a block.
 pub(super) fn at<'a>(grid: &'a [f64], block: &'a Arx) -> impl Iterator<Item = Complex<f64>> + 'a {
     grid.iter().map(|&hz| {
         let response = block.response(hz);
-        Complex::from_polar(response.gain, response.phase)
+        polar(response.gain, response.phase)
     })
 }
 
@@ -221,31 +223,31 @@ pub(super) fn growths(l: &[Complex<f64>]) -> impl Iterator<Item = f64> + '_ {
 
 /// The smallest angle between L and -1 where |L| = 1 [degrees].
 pub(super) fn phase(l: &[Complex<f64>]) -> f64 {
-    let crossings = l.windows(2).filter(|w| (w[0].norm() < 1.0) != (w[1].norm() < 1.0));
+    let crossings = l.windows(2).filter(|w| (modulus(w[0]) < 1.0) != (modulus(w[1]) < 1.0));
     let angles = crossings.map(|w| {
-        let (from, to) = (w[0].norm().ln(), w[1].norm().ln());
-        let turned = (w[1] / w[0]).arg();
-        let angle = (-w[0]).arg() + turned * from / (from - to);
-        Complex::from_polar(1.0, angle).arg().abs().to_degrees()
+        let (from, to) = (log(modulus(w[0])), log(modulus(w[1])));
+        let turned = argument(w[1] / w[0]);
+        let angle = argument(-w[0]) + turned * from / (from - to);
+        argument(polar(1.0, angle)).abs().to_degrees()
     });
     angles.fold(f64::INFINITY, f64::min)
 }
 
 /// The largest |S|.
 fn peak(l: &[Complex<f64>]) -> f64 {
-    l.iter().map(|l| 1.0 / (1.0 + l).norm()).fold(0.0, f64::max)
+    l.iter().map(|l| 1.0 / modulus(1.0 + l)).fold(0.0, f64::max)
 }
 
 /// The lowest frequency with |S| = -3 dB [Hz].
 fn bandwidth(grid: &[f64], l: &[Complex<f64>]) -> f64 {
-    let s = |i: usize| -(1.0 + l[i]).norm().ln();
+    let s = |i: usize| -log(modulus(1.0 + l[i]));
     let edge = -0.5 * std::f64::consts::LN_2;
     match (0..l.len()).find(|&i| s(i) >= edge) {
         None => grid.last().copied().unwrap_or(0.0),
         Some(0) => 0.0,
         Some(i) => {
             let share = (edge - s(i - 1)) / (s(i) - s(i - 1));
-            (grid[i - 1].ln() + share * (grid[i] / grid[i - 1]).ln()).exp()
+            exp(log(grid[i - 1]) + share * log(grid[i] / grid[i - 1]))
         }
     }
 }

@@ -16,9 +16,11 @@
 
 use super::margins::{ControlLoop, at, check_late, grid, growths, open, phase};
 use super::{Controller, filters};
+use crate::complex::modulus;
 use crate::error::{Error, positive};
 use crate::linear::Arx;
 use crate::system::System;
+use libm::pow;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -118,8 +120,8 @@ impl PlantSet {
         let first =
             self.plants.iter().flat_map(|p| growths(&l(p, 1.0)).collect::<Vec<_>>()).fold(f64::INFINITY, f64::min);
         let beyond = self.grid.iter().zip(&c).filter(|(hz, _)| **hz > self.beyond);
-        let first = beyond.map(|(_, c)| 1.0 / (self.unseen * c.norm())).fold(first, f64::min);
-        let most = first * 10f64.powf(-target.gain_db / 20.0);
+        let first = beyond.map(|(_, c)| 1.0 / (self.unseen * modulus(*c))).fold(first, f64::min);
+        let most = first * pow(10.0, -target.gain_db / 20.0);
         let nominal = l(self.plants.first()?, most);
         // The margin is infinite if the loop is too weak for a crossover on the grid.
         let angle = |k: f64| phase(&nominal.iter().map(|l| l * k).collect::<Vec<_>>());
@@ -151,7 +153,7 @@ pub(super) fn detuned(block: &Arx, share: f64) -> Result<Arx, Error> {
 
 /// `n` numbers from `low` to `high`, equally spaced in their logarithms.
 pub(super) fn spread(low: f64, high: f64, n: usize) -> impl Iterator<Item = f64> + Clone {
-    (0..n).map(move |i| low * (high / low).powf(i as f64 / (n - 1).max(1) as f64))
+    (0..n).map(move |i| low * pow(high / low, i as f64 / (n - 1).max(1) as f64))
 }
 
 /// Natural frequency [Hz] and damping ratio of the lightly damped modes, the least damped first.

@@ -13,6 +13,7 @@ use super::Excitation;
 use super::drive::Drive;
 use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, OptionKind, OptionRow, Options, options};
 use crate::error::Error;
+use libm::{expm1, log, sin};
 use std::f64::consts::TAU;
 
 options! {
@@ -48,12 +49,12 @@ impl Chirp {
         let f0 = drive.shows("frequency_start", self.frequency_start)?;
         let f1 = drive.shows("frequency_end", self.frequency_end)?;
         let duration = n as f64 * ts;
-        let octaves = (f1 / f0).ln();
+        let octaves = log(f1 / f0);
         let periods = |t: f64| match self.logarithmic {
-            true if octaves != 0.0 => f0 * duration / octaves * (octaves * t / duration).exp_m1(),
+            true if octaves != 0.0 => f0 * duration / octaves * expm1(octaves * t / duration),
             _ => f0 * t + (f1 - f0) * t * t / (2.0 * duration),
         };
-        Ok((0..n).map(|t| drive.voltage((TAU * periods(t as f64 * ts).fract()).sin())).collect())
+        Ok((0..n).map(|t| drive.voltage(sin(TAU * periods(t as f64 * ts).fract()))).collect())
     }
 }
 

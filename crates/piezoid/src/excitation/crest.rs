@@ -12,6 +12,7 @@
 //! DOI 10.1109/TIT.1970.1054411. Chebyshev methods (Guillaume et al., DOI 10.1109/19.119778) reach lower peaks at a
 //! higher cost.
 
+use crate::complex::argument;
 use crate::fourier::{cosines, forward};
 use nalgebra::Complex;
 use std::f64::consts::PI;
@@ -44,7 +45,7 @@ pub(super) fn lowered(lines: &[usize], start: Vec<f64>) -> Vec<f64> {
         let clip = peak * (FIRST_CLIP + (1.0 - FIRST_CLIP) * round as f64 / ROUNDS as f64);
         signal.iter_mut().for_each(|v| *v = Complex::from(v.re.clamp(-clip, clip)));
         fft.process(&mut signal);
-        phases = lines.iter().map(|k| signal[*k].arg()).collect();
+        phases = lines.iter().map(|k| argument(signal[*k])).collect();
     }
     best.1
 }

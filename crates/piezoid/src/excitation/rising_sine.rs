@@ -13,6 +13,7 @@ use super::Excitation;
 use super::drive::Drive;
 use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, options};
 use crate::error::Error;
+use libm::sin;
 use std::f64::consts::TAU;
 
 options! {
@@ -55,7 +56,7 @@ impl RisingSine {
         }
         let rise = n as f64 - period;
         let growth = |t: usize| (t as f64 / rise).min(1.0);
-        Ok((0..n).map(|t| drive.voltage(growth(t) * (TAU * drive.passed(frequency, t)).sin())).collect())
+        Ok((0..n).map(|t| drive.voltage(growth(t) * sin(TAU * drive.passed(frequency, t)))).collect())
     }
 }
 

@@ -11,6 +11,7 @@ use super::drive::Drive;
 use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, options};
 use super::{Excitation, PINTELON_SCHOUKENS};
 use crate::error::Error;
+use libm::sin;
 use std::f64::consts::TAU;
 
 options! {
@@ -40,7 +41,7 @@ impl Sine {
     pub fn samples(&self, ts: f64, n: usize) -> Result<Vec<f64>, Error> {
         let drive = Drive::new(self.amplitude, self.offset, ts)?;
         let frequency = drive.shows("frequency", self.frequency)?;
-        Ok(drive.periodic(frequency, n, |passed| (TAU * passed).sin()))
+        Ok(drive.periodic(frequency, n, |passed| sin(TAU * passed)))
     }
 }
 

@@ -13,6 +13,7 @@ use super::Excitation;
 use super::drive::Drive;
 use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, count, options};
 use crate::error::Error;
+use libm::sin;
 use std::f64::consts::TAU;
 
 options! {
@@ -48,7 +49,7 @@ impl Staircase {
             return Err(Error::parameter("levels", self.levels, "must be at least 2"));
         }
         let jumps = f64::from(self.levels - 1);
-        Ok(drive.periodic(frequency, n, |passed| nearest((TAU * passed).sin(), jumps)))
+        Ok(drive.periodic(frequency, n, |passed| nearest(sin(TAU * passed), jumps)))
     }
 }
 

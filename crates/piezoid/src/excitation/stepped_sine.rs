@@ -13,6 +13,7 @@ use super::Excitation;
 use super::drive::Drive;
 use super::rows::{AMPLITUDE, FREQUENCY, OFFSET, Options, count, options};
 use crate::error::Error;
+use libm::sin;
 use std::f64::consts::TAU;
 
 options! {
@@ -51,7 +52,7 @@ impl SteppedSine {
             return Err(Error::parameter("steps", self.steps, "must be at least 3"));
         }
         let steps = f64::from(self.steps);
-        let step = |k: f64| (TAU * k / steps).sin();
+        let step = |k: f64| sin(TAU * k / steps);
         let quarter = (0.25 * steps).floor();
         let highest = step(quarter).max(step(quarter + 1.0));
         Ok(drive.periodic(frequency, n, |passed| step((passed * steps + ROUNDING).floor()) / highest))

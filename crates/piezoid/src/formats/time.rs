@@ -9,6 +9,7 @@
 //! Nothing is resampled here.
 
 use crate::Error;
+use libm::{log10, pow};
 use serde_json::Value;
 
 /// Allowed deviation from the median step, relative to it.
@@ -76,8 +77,8 @@ pub(super) fn rounds(t: &[f64], period: f64) -> bool {
 
 /// A period in a unit of so many seconds, in seconds: the nearest number to the decimal product.
 pub(super) fn times(period: f64, seconds: f64) -> f64 {
-    let power = seconds.log10().round();
-    let tens = power < 0.0 && (10f64.powf(power) / seconds - 1.0).abs() < 1e-9;
+    let power = log10(seconds).round();
+    let tens = power < 0.0 && (pow(10.0, power) / seconds - 1.0).abs() < 1e-9;
     let decimal = || {
         format!("{period:e}")
             .split_once('e')

@@ -11,7 +11,7 @@
 use super::regression::Regression;
 
 use crate::optimize::swarm::Cost;
-use multiversion::{multiversion, target::target_cfg_f};
+use multiversion::multiversion;
 
 /// Rows between two checks of the limits.
 const BLOCK: usize = 1024;
@@ -93,7 +93,7 @@ const ANY: usize = 0;
 
 /// Adds the rows' errors |y - psi' theta| to the sums of the first `L` lanes. `D` is the number of parameters; if the
 /// compiler knows it, they stay in registers.
-#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn accumulate<const L: usize, const D: usize>(rows: &[f64], theta: &[ParticleLanes], sums: &mut ParticleLanes) {
     let theta = if D == ANY { theta } else { &theta[..D] };
     let mut sum = [0.0; L];
@@ -103,12 +103,8 @@ fn accumulate<const L: usize, const D: usize>(rows: &[f64], theta: &[ParticleLan
         for i in 0..theta.len() {
             let (psi, theta) = (row[1 + i], &theta[i].0);
             for lane in 0..L {
-                // Fused only where the processor has the instruction: elsewhere it is a slow library call.
-                error[lane] = if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
-                    (-psi).mul_add(theta[lane], error[lane])
-                } else {
-                    error[lane] - psi * theta[lane]
-                };
+                // Not fused, so that it is the same on every machine.
+                error[lane] -= psi * theta[lane];
             }
         }
         for lane in 0..L {

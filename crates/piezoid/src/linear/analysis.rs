@@ -4,7 +4,9 @@
 //! |s| / 2 pi and damping ratio -Re s / |s|.
 
 use super::Arx;
+use crate::complex::{self, argument, modulus, polar};
 use crate::system::System;
+use libm::hypot;
 use nalgebra::{Complex, DMatrix, DVector, linalg::Schur};
 use serde::Serialize;
 use std::f64::consts::TAU;
@@ -33,7 +35,7 @@ pub struct Root {
 impl Root {
     /// Distance from the origin.
     pub fn modulus(&self) -> f64 {
-        self.re.hypot(self.im)
+        hypot(self.re, self.im)
     }
 }
 
@@ -69,9 +71,9 @@ impl Arx {
             .into_iter()
             .filter(|z| z.im >= 0.0 || z.im.is_nan())
             .map(|z| {
-                let s = Complex::new(z.re, z.im).ln() / self.ts();
-                let damping = if s.norm() == 0.0 { 0.0 } else { -s.re / s.norm() };
-                Pole { hz: s.norm() / TAU, damping, z }
+                let s = complex::log(Complex::new(z.re, z.im)) / self.ts();
+                let damping = if modulus(s) == 0.0 { 0.0 } else { -s.re / modulus(s) };
+                Pole { hz: modulus(s) / TAU, damping, z }
             })
             .collect();
         poles.sort_by(|p, q| p.hz.total_cmp(&q.hz));
@@ -112,10 +114,10 @@ impl Arx {
 
     /// Frequency response at `hz` [Hz].
     pub fn response(&self, hz: f64) -> Response {
-        let z = Complex::from_polar(1.0, -TAU * hz * self.ts());
+        let z = polar(1.0, -TAU * hz * self.ts());
         let horner = |c: &[f64]| c.iter().rev().fold(Complex::new(0.0, 0.0), |sum, &c| sum * z + c);
         let g = horner(self.b()) / (1.0 - horner(self.a()) * z);
-        Response { hz, gain: g.norm(), phase: g.arg() }
+        Response { hz, gain: modulus(g), phase: argument(g) }
     }
 }
 
@@ -144,7 +146,7 @@ pub(crate) fn roots(c: &[f64]) -> Vec<Root> {
             let (value, slope) =
                 c.iter().fold((Complex::new(0.0, 0.0), Complex::new(0.0, 0.0)), |(p, dp), &c| (p * z + c, dp * z + p));
             let step = value / slope;
-            let polished = if step.norm() < 1e-6 * z.norm() { z - step } else { z };
+            let polished = if modulus(step) < 1e-6 * modulus(z) { z - step } else { z };
             Root { re: polished.re, im: if z.im == 0.0 { 0.0 } else { polished.im } }
         })
         .collect()

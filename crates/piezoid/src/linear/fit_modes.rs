@@ -18,6 +18,7 @@ use crate::optimize::Minimum;
 use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
+use libm::{exp, hypot, log};
 use std::f64::consts::TAU;
 
 /// A mode with its uncertainty.
@@ -141,7 +142,7 @@ fn starts(records: &[Record], n: usize, longest: usize, settings: &Refinement) -
         return Err(Error::Unidentifiable { what: format!("{n} modes"), because });
     }
     let vector = |modes: &[(f64, f64)]| {
-        let each = modes.iter().flat_map(|(hz, damping)| [(TAU * hz).ln(), damping.clamp(1e-4, 0.9).ln(), 0.0]);
+        let each = modes.iter().flat_map(|(hz, damping)| [log(TAU * hz), log(damping.clamp(1e-4, 0.9)), 0.0]);
         each.chain([0.0]).collect::<Vec<f64>>()
     };
     let mut starts = vec![vector(&found)];
@@ -151,7 +152,7 @@ fn starts(records: &[Record], n: usize, longest: usize, settings: &Refinement) -
         let rings = hz * (1.0 - damping * damping).sqrt();
         for image in [rate - rings, rate + rings] {
             // The same decay per sample.
-            let image_hz = image.hypot(hz * damping);
+            let image_hz = hypot(image, hz * damping);
             let mut others = found.clone();
             others[i] = (image_hz, hz * damping / image_hz);
             starts.push(vector(&others));
@@ -187,7 +188,7 @@ fn modal_fit(problem: &ModalError, mut minimum: Minimum) -> Result<ModalFit, Err
         number(x[k] / gain, &slopes.collect::<Vec<_>>())
     };
     let mode = |i: usize| {
-        let (hz, damping) = (x[3 * i].exp() / TAU, x[3 * i + 1].exp());
+        let (hz, damping) = (exp(x[3 * i]) / TAU, exp(x[3 * i + 1]));
         FittedMode {
             hz: number(hz, &[(3 * i, hz)]),
             damping: number(damping, &[(3 * i + 1, damping)]),

@@ -11,6 +11,7 @@
 
 use super::Pole;
 use super::analysis::Root;
+use crate::complex::{self, modulus};
 use crate::record::Record;
 use crate::series::ends;
 use nalgebra::{Complex, DMatrix, DVector};
@@ -74,7 +75,7 @@ pub(crate) fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
     let crossed = u.transpose() * &h1 * h0.transpose() * &u;
     let pencil = DMatrix::from_fn(RANK, RANK, |i, j| crossed[(i, j)] / squares[j]);
     // A growing exponential is noise.
-    let decays_away = |z: &Complex<f64>| z.norm() < 1.0;
+    let decays_away = |z: &Complex<f64>| modulus(*z) < 1.0;
     let poles: Vec<Complex<f64>> = pencil.complex_eigenvalues().iter().copied().filter(decays_away).collect();
     let (energy, left) = energies(&decays, &poles);
     let total: f64 = decays.iter().flatten().map(|d| d * d).sum();
@@ -88,9 +89,9 @@ pub(crate) fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
         .zip(energy)
         .filter(|(z, energy)| z.im > 0.0 && *energy > SEEN * total)
         .map(|(z, energy)| {
-            let s = z.ln() / ts;
-            let damping = -s.re / s.norm();
-            (energy, Pole { hz: s.norm() / TAU, damping, z: Root { re: z.re, im: z.im } })
+            let s = complex::log(*z) / ts;
+            let damping = -s.re / modulus(s);
+            (energy, Pole { hz: modulus(s) / TAU, damping, z: Root { re: z.re, im: z.im } })
         })
         .filter(|(_, pole)| pole.damping < RINGS && pole.hz < HIGHEST / ts && fades(pole))
         .collect();

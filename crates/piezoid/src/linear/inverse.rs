@@ -14,6 +14,7 @@ use super::arx::{Arx, shift_in};
 use crate::error::Error;
 use crate::number::join;
 use crate::system::System;
+use libm::log;
 
 /// Zeros closer to the unit circle than this count as on it.
 const ON_THE_CIRCLE: f64 = 1e-9;
@@ -100,7 +101,7 @@ impl Arx {
     pub fn undetermined_samples(&self) -> usize {
         let outside = self.zeros().into_iter().map(|z| z.modulus()).filter(|m| *m > 1.0);
         let (count, nearest) = outside.fold((0, f64::INFINITY), |(n, nearest), m| (n + 1, nearest.min(m)));
-        let disturbed = if count == 0 { 0.0 } else { (1e3f64.ln() / nearest.ln()).ceil() };
+        let disturbed = if count == 0 { 0.0 } else { (log(1e3) / log(nearest)).ceil() };
         self.delay() + count + disturbed.min(1e6) as usize
     }
 

@@ -14,9 +14,11 @@
 
 use super::Arx;
 use super::free_run::{Past, centred, dot};
+use crate::complex;
 use crate::error::Error;
 use crate::optimize::levenberg_marquardt::{NormalEquations, SumOfSquares};
 use crate::record::Record;
+use libm::{exp, log};
 use nalgebra::{Cholesky, Complex, DMatrix, DVector};
 use std::f64::consts::TAU;
 
@@ -46,10 +48,10 @@ struct HeldMode {
 impl HeldMode {
     /// The mode of the unknowns `x` = [ln w, ln zeta, k], delayed by the fraction `mu` of a sample.
     fn new(x: &[f64], mu: f64, ts: f64) -> Self {
-        let (w, zeta) = (x[0].exp(), x[1].exp());
+        let (w, zeta) = (exp(x[0]), exp(x[1]));
         let root = (1.0 - zeta * zeta).sqrt();
         let s = w * Complex::new(-zeta, root);
-        let (z, rest) = ((s * ts).exp(), (s * (1.0 - mu) * ts).exp());
+        let (z, rest) = (complex::exp(s * ts), complex::exp(s * (1.0 - mu) * ts));
         let (g1, g2) = ((rest - 1.0) / s, (z - rest) / s);
         let r = Complex::new(0.0, -0.5 * w / root);
         let by_s = [z * ts, r * (rest * (1.0 - mu) * ts - g1) / s, r * (z * ts - rest * (1.0 - mu) * ts - g2) / s];
@@ -115,7 +117,7 @@ impl ModalError<'_> {
 
     /// True if the unknowns describe damped modes of limited frequency.
     fn possible(&self, x: &[f64]) -> bool {
-        let fastest = (2.0 * TAU / self.records[0].ts()).ln();
+        let fastest = log(2.0 * TAU / self.records[0].ts());
         x.iter().all(|x| x.is_finite()) && x[..3 * self.modes].chunks_exact(3).all(|m| m[0] < fastest && m[1] < 0.0)
     }
 

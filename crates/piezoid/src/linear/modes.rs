@@ -20,6 +20,7 @@
 //! Åström & Wittenmark 1997, Computer-Controlled Systems, 2.3; Meirovitch 2001, Fundamentals of Vibrations.
 
 use super::{Arx, Pole, Root};
+use crate::complex::{self, modulus};
 use crate::error::{Error, positive};
 use crate::number::{round, short};
 use nalgebra::Complex;
@@ -52,7 +53,7 @@ impl PoleShare {
     pub(crate) fn kind(&self) -> PoleKind {
         let z = self.pole.z;
         // |s| Ts, which is pi at half the sampling rate.
-        let angle = Complex::new(z.re, z.im).ln().norm();
+        let angle = modulus(complex::log(Complex::new(z.re, z.im)));
         match () {
             () if angle >= ModalForm::OBSERVABLE * PI => PoleKind::Image,
             () if z.im > 0.0 => PoleKind::Mode,
@@ -212,9 +213,9 @@ impl Arx {
         if pole.z.im == 0.0 {
             return (rho / (1.0 - z)).re;
         }
-        let s = z.ln() / self.time_step();
+        let s = complex::log(z) / self.time_step();
         let unit = s.norm_sqr() / Complex::new(0.0, 2.0 * s.im) * (z - 1.0) / s;
-        (rho / unit).re.signum() * rho.norm() / unit.norm()
+        (rho / unit).re.signum() * modulus(rho) / modulus(unit)
     }
 
     /// -d arg G / dw at w = 0 [s].

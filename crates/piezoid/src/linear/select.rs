@@ -30,6 +30,7 @@ use crate::optimize::levenberg_marquardt::{self, SumOfSquares};
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::{ends, mean, scatter};
+use libm::log;
 use rayon::prelude::*;
 
 /// Candidates and criteria of the choice.
@@ -275,14 +276,14 @@ fn choose(
         let fit = &fitted[k];
         let differences: Vec<f64> = squares[k].iter().zip(&squares[best]).map(|(s, s0)| s - s0).collect();
         let (excess, excess_error) = (mean(&differences), standard_error(&differences));
-        let fit_error = n * (fit.minimum.cost / n).ln();
+        let fit_error = n * log(fit.minimum.cost / n);
         let p = n - fit.freedom as f64;
         let oscillating = fit.arx.poles().into_iter().filter(|p| p.z.im > 0.0);
         Candidate {
             orders: fit.orders,
             arx: fit.arx.clone(),
             aic: fit_error + 2.0 * p,
-            bic: fit_error + p * n.ln(),
+            bic: fit_error + p * log(n),
             rms: (fit.minimum.cost / n).sqrt(),
             held_out: means[k].sqrt(),
             held_out_pp_percent: 100.0 * means[k].sqrt() / (high - low),

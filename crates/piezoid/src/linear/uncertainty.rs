@@ -17,11 +17,13 @@
 use super::free_run::{FreeRunError, dot};
 use super::output_error::{OutputError, Refinement, checked, search};
 use super::{Arx, Pole};
+use crate::complex::{self, modulus};
 use crate::error::Error;
 use crate::progress::{Progress, Stage};
 use crate::record::Record;
 use crate::series::{mean, scatter};
 use crate::system::System;
+use libm::cbrt;
 use nalgebra::{Cholesky, Complex, DMatrix};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -49,11 +51,12 @@ impl OutputError {
             // p'(z) = n z^(n-1) - (n-1) a1 z^(n-2) - ...
             let slope =
                 (1..n).fold(power(n - 1) * n as f64, |sum, i| sum - power(n - i - 1) * (a[i - 1] * (n - i) as f64));
-            let s = z.ln() / self.arx.ts();
+            let s = complex::log(z) / self.arx.ts();
             let by_a: Vec<Complex<f64>> = (1..=n).map(|i| power(n - i) / slope / z / self.arx.ts()).collect();
-            let modulus = |ds: &Complex<f64>| (s.conj() * ds).re / s.norm();
-            let hz: Vec<f64> = by_a.iter().map(|ds| modulus(ds) / TAU).collect();
-            let damping: Vec<f64> = by_a.iter().map(|ds| (-ds.re + s.re * modulus(ds) / s.norm()) / s.norm()).collect();
+            let size = modulus(s);
+            let by_size = |ds: &Complex<f64>| (s.conj() * ds).re / size;
+            let hz: Vec<f64> = by_a.iter().map(|ds| by_size(ds) / TAU).collect();
+            let damping: Vec<f64> = by_a.iter().map(|ds| (-ds.re + s.re * by_size(ds) / size) / size).collect();
             [self.uncertain(pole.hz, &hz), self.uncertain(pole.damping, &damping)]
         };
         self.arx.poles().into_iter().map(known).collect()
@@ -123,7 +126,7 @@ fn tapered(e: &[f64]) -> Vec<f64> {
 
 /// 2 n^(1/3): number of lags, and length of a resampled block.
 fn block_length(n: usize) -> usize {
-    (2.0 * (n as f64).cbrt()).ceil() as usize
+    (2.0 * cbrt(n as f64)).ceil() as usize
 }
 
 /// R x, for the symmetric band matrix R with `kernel` on its diagonals.

@@ -16,6 +16,7 @@
 
 use super::spec::{BeamMode, BeamSpec, Cantilever, non_negative, require};
 use crate::error::{Error, positive};
+use libm::{cos, cosh, exp, sin, sincos, tanh};
 use std::f64::consts::{PI, TAU};
 
 /// The modes, for a fixed time step.
@@ -88,8 +89,8 @@ impl ModeStep {
         non_negative(&format!("beam.modes[{i}].softening_per_m"), softening, "1/m")?;
 
         let root = (1.0 - damping * damping).sqrt();
-        let (w, keep) = (TAU * frequency_hz, (-damping * TAU * frequency_hz * h).exp());
-        let (sin, cos) = (w * root * h).sin_cos();
+        let (w, keep) = (TAU * frequency_hz, exp(-damping * TAU * frequency_hz * h));
+        let (sin, cos) = sincos(w * root * h);
         let (turn, lag) = (keep * sin / root, keep * damping * sin / root);
         let matrix = [[keep * cos + lag, turn], [-turn, keep * cos - lag]];
         Ok(ModeStep { share, softening, half: 0.5 * w * h, matrix })
@@ -126,14 +127,14 @@ impl Cantilever {
 fn eigenvalue(i: usize) -> f64 {
     let mut x = (i as f64 + 0.5) * PI;
     for _ in 0..20 {
-        x -= (x.cos() + 1.0 / x.cosh()) / (-x.sin() - x.tanh() / x.cosh());
+        x -= (cos(x) + 1.0 / cosh(x)) / (-sin(x) - tanh(x) / cosh(x));
     }
     x
 }
 
 /// (sinh x - sin x) / (cosh x + cos x), divided by cosh x to avoid overflow.
 fn sigma(x: f64) -> f64 {
-    (x.tanh() - x.sin() / x.cosh()) / (1.0 + x.cos() / x.cosh())
+    (tanh(x) - sin(x) / cosh(x)) / (1.0 + cos(x) / cosh(x))
 }
 
 #[cfg(test)]

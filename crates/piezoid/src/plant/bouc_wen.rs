@@ -77,13 +77,13 @@ impl BoucWenStage {
             return end;
         }
         // The path after which H changes its sign:
-        let zero = -h / self.alpha_d * ratio(f64::ln_1p, -below * h / self.alpha_d);
+        let zero = -h / self.alpha_d * ratio(libm::log1p, -below * h / self.alpha_d);
         self.piece(0.0, self.beta + self.gamma, (s - zero).max(0.0))
     }
 
     /// H after a path of `s` along dH/ds = alpha d - rate H.
     fn piece(&self, h: f64, rate: f64, s: f64) -> f64 {
-        h + (self.alpha_d - rate * h) * s * ratio(f64::exp_m1, -rate * s)
+        h + (self.alpha_d - rate * h) * s * ratio(libm::expm1, -rate * s)
     }
 
     /// H at the end of the steady loop between +-`range`: the value that a path from -H reaches. This value falls as H

@@ -19,6 +19,7 @@
 
 use super::spec::require;
 use crate::error::{Error, positive};
+use libm::expm1;
 
 /// Time constants over the fastest.
 const LAGS: [f64; 4] = [1.0, 10.0, 100.0, 1000.0];
@@ -40,7 +41,7 @@ impl CreepStage {
     pub(super) fn new(g: f64, from: f64, h: f64) -> Result<Self, Error> {
         positive("creep_from_s", from, "seconds")?;
         require((0.0..=0.2).contains(&g), "creep_per_decade", g, "must be from 0 to 0.2; ceramics have 0.01 to 0.02")?;
-        let risen = |t: f64| LAGS.map(|ratio| -(-t / (ratio * from)).exp_m1());
+        let risen = |t: f64| LAGS.map(|ratio| -expm1(-t / (ratio * from)));
         Ok(CreepStage { g, direct: 1.0 - g * risen(from).iter().sum::<f64>(), gain: risen(h) })
     }
 

@@ -13,6 +13,7 @@
 
 use super::spec::{DriverSpec, non_negative, require};
 use crate::error::{Error, positive};
+use libm::exp;
 
 /// The amplifier, for a fixed time step.
 #[derive(Debug, Clone)]
@@ -73,7 +74,7 @@ impl DriverStage {
 
 /// exp(-t / lag), which is 0 without a lag.
 fn decay(t: f64, lag: f64) -> f64 {
-    if lag > 0.0 { (-t / lag).exp() } else { 0.0 }
+    if lag > 0.0 { exp(-t / lag) } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -15,6 +15,7 @@
 //! Reference: I. D. Mayergoyz, "Mathematical models of hysteresis", Phys. Rev. Lett. 56, 1518 (1986),
 //! DOI 10.1103/PhysRevLett.56.1518; D. H. Everett, Trans. Faraday Soc. 51, 1551 (1955), DOI 10.1039/TF9555101551.
 
+use libm::expm1;
 /// The density: strength K [m/V^2], spread rho [V], and asymmetry c / U [1/V].
 #[derive(Debug, Clone)]
 pub(super) struct ExponentialEverett {
@@ -52,7 +53,7 @@ impl ExponentialEverett {
 /// 1/2 the series is used, to avoid cancellation in the closed form.
 fn remainder(x: f64, n: u32) -> f64 {
     if x >= 0.5 {
-        let first = (-x).exp_m1() + x;
+        let first = expm1(-x) + x;
         return if n == 1 { first } else { 0.5 * x * x - first };
     }
     let lead = if n == 1 { 0.5 * x * x } else { x * x * x / 6.0 };

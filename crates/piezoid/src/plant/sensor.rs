@@ -15,6 +15,7 @@
 
 use super::spec::{SensorSpec, non_negative, require};
 use crate::error::{Error, positive};
+use libm::exp;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, StandardNormal};
@@ -65,7 +66,7 @@ impl Sensor {
         };
         let rule = "must be a number of metres, 0 for a sensor that was zeroed";
         let zero = require(spec.zero_m.is_finite(), "sensor.zero_m", spec.zero_m, rule)?;
-        let keep = if lag > 0.0 { (-h / lag).exp() } else { 0.0 };
+        let keep = if lag > 0.0 { exp(-h / lag) } else { 0.0 };
         let generator = ChaCha8Rng::seed_from_u64(seed);
         Ok(Sensor { keep, bend: spec.curvature / range, rms, min: -range, max: range - code, code, zero, generator })
     }

@@ -15,6 +15,7 @@
 //! Reference: Kaiser 1974, Nonrecursive digital filter design using the I0-sinh window function, Proc. IEEE Int. Symp.
 //! Circuits & Systems; Oppenheim & Schafer 2010, Discrete-Time Signal Processing, section 7.5.
 
+use libm::sin;
 use std::f64::consts::PI;
 
 /// Attenuation of the stop band [dB]; the pass band is as exact, 3e-5.
@@ -125,7 +126,7 @@ fn sinc(v: f64) -> f64 {
     match v {
         0.0 => 1.0,
         _ if v.fract() == 0.0 => 0.0,
-        _ => (PI * v).sin() / (PI * v),
+        _ => sin(PI * v) / (PI * v),
     }
 }
 

@@ -5,6 +5,7 @@ use super::runs::quantile;
 use crate::number::short;
 use crate::record::Record;
 use crate::series::scatter;
+use libm::log10;
 
 /// Units, each 1000 times the one before.
 const LADDERS: [&[&str]; 2] = [&["nm", "um", "mm", "m"], &["uV", "mV", "V", "kV"]];
@@ -17,13 +18,13 @@ pub(super) const FAR: f64 = 100.0;
 
 /// What makes a signal in `unit` this many times larger than it should be, and the remedy.
 pub(crate) fn likely_cause(factor: f64, unit: &str) -> String {
-    let steps = -(factor.abs().log10() / 3.0).round();
+    let steps = -(log10(factor.abs()) / 3.0).round();
     let meant = LADDERS.iter().find_map(|ladder| {
         let own = ladder.iter().position(|name| *name == unit)?;
         ladder.get(usize::try_from((own as i64).saturating_add(steps as i64)).ok()?)
     });
     match meant {
-        Some(meant) if steps != 0.0 && (factor.abs().log10() + 3.0 * steps).abs() < NEAR.log10() => {
+        Some(meant) if steps != 0.0 && (log10(factor.abs()) + 3.0 * steps).abs() < log10(NEAR) => {
             format!("its values seem to be in {meant}, not in {unit}: correct the unit in its header, or state it")
         }
         _ => "check its units, the gain of the amplifier and the scale of the sensor: state them if the file does not"

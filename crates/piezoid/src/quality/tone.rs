@@ -1,6 +1,8 @@
 //! The main line of the input's spectrum, and how the output follows it there.
 
+use crate::complex::argument;
 use crate::fourier::{LINE, forward};
+use libm::cos;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -27,13 +29,13 @@ pub(super) fn tone(u: &[f64], y: &[f64]) -> Option<Tone> {
     let share = line.clone().map(power).sum::<f64>() / (1..input.len()).map(power).sum::<f64>();
     let response: Complex<f64> = line.map(|k| input[k].conj() * output[k]).sum();
     (top >= PERIODS && share > PURE)
-        .then(|| Tone { frequency: top as f64 / u.len() as f64, phase: response.arg().to_degrees() })
+        .then(|| Tone { frequency: top as f64 / u.len() as f64, phase: argument(response).to_degrees() })
 }
 
 /// The spectrum up to half the sampling frequency, with a window (Hann) and without mean.
 fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
     let (n, mean) = (x.len(), crate::series::mean(x));
-    let window = |t: usize| 1.0 - (TAU * (t as f64 + 0.5) / n as f64).cos();
+    let window = |t: usize| 1.0 - cos(TAU * (t as f64 + 0.5) / n as f64);
     let mut spectrum: Vec<Complex<f64>> =
         x.iter().enumerate().map(|(t, x)| Complex::from((x - mean) * window(t))).collect();
     forward(n).process(&mut spectrum);

@@ -4,14 +4,14 @@
 
 mod close;
 mod csv;
-#[path = "../../tests/common/fused.rs"]
-mod fused;
 mod golden;
 mod golden_dynamics;
 mod golden_excitation;
 mod golden_linear;
 mod golden_operators;
 mod golden_spline;
+#[path = "../../tests/common/hostile.rs"]
+mod hostile;
 mod measured;
 mod measured_data;
 mod properties;

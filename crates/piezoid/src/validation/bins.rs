@@ -10,6 +10,7 @@ use super::ComparedRun;
 use crate::fourier::power;
 use crate::series::{ends, mean, scatter};
 use crate::waveform::Cycle;
+use libm::{log10, pow};
 use serde::Serialize;
 
 /// Frequency bands per decade.
@@ -61,7 +62,7 @@ pub struct Bin {
 impl Bin {
     /// The bin of content at `at`, with `per_decade` bins per decade.
     fn new(at: f64, per_decade: f64, source: Source, n: usize, [rmse, std, peak_to_peak]: [f64; 3]) -> Self {
-        let edge = |k: f64| 10f64.powf(((at.log10() * per_decade).round() + k) / per_decade);
+        let edge = |k: f64| pow(10.0, ((log10(at) * per_decade).round() + k) / per_decade);
         let cycles = usize::from(source == Source::Cycles);
         let (low, high) = (edge(-0.5), edge(0.5));
         Bin { at, low, high, source, cycles, n, rmse, std, peak_to_peak, nrmse_percent: 0.0, rms_pp_percent: 0.0 }
@@ -124,12 +125,12 @@ impl Bin {
 
 /// The band number n of a frequency [Hz].
 pub(super) fn band(hz: f64) -> f64 {
-    (hz.log10() * BY_FREQUENCY).round()
+    (log10(hz) * BY_FREQUENCY).round()
 }
 
 /// True if two cycles belong to the same bins of frequency and amplitude.
 pub(super) fn alike(a: &Cycle, b: &Cycle) -> bool {
-    let bin = |c: &Cycle| (band(c.hz), (c.amplitude.log10() * BY_AMPLITUDE).round());
+    let bin = |c: &Cycle| (band(c.hz), (log10(c.amplitude) * BY_AMPLITUDE).round());
     bin(a) == bin(b)
 }
 

@@ -30,6 +30,7 @@ use crate::quality::{Need, bridged, inspect};
 use crate::record::Record;
 use crate::series::{mean, scatter};
 use crate::waveform::cycles;
+use libm::{hypot, pow};
 use nalgebra::{Matrix4, Vector4};
 use serde::Serialize;
 
@@ -110,7 +111,7 @@ impl Linearity {
             },
         };
         let averaged = repeated.as_ref().map(|r| r.noise / (r.periods as f64).sqrt());
-        let closest = masked.closest(averaged.unwrap_or(0.0).hypot(0.01 * LINEAR * std));
+        let closest = masked.closest(hypot(averaged.unwrap_or(0.0), 0.01 * LINEAR * std));
         let rms = closest.as_ref().map(|c| c.rms);
         // Noise of the tested record, and its number of independent samples.
         let noise = match (averaged, &closest) {
@@ -120,11 +121,11 @@ impl Linearity {
             }
             (None, None) => None,
         };
-        let detection_limit_percent = noise.map(|(noise, n)| percent(noise) * (8.0 / n).powf(0.25));
+        let detection_limit_percent = noise.map(|(noise, n)| percent(noise) * pow(8.0 / n, 0.25));
         let distorted = rms.map(|rms| percent((rms.powi(2) - noise.map_or(0.0, |n| n.0).powi(2)).max(0.0).sqrt()));
         let (even_percent, odd_percent) =
             (unexcited.and_then(|d| d.even).map(percent), unexcited.and_then(|d| d.odd).map(percent));
-        let lines = even_percent.zip(odd_percent).map(|(even, odd)| even.hypot(odd)).or(even_percent).or(odd_percent);
+        let lines = even_percent.zip(odd_percent).map(|(even, odd)| hypot(even, odd)).or(even_percent).or(odd_percent);
         let Some(distortion_percent) = distorted.into_iter().chain(lines).reduce(f64::max) else {
             return Err(Error::Unidentifiable {
                 what: "the linearity of the record".into(),

@@ -22,6 +22,7 @@
 use crate::fourier::{LINE, spectrum};
 use crate::record::Record;
 use crate::waveform::dominant_frequency;
+use libm::{log, pow};
 use nalgebra::Complex;
 use std::f64::consts::LN_2;
 
@@ -133,7 +134,7 @@ impl Background {
             }
             let of = |from: usize, to: usize| level(&self.error[from..to]);
             let spread = (0..2).map(|half| deviation([middle - low, high - middle][half]).powi(2)).sum::<f64>().sqrt();
-            let flat = (of(low, middle) / of(middle, high)).ln().abs() < FLAT.ln() + 2.0 * spread;
+            let flat = log(of(low, middle) / of(middle, high)).abs() < log(FLAT) + 2.0 * spread;
             let quiet = k == 0 || level(&self.driven[low..high]) < NOT_DRIVEN * of(low, high);
             (flat && quiet).then_some((low, high))
         })
@@ -143,7 +144,7 @@ impl Background {
     /// octaves show the latter.
     fn coloured(&self) -> Option<(f64, f64)> {
         let n = self.error.len() as f64;
-        let edge = |k: usize| (n * 0.25 * 4f64.powf(k as f64 / WINDOWS as f64)) as usize;
+        let edge = |k: usize| (n * 0.25 * pow(4.0, k as f64 / WINDOWS as f64)) as usize;
         // Levels with their inverse frequencies and relative standard deviations.
         let windows: Vec<[f64; 3]> = (0..WINDOWS)
             .filter(|k| edge(k + 1) - edge(*k) >= FEWEST)

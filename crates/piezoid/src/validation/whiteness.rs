@@ -16,6 +16,7 @@
 
 use crate::number::short;
 use crate::series::{dot, mean};
+use libm::exp;
 use serde::Serialize;
 
 /// Number of lags.
@@ -162,7 +163,7 @@ fn chi_squared_tail(q: f64, degrees: usize) -> f64 {
     };
     let sum: f64 = (0..degrees / 2).map(next).sum();
     // If exp(-q/2) underflows, the sum may overflow.
-    if half > 700.0 { 0.0 } else { (-half).exp() * sum }
+    if half > 700.0 { 0.0 } else { exp(-half) * sum }
 }
 
 #[cfg(test)]

@@ -11,6 +11,7 @@ use crate::options::{OptionKind, OptionRow, options};
 use crate::record::Units;
 use crate::system::System;
 use crate::validation::Metrics;
+use libm::hypot;
 use serde_json::{Value, json};
 
 options! {
@@ -99,7 +100,7 @@ impl Compensation {
         let (verdict, stroke) = (self.verdict.as_ref()?, self.reach.1 - self.reach.0);
         let of_model = 0.01 * verdict.error_percent * metrics.peak_to_peak.max(LEAST * stroke);
         let noise = 0.01 * verdict.noise_percent.unwrap_or(0.0) * stroke;
-        Some(of_model.max(noise).hypot(metrics.rmse))
+        Some(hypot(of_model.max(noise), metrics.rmse))
     }
 
     /// The figures as a document. `rmse`, `max_abs` and `rms_pp_percent` are errors of the inverse alone, on the model.

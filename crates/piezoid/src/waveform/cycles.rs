@@ -1,6 +1,7 @@
 //! The cycles of an input, from one minimum to the next.
 
 use crate::series::ends;
+use libm::log;
 use std::ops::Range;
 
 /// A reversal counts when the input has moved back by this share of its range.
@@ -39,7 +40,7 @@ pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
         })
         .collect();
     let median = |of: fn(&Cycle) -> f64| {
-        let bend = |w: &[Cycle]| (of(&w[0]) * of(&w[2]) / of(&w[1]).powi(2)).ln().abs();
+        let bend = |w: &[Cycle]| log(of(&w[0]) * of(&w[2]) / of(&w[1]).powi(2)).abs();
         let mut bends: Vec<f64> = found.windows(3).map(bend).collect();
         bends.sort_by(f64::total_cmp);
         bends.get(bends.len() / 2).copied().unwrap_or(0.0)

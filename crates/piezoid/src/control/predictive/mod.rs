@@ -355,7 +355,7 @@ pub(super) const ROW: ControllerKind = ControllerKind {
         let slew = Some(path.slew).filter(|slew| slew.is_finite());
         let usual = PredictiveSettings::default();
         // A delayed measurement is propagated with model errors, so its noise counts as larger.
-        let noise = usual.noise * (path.late as f64 / CARRIED).hypot(1.0);
+        let noise = usual.noise * libm::hypot(path.late as f64 / CARRIED, 1.0);
         let settings = PredictiveSettings { voltage: path.limits, slew, late: path.late, noise, ..usual };
         Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)
     },

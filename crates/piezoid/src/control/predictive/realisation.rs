@@ -12,6 +12,7 @@
 use crate::creep::Creep;
 use crate::linear::Arx;
 use crate::system::System;
+use libm::expm1;
 use nalgebra::{DMatrix, DVector, RowDVector};
 
 /// The matrices.
@@ -30,7 +31,7 @@ impl Realisation {
         let (m, n) = (linear.a().len().max(linear.b().len() - 1), creep.lags().len());
         let (order, p) = (m + n + 1, m + n);
         let at = |c: &[f64], i: usize| c.get(i).copied().unwrap_or(0.0);
-        let rates: Vec<f64> = creep.lags().iter().map(|lag| -(-creep.ts() / lag.tau_s).exp_m1()).collect();
+        let rates: Vec<f64> = creep.lags().iter().map(|lag| -expm1(-creep.ts() / lag.tau_s)).collect();
 
         // w = through z + crept s
         let through = 1.0 + creep.lags().iter().zip(&rates).map(|(lag, rate)| lag.gain * rate).sum::<f64>();

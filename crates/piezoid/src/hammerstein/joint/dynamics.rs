@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::linear::{Arx, Pole};
 use crate::record::Record;
 use crate::system::System;
+use libm::exp;
 use std::f64::consts::TAU;
 
 /// Increase of the sum of squares up to which a longer delay is accepted.
@@ -37,7 +38,7 @@ pub(super) fn with_slow_lags_limited(arx: Arx, slowest: f64) -> Result<Arx, Erro
     let mut denominator = arx.denominator();
     for pole in arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.hz < slowest) {
         let rest = without_factor(&denominator, pole.z.re);
-        let p = (-TAU * slowest * ts).exp();
+        let p = exp(-TAU * slowest * ts);
         let shifted = std::iter::once(0.0).chain(rest.iter().map(|c| -p * c));
         denominator = rest.iter().chain(&[0.0]).zip(shifted).map(|(c, s)| c + s).collect();
     }

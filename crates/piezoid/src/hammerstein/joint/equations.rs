@@ -13,6 +13,7 @@ use super::estimate::Estimate;
 use super::layout::ColumnLayout;
 use super::products::Segment;
 use crate::linear::Arx;
+use libm::log;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
@@ -60,7 +61,7 @@ fn expected(
 
 /// The time constant of the slowest pole [samples].
 fn longest_decay(linear: &Arx) -> f64 {
-    linear.poles().iter().map(|pole| -1.0 / pole.z.modulus().ln()).fold(0.0, f64::max)
+    linear.poles().iter().map(|pole| -1.0 / log(pole.z.modulus())).fold(0.0, f64::max)
 }
 
 /// Sums of squares as functions of the weights and of the steps of the other parameters.

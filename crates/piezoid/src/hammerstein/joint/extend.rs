@@ -16,6 +16,7 @@ use crate::error::Error;
 use crate::linear::{Arx, Pole};
 use crate::number::short;
 use crate::system::System;
+use libm::{cos, exp, log};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -97,7 +98,7 @@ pub(super) fn extensions(
             }
         };
         let list = if shows(&linear) { &mut shown } else { &mut hidden };
-        if list.iter().all(|(other, _)| (minimum / other).ln().abs() > SAME) {
+        if list.iter().all(|(other, _)| log(minimum / other).abs() > SAME) {
             list.push((minimum, Extension { name, linear, is_seen }));
         }
     }
@@ -120,7 +121,7 @@ fn kinds(linear: &Arx, search: &Search, lowest: f64) -> Result<Vec<Vec<Extension
     if order < search.most {
         let grid = std::iter::successors(Some(SHORTEST * ts), |tau| Some(LAGS * tau));
         let grid: Vec<f64> = grid.take_while(|tau| TAU * tau * search.slowest < 1.0).collect();
-        let lag = |tau: f64| [1.0, -(-ts / tau).exp()];
+        let lag = |tau: f64| [1.0, -exp(-ts / tau)];
         kinds.push(grid.iter().map(|&tau| with("a lag".into(), &lag(tau))).collect::<Result<_, _>>()?);
         // A lag acts like a delay of its time constant.
         let instead = |&tau: &f64| {
@@ -160,8 +161,8 @@ fn kinds(linear: &Arx, search: &Search, lowest: f64) -> Result<Vec<Vec<Extension
 fn modes(ts: f64, lowest: f64) -> impl Iterator<Item = [f64; 3]> {
     let grid = std::iter::successors(Some(HIGHEST / ts), |hz| Some(hz / MODES)).take_while(move |hz| *hz > lowest);
     let mode = move |(hz, damping): (f64, f64)| {
-        let (radius, angle) = ((-damping * TAU * hz * ts).exp(), TAU * hz * ts * (1.0 - damping * damping).sqrt());
-        [1.0, -2.0 * radius * angle.cos(), radius * radius]
+        let (radius, angle) = (exp(-damping * TAU * hz * ts), TAU * hz * ts * (1.0 - damping * damping).sqrt());
+        [1.0, -2.0 * radius * cos(angle), radius * radius]
     };
     grid.flat_map(move |hz| DAMPING.map(|damping| mode((hz, damping))))
 }

@@ -1,25 +1,88 @@
 //! The products of columns with each other, X' X, which are most of the work of an identification.
 //!
-//! Matrices of nalgebra are multiplied by kernels for the vectors of the processor. There is none for WebAssembly:
-//! there the products are summed in tiles of four by four columns, in vectors of two.
+//! Each product is summed over a block of samples in their order, without fused multiply-add, so that it is the same to
+//! the bit on every machine. Tiles of eight by eight columns stay in registers; for WebAssembly, of four by four.
 
-/// Adds the products of `rows`, one sample after the other, to the lower triangle of `gram`.
 #[cfg(not(target_arch = "wasm32"))]
-pub(super) fn add(gram: &mut nalgebra::DMatrix<f64>, rows: &[f64]) {
-    use nalgebra::{DMatrixView, DMatrixViewMut};
+pub(super) use native::add;
+
+#[cfg(not(target_arch = "wasm32"))]
+mod native {
+    use multiversion::{multiversion, target::target_cfg_f};
+    use nalgebra::DMatrix;
     use rayon::prelude::*;
 
-    /// Columns that are multiplied with all later ones at a time.
-    const PANEL: usize = 64;
+    /// Columns of a tile, and tiles beside each other that one thread computes.
+    const TILE: usize = 8;
+    const GROUP: usize = 8;
 
-    let size = gram.nrows();
-    let block = DMatrixView::from_slice(rows, size, rows.len() / size);
-    gram.as_mut_slice().par_chunks_mut(size * PANEL).enumerate().for_each(|(k, columns)| {
-        let (from, width) = (k * PANEL, columns.len() / size);
-        let (below, panel) = (block.rows_range(from..), block.rows(from, width).transpose());
-        let mut columns = DMatrixViewMut::from_slice(columns, size, width);
-        columns.rows_range_mut(from..).gemm(1.0, &below, &panel, 1.0);
-    });
+    /// Adds the products of `rows`, one sample after the other, to the lower triangle of `gram`.
+    pub(in super::super) fn add(gram: &mut DMatrix<f64>, rows: &[f64]) {
+        let size = gram.nrows();
+        // Eight columns beside each other, filled up by zeros.
+        let panel = |from: usize| -> Vec<[f64; TILE]> {
+            let width = TILE.min(size - from);
+            let eight = |row: &[f64]| {
+                let mut eight = [0.0; TILE];
+                eight[..width].copy_from_slice(&row[from..from + width]);
+                eight
+            };
+            rows.chunks_exact(size).map(eight).collect()
+        };
+        let panels: Vec<_> = (0..size).step_by(TILE).map(panel).collect();
+        gram.as_mut_slice().par_chunks_mut(size * TILE * GROUP).enumerate().for_each(|(group, columns)| {
+            for (i, below) in panels.iter().enumerate().skip(GROUP * group) {
+                let rows = TILE * i..size.min(TILE * (i + 1));
+                for (right, columns) in panels[GROUP * group..=i].iter().zip(columns.chunks_mut(size * TILE)) {
+                    for (column, sums) in columns.chunks_exact_mut(size).zip(tile(below, right)) {
+                        column[rows.clone()].iter_mut().zip(sums).for_each(|(product, sum)| *product += sum);
+                    }
+                }
+            }
+        });
+    }
+
+    /// The products of each column of `below` with each of `right`, by the columns of `right`. The sums have names so
+    /// that they stay in registers; where there are 16, four columns fit at a time.
+    #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+    fn tile(below: &[[f64; TILE]], right: &[[f64; TILE]]) -> [[f64; TILE]; TILE] {
+        let zero = [0.0; TILE];
+        let (mut a, mut b, mut c, mut d) = (zero, zero, zero, zero);
+        let (mut e, mut f, mut g, mut h) = (zero, zero, zero, zero);
+        if target_cfg_f!(target_feature = "avx512f") {
+            for (column, by) in below.iter().zip(right) {
+                add_scaled(&mut a, column, by[0]);
+                add_scaled(&mut b, column, by[1]);
+                add_scaled(&mut c, column, by[2]);
+                add_scaled(&mut d, column, by[3]);
+                add_scaled(&mut e, column, by[4]);
+                add_scaled(&mut f, column, by[5]);
+                add_scaled(&mut g, column, by[6]);
+                add_scaled(&mut h, column, by[7]);
+            }
+        } else {
+            for (column, by) in below.iter().zip(right) {
+                add_scaled(&mut a, column, by[0]);
+                add_scaled(&mut b, column, by[1]);
+                add_scaled(&mut c, column, by[2]);
+                add_scaled(&mut d, column, by[3]);
+            }
+            for (column, by) in below.iter().zip(right) {
+                add_scaled(&mut e, column, by[4]);
+                add_scaled(&mut f, column, by[5]);
+                add_scaled(&mut g, column, by[6]);
+                add_scaled(&mut h, column, by[7]);
+            }
+        }
+        [a, b, c, d, e, f, g, h]
+    }
+
+    #[inline(always)]
+    fn add_scaled(sums: &mut [f64; TILE], column: &[f64; TILE], by: f64) {
+        for r in 0..TILE {
+            sums[r] += column[r] * by;
+        }
+    }
 }
 
 #[cfg(target_arch = "wasm32")]
@@ -33,6 +96,7 @@ mod tiles {
     /// Columns of a tile.
     const TILE: usize = 4;
 
+    /// Adds the products of `rows`, one sample after the other, to the lower triangle of `gram`.
     pub(in super::super) fn add(gram: &mut DMatrix<f64>, rows: &[f64]) {
         let size = gram.nrows();
         // Four columns beside each other, filled up by zeros.
@@ -77,5 +141,24 @@ mod tiles {
             let ([p, q], [r, s]) = (two(upper), two(lower));
             [p, q, r, s]
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::DMatrix;
+
+    #[test]
+    fn products_are_summed_in_the_order_of_samples_to_the_bit() {
+        for (size, samples) in [(1, 3), (4, 1), (8, 20), (9, 64), (23, 100), (71, 256)] {
+            let rows: Vec<f64> = (0..size * samples).map(|k| (k as f64 * 0.37).sin()).collect();
+            let mut gram = DMatrix::from_element(size, size, 0.5);
+            add(&mut gram, &rows);
+            for (k, i) in (0..size).flat_map(|k| (k..size).map(move |i| (k, i))) {
+                let sum = rows.chunks_exact(size).fold(0.0, |sum, row| sum + row[i] * row[k]);
+                assert_eq!(gram[(i, k)], 0.5 + sum, "{size} columns: {i}, {k}");
+            }
+        }
     }
 }

@@ -27,6 +27,7 @@ use crate::progress::Stage;
 use crate::record::Record;
 use crate::system::System;
 use crate::waveform::dominant_frequency;
+use libm::{hypot, log};
 use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
@@ -95,12 +96,12 @@ impl Structure {
 
     /// The held-out error: rms over peak-to-peak, with rounding.
     fn error(&self) -> f64 {
-        self.fitted.held_out.rms_pp().hypot(NOTHING)
+        hypot(self.fitted.held_out.rms_pp(), NOTHING)
     }
 
     /// True if this is clearly better than `other`.
     fn gains_on(&self, other: &Structure) -> bool {
-        let of_whole = |t: &Structure| t.fitted.cost().sqrt().hypot(NOTHING);
+        let of_whole = |t: &Structure| hypot(t.fitted.cost().sqrt(), NOTHING);
         let (held_out, whole) = (self.error() / other.error(), of_whole(self) / of_whole(other));
         held_out < GAIN || (held_out <= 1.0 && whole < WHOLE)
     }
@@ -300,7 +301,7 @@ impl Growth {
 
     /// True if free decays show a mode of this frequency [Hz].
     pub(super) fn is_seen(&self, hz: f64) -> bool {
-        self.search.modes.iter().any(|mode| (mode.hz / hz).ln().abs() < NEAR)
+        self.search.modes.iter().any(|mode| log(mode.hz / hz).abs() < NEAR)
     }
 
     /// True if each mode of a linear block shows in the records, or if the order is specified. The harmonics of a few

@@ -7,6 +7,7 @@ use super::products::Segment;
 use super::refine::ROUNDING;
 use super::solve::{FreeParameters, Prior};
 use crate::series::{mean, scatter};
+use libm::log;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -42,7 +43,7 @@ impl HeldOut {
     /// True if this is as good as `best`: equal, or worse by at most one standard error over the folds, as a ratio, and
     /// by at most the factor accepted for a simpler model.
     pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
-        let ratio = |(e, best): (&f64, &f64)| 0.5 * ((e + ROUNDING) / (best + ROUNDING)).ln();
+        let ratio = |(e, best): (&f64, &f64)| 0.5 * log((e + ROUNDING) / (best + ROUNDING));
         let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(ratio).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();

@@ -13,6 +13,7 @@ use crate::hysteresis::Proportional;
 use crate::linear::Arx;
 use crate::record::Record;
 use crate::system::System;
+use libm::exp;
 use rayon::prelude::*;
 
 /// The inputs of the hysteresis block in a run, behind the driver, substep by substep. The first is the one at which it
@@ -93,7 +94,7 @@ impl Hidden {
             let before: Vec<f64> = crept.drain(..before.len()).collect();
             // The state of creep comes first in a run's own coefficients, the drift last.
             for (lag, began) in estimate.lags.iter().zip(own) {
-                let stays = (-estimate.ts() / lag.tau_s).exp();
+                let stays = exp(-estimate.ts() / lag.tau_s);
                 let mut began = *began;
                 for z in &mut crept {
                     began *= stays;

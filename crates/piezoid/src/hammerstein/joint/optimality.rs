@@ -28,7 +28,13 @@ pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<Opt
         .map(|p| format!("{} = {}", p.name, short(p.value)))
         .collect();
     let point = Iterate::at(estimate.with_linear(estimate.linear.clone())?, runs, &fitted.own, FreeParameters::All);
-    let left = 100.0 * (1.0 - point.predicted(lambda) / point.cost(lambda));
+    let (cost, predicted) = (point.cost(lambda), point.predicted(lambda));
+    let left = match cost {
+        0.0 => 0.0,
+        // Without a step, nothing says that this is a minimum.
+        _ if !(predicted / cost).is_finite() => 100.0,
+        cost => 100.0 * (1.0 - predicted / cost),
+    };
     let left_percent = Some(left).filter(|left| *left >= UNFINISHED);
     let promised = match left {
         least if least < NEXT_TO_NOTHING => format!("by less than {NEXT_TO_NOTHING} %"),

@@ -19,6 +19,7 @@ use super::solve::FreeParameters;
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::series::{dot, dot_wide};
+use libm::expm1;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -156,7 +157,7 @@ impl<'a> RunColumns<'a> {
         free: FreeParameters,
     ) -> Self {
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
-        let rates: Vec<f64> = estimate.lags.iter().map(|lag| -(-estimate.ts() / lag.tau_s).exp_m1()).collect();
+        let rates: Vec<f64> = estimate.lags.iter().map(|lag| -expm1(-estimate.ts() / lag.tau_s)).collect();
         let creep: Vec<_> = rates.iter().copied().zip(estimate.lags.iter().map(|lag| lag.gain)).collect();
         let level = Responses::level(estimate, run);
         let mut responses = Responses::from_rest(estimate, run);

@@ -14,6 +14,7 @@ use crate::hysteresis::ShapeParameter;
 use crate::optimize::{Bounds, swarm};
 use crate::progress::Stage;
 use crate::record::Record;
+use libm::pow;
 
 /// Number of samples for the swarm, of all runs together.
 const SAMPLES: usize = 10_000;
@@ -78,7 +79,7 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
 /// The shape parameter at a share of its domain, on a logarithmic scale if that is positive.
 fn from_unit(shape: &ShapeParameter, share: f64) -> f64 {
     if shape.low > 0.0 {
-        shape.low * (shape.high / shape.low).powf(share)
+        shape.low * pow(shape.high / shape.low, share)
     } else {
         shape.low + share * (shape.high - shape.low)
     }

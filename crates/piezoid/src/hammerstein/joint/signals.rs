@@ -41,7 +41,7 @@ impl Filter {
 }
 
 /// x_i += rate_i (v - x_i),  w = v + sum_i gain_i x_i;  y = b_0 w + s_0,  s_k = b_{k+1} w + a_{k+1} y + s_{k+1}.
-#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 fn pass(
     rows: &mut [f64],
     width: usize,
@@ -100,7 +100,7 @@ impl<'a> AllPole<'a> {
 }
 
 /// y += k x.
-#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
 pub(super) fn add(y: &mut [f64], k: f64, x: &[f64]) {
     for t in 0..y.len().min(x.len()) {
         y[t] += k * x[t];

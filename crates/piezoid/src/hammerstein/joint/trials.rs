@@ -8,6 +8,7 @@ use crate::number::short;
 use crate::record::Record;
 use crate::series::ends;
 use crate::waveform::reversals;
+use libm::hypot;
 use serde::Serialize;
 
 /// Distance from the ends of the range, as its share, from which a reversal starts a minor loop; and the number of such
@@ -94,7 +95,7 @@ pub(super) fn candidates(
 /// out of the trials. Of those with nearly the smallest error, the best has the smallest held-out error.
 pub(super) fn choose(trials: &mut [(OperatorTrial, Option<Fitted>)]) -> Result<(usize, Fitted), Error> {
     let found = || trials.iter().filter_map(|(trial, fitted)| Some((trial, &fitted.as_ref()?.held_out)));
-    let most = NEAR * found().map(|(trial, _)| trial.held_out_percent.hypot(ROUNDED)).fold(f64::INFINITY, f64::min);
+    let most = NEAR * found().map(|(trial, _)| hypot(trial.held_out_percent, ROUNDED)).fold(f64::INFINITY, f64::min);
     let near = || found().filter(|(trial, _)| trial.held_out_percent <= most);
     let most_error = WORSE * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
     let good = near().filter(|(trial, _)| trial.error() <= most_error);
@@ -178,7 +179,7 @@ impl OperatorTrial {
 
     /// The larger of the two errors, with rounding [%].
     pub(super) fn error(&self) -> f64 {
-        self.error_percent.hypot(ROUNDED)
+        hypot(self.error_percent, ROUNDED)
     }
 
     pub(super) fn refused(row: &Operator, why: String) -> Self {

@@ -11,6 +11,7 @@
 use super::refine::Fitted;
 use crate::linear::{Pole, PoleShare};
 use crate::series::scatter;
+use libm::log;
 use serde::Serialize;
 
 /// Error over value from which a parameter counts as not identified.
@@ -59,7 +60,7 @@ pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
     for (k, mode) in estimate.linear.modal_form().modes().into_iter().enumerate() {
         // The nearest by frequency: their order may change.
         let nearest = |e: &super::Estimate| {
-            let near = |p: &PoleShare| (p.pole.hz / mode.pole.hz).ln().abs();
+            let near = |p: &PoleShare| log(p.pole.hz / mode.pole.hz).abs();
             let modes = e.linear.modal_form().modes().into_iter();
             modes.min_by(|p, q| near(p).total_cmp(&near(q))).map(|p| p.pole)
         };

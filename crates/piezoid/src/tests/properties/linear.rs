@@ -6,7 +6,6 @@ use crate::linear::{self, AbsoluteError, Arx, Orders};
 use crate::optimize::swarm::{self, Cost};
 use crate::progress::Stage;
 use crate::tests::close::assert_close;
-use crate::tests::fused::fused;
 use crate::{Record, System};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -96,7 +95,7 @@ fn sum_of_absolute_errors(rows: &[f64], theta: &[f64]) -> f64 {
     for row in rows.chunks_exact(theta.len() + 1) {
         let mut error = row[0];
         for (psi, theta) in row[1..].iter().zip(theta) {
-            error = if fused() { (-psi).mul_add(*theta, error) } else { error - psi * theta };
+            error -= psi * theta;
         }
         sum += error.abs();
     }

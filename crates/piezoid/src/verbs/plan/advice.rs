@@ -18,6 +18,7 @@ use crate::linear::{Arx, Pole};
 use crate::number::{round, short};
 use crate::series::mean;
 use crate::system::System;
+use libm::{cos, exp};
 use nalgebra::DMatrix;
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -204,8 +205,8 @@ fn replaced(linear: &Arx, pole: Pole, hz: f64, damping: f64) -> Result<Arx, Erro
         rest.push(of[k] - p * before(1) - r * before(2));
     }
     let w = TAU * hz * linear.ts();
-    let modulus = (-damping * w).exp();
-    let (p, r) = (-2.0 * modulus * (w * (1.0 - damping * damping).sqrt()).cos(), modulus * modulus);
+    let modulus = exp(-damping * w);
+    let (p, r) = (-2.0 * modulus * cos(w * (1.0 - damping * damping).sqrt()), modulus * modulus);
     let mut new = vec![0.0; of.len()];
     for (k, c) in rest.iter().enumerate() {
         for (lag, factor) in [1.0, p, r].into_iter().enumerate() {

@@ -4,6 +4,7 @@ use super::{MOST, PlannedDrive, Rig};
 use crate::error::Error;
 use crate::excitation::{Multisine, RisingSine, minimum_jerk};
 use crate::number::{quantity, round};
+use libm::{cos, sin};
 use std::f64::consts::TAU;
 
 /// Part of the slew and current limits that is used: the rest is for capacitance at large signals and for ripple.
@@ -90,7 +91,7 @@ fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<Planned
     let mut shape = RisingSine { amplitude: 1.0, frequency: hz, offset: 0.0 }.samples(rig.ts, n)?;
     shape.extend((n..=n + fall).map(|t| {
         let left = 1.0 - eased((t - n) as f64 / fall as f64);
-        left * (TAU * (hz * rig.ts * t as f64).fract()).sin()
+        left * sin(TAU * (hz * rig.ts * t as f64).fract())
     }));
     let (name, purpose) = [
         ("rise1", "hysteresis, slow"),
@@ -154,7 +155,7 @@ fn path(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     let sines = Multisine { frequency_low: b / 20.0, frequency_high: b, seed: 1, ..Multisine::default() };
     let sines = sines.samples(ts, n)?;
     let lead = ((2.0 / (b * ts)) as usize).clamp(1, n / 4);
-    let swell = |t: usize| 1.0 - 0.375 * (1.0 + (2.0 * TAU * t as f64 / n as f64).cos());
+    let swell = |t: usize| 1.0 - 0.375 * (1.0 + cos(2.0 * TAU * t as f64 / n as f64));
     let shape: Vec<f64> = (0..n).map(|t| sines[t] * swell(t) * faded(t, n, lead)).collect();
     rig.drive("path", "validation only", &shape, PATH * rig.half(), "the path", notes)
 }

@@ -228,8 +228,8 @@ impl PlanOptions {
         }
         // A product of 5 and a power of ten below 1 is not the decimal number; its text is.
         const ROUNDING: f64 = 1e-9;
-        let power = (longest.log10() + ROUNDING).floor();
-        let mantissa = longest / 10f64.powf(power) * (1.0 + ROUNDING);
+        let power = (libm::log10(longest) + ROUNDING).floor();
+        let mantissa = longest / libm::pow(10.0, power) * (1.0 + ROUNDING);
         let step = [5, 2, 1].into_iter().find(|step| f64::from(*step) <= mantissa).unwrap_or(1);
         format!("{step}e{power}").parse().unwrap_or(longest)
     }

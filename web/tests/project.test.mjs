@@ -1,0 +1,76 @@
+// What must not be lost: the project of a store that cannot be read whole, and the page when it opens damaged archives.
+import assert from "node:assert/strict";
+import { test } from "node:test";
+import { zipSync } from "fflate";
+import { unpackedProject } from "../dist/parts/archive.js";
+import { Workspace } from "../dist/parts/workspace.js";
+
+const bytes = (text) => new TextEncoder().encode(text);
+
+/** A store of these files, in which those that are functions fail; `written` are the names that are written. */
+function stored(files) {
+  const written = [];
+  return {
+    written, own: false,
+    names: async () => Object.keys(files),
+    read: async (name) => (typeof files[name] === "function" ? files[name]() : bytes(files[name])),
+    write: async (name) => { written.push(name); },
+    remove: async () => assert.fail("nothing is removed"),
+  };
+}
+
+const fails = () => { throw new Error("no permission"); };
+
+test("a project is not written over while a project of the store is not known", async () => {
+  for (const files of [{ "project.json": fails }, { "project.json": "{", "project-2.json": fails }]) {
+    const store = stored(files);
+    const workspace = new Workspace({}, store);
+    await assert.rejects(workspace.open(), /no permission/);
+    workspace.change((project) => ({ ...project, record: "a.csv" }));
+    await workspace.flush();
+    assert.deepEqual(store.written, []);
+  }
+});
+
+test("nothing is stored before the project of the store is read", async () => {
+  const store = stored({ "project.json": JSON.stringify({ piezoid: 1, records: [], models: [], settings: {} }) });
+  const workspace = new Workspace({}, store);
+  await workspace.flush();
+  assert.deepEqual(store.written, []);
+  await workspace.open();
+  await workspace.flush();
+  assert.deepEqual(store.written, ["project.json"]);
+});
+
+test("a project that cannot be read stays, and the one beside it is used", async () => {
+  const readable = JSON.stringify({ piezoid: 1, records: [], models: [], settings: { study: {} } });
+  const store = stored({ "project.json": '{"piezoid":2}', "project-2.json": readable });
+  const workspace = new Workspace({}, store);
+  await workspace.open();
+  assert.deepEqual(workspace.project.settings, { study: {} });
+  await workspace.flush();
+  assert.deepEqual(store.written, ["project-2.json"]);
+});
+
+test("an archive that unpacks to gigabytes is refused before it is unpacked", () => {
+  const archive = zipSync({ "a.csv": new Uint8Array(100) });
+  const view = new DataView(archive.buffer, archive.byteOffset);
+  // The size in the central directory: 24 bytes after its signature.
+  const directory = archive.findIndex((_, at) => at + 4 <= archive.length && view.getUint32(at, true) === 0x02014b50);
+  view.setUint32(directory + 24, 3_000_000_000, true);
+  assert.throws(() => unpackedProject(archive), /holds 2861 MiB, but at most 512 MiB can be opened/);
+});
+
+test("a damaged archive or project says what is damaged", () => {
+  const of = (project) => unpackedProject(zipSync({ "project.json": bytes(project) }));
+  assert.throws(() => unpackedProject(bytes("no archive")), /this is no project of piezoid, or it is damaged/);
+  assert.throws(() => unpackedProject(zipSync({ "a.csv": bytes("") })), /holds no project\.json/);
+  for (const [text, why] of [
+    ["{", /is damaged/],
+    ['{"piezoid":2}', /or of a newer version/],
+    ['{"piezoid":1,"settings":null}', /settings is null, but must be an object/],
+    ['{"piezoid":1,"records":[null]}', /records\[0\] is null/],
+    ['{"piezoid":1,"models":[{"file":7}]}', /models\[0\]/],
+    ['{"piezoid":1,"records":[{"file":"a.csv","columns":{},"prepare":{},"use":"none"}]}', /lacks its files a\.csv/],
+  ]) assert.throws(() => of(text), why, text);
+});
