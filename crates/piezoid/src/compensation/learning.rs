@@ -22,7 +22,7 @@ use super::{FeedForward, FeedForwardSettings};
 use crate::complex::{modulus, polar};
 use crate::creep::Creep;
 use crate::error::{Error, finite, positive};
-use crate::fourier::forward;
+use crate::fourier::Transform;
 use crate::system::System;
 use nalgebra::Complex;
 
@@ -197,7 +197,7 @@ impl Harmonics {
 
     /// One period of z.
     fn whole(&self) -> Vec<f64> {
-        let fft = forward(self.n);
+        let fft = Transform::new(self.n);
         // The inverse transform by the forward transform of the conjugate.
         let line = |k: usize| if k < self.z.len() { self.z[k].conj() } else { self.z[self.n - k] };
         let mut all: Vec<_> = (0..self.n).map(line).collect();
@@ -241,7 +241,7 @@ impl Harmonics {
 /// The lines of a period up to half the sampling rate.
 fn lines(x: &[f64]) -> Vec<Complex<f64>> {
     let mut lines: Vec<Complex<f64>> = x.iter().map(|x| Complex::from(*x)).collect();
-    forward(x.len()).process(&mut lines);
+    Transform::new(x.len()).process(&mut lines);
     lines.truncate(x.len() / 2 + 1);
     lines
 }

@@ -215,7 +215,7 @@ mod tests {
             let grid = grid(&[path.linear(), &law], 0);
             let plant = open(&grid, path.linear(), path.slope.1, path.delay_s());
             let l: Vec<_> = plant.zip(at(&grid, &law)).map(|(g, c)| g * c).collect();
-            let last = grid[l.iter().rposition(|l| l.norm() >= 1.0).unwrap()];
+            let last = grid[l.iter().rposition(|l| modulus(*l) >= 1.0).unwrap()];
             let samples = (45.0 / 360.0 / last / TS).floor() as usize;
             let b: Vec<f64> = path.linear().b().iter().map(|b| b * path.slope.1).collect();
             let plant = Arx::new(TS, path.linear().a().to_vec(), [vec![0.0; samples], b].concat()).unwrap();

@@ -13,7 +13,7 @@
 //! higher cost.
 
 use crate::complex::argument;
-use crate::fourier::{cosines, forward};
+use crate::fourier::{Transform, cosines};
 use nalgebra::Complex;
 use std::f64::consts::PI;
 
@@ -33,11 +33,11 @@ pub(super) fn schroeder(count: usize) -> Vec<f64> {
 /// `start` [rad]. Returns the best phases found.
 pub(super) fn lowered(lines: &[usize], start: Vec<f64>) -> Vec<f64> {
     let Some(highest) = lines.last() else { return start };
-    let fft = forward((8 * highest).next_power_of_two());
+    let fft = Transform::new((8 * highest).next_power_of_two());
     let mut phases = start;
     let mut best = (f64::INFINITY, phases.clone());
     for round in 0..ROUNDS {
-        let mut signal = cosines(lines, &phases, &*fft);
+        let mut signal = cosines(lines, &phases, &fft);
         let peak = signal.iter().fold(0.0f64, |peak, v| peak.max(v.re.abs()));
         if peak < best.0 {
             best = (peak, phases.clone());

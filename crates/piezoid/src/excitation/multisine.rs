@@ -61,7 +61,7 @@ impl Multisine {
         let samples = self.period_samples(ts, n)?;
         let lines = self.harmonics(&drive, samples, ts)?;
         let phases = crest::lowered(&lines, self.start(lines.len()));
-        let shape = fourier::cosines(&lines, &phases, &*fourier::forward(samples));
+        let shape = fourier::cosines(&lines, &phases, &fourier::Transform::new(samples));
         let peak = shape.iter().fold(0.0, |peak: f64, s| peak.max(s.re.abs()));
         Ok((0..n).map(|t| drive.voltage(shape[t % samples].re / peak)).collect())
     }

@@ -202,7 +202,7 @@ mod tests {
     fn the_resonance_is_the_highest_peak_and_not_the_least_damped_pole() {
         // 166 Hz carries the displacement; 900 Hz, less damped, a thousandth of it.
         let ts = 5e-4;
-        let pole = |hz: f64, damping: f64| Complex::from_polar((-TAU * hz * damping * ts).exp(), TAU * hz * ts);
+        let pole = |hz: f64, damping: f64| polar((-TAU * hz * damping * ts).exp(), TAU * hz * ts);
         let quadratic = |p: Complex<f64>| [1.0, -2.0 * p.re, p.norm_sqr()];
         let ([_, a1, a2], [_, c1, c2]) = (quadratic(pole(166.0, 0.03)), quadratic(pole(900.0, 0.02)));
         let (large, small) = (1.0 + a1 + a2, 1e-3 * (1.0 + c1 + c2));

@@ -1,7 +1,7 @@
 //! The main line of the input's spectrum, and how the output follows it there.
 
 use crate::complex::argument;
-use crate::fourier::{LINE, forward};
+use crate::fourier::{LINE, Transform};
 use libm::cos;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -38,7 +38,7 @@ fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
     let window = |t: usize| 1.0 - cos(TAU * (t as f64 + 0.5) / n as f64);
     let mut spectrum: Vec<Complex<f64>> =
         x.iter().enumerate().map(|(t, x)| Complex::from((x - mean) * window(t))).collect();
-    forward(n).process(&mut spectrum);
+    Transform::new(n).process(&mut spectrum);
     spectrum.truncate(n / 2 + 1);
     spectrum.shrink_to_fit();
     spectrum

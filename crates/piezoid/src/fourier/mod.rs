@@ -1,16 +1,12 @@
-//! The discrete Fourier transform, X_k = sum over t of x_t exp(-2 pi i k t / n), bit-identical on every processor.
+//! Spectra, by the discrete Fourier transform.
+
+mod transform;
 
 use crate::complex::{modulus, polar};
 use libm::cos;
 use nalgebra::Complex;
-use rustfft::{Fft, FftPlannerScalar};
 use std::f64::consts::PI;
-use std::sync::Arc;
-
-/// The transform of `n` samples, planned once.
-pub(crate) fn forward(n: usize) -> Arc<dyn Fft<f64>> {
-    FftPlannerScalar::new().plan_fft_forward(n)
-}
+pub(crate) use transform::Transform;
 
 /// Width of a line in [`power`] [bins].
 pub(crate) const LINE: usize = 8;
@@ -59,7 +55,7 @@ fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>, f64
     // The windowed mean: any other would give a line at 0 Hz.
     let mean = x.iter().zip(weights()).map(|(x, w)| x * w).sum::<f64>() / weights().sum::<f64>();
     let mut bins: Vec<Complex<f64>> = x.iter().zip(weights()).map(|(x, w)| Complex::from((x - mean) * w)).collect();
-    forward(n).process(&mut bins);
+    Transform::new(n).process(&mut bins);
     bins.truncate(n / 2 + 1);
     bins.shrink_to_fit();
     (bins, weights().map(|w| w * w).sum())
@@ -82,7 +78,7 @@ pub(crate) fn autocorrelation(x: &[f64]) -> Vec<f64> {
     let half = fast((x.len() + x.len() / 2).div_ceil(2) + 1);
     let sample = |t: usize| x.get(t).copied().unwrap_or(0.0);
     let mut bins: Vec<Complex<f64>> = (0..half).map(|m| Complex::new(sample(2 * m), sample(2 * m + 1))).collect();
-    let fft = forward(half);
+    let fft = Transform::new(half);
     fft.process(&mut bins);
     // The spectra E and O of the even and odd samples give the powers |E + w O|^2 at k and |E - w O|^2 half a turn
     // further. Their mean and half their difference, packed in the same way, are the spectrum of the products.
@@ -111,7 +107,7 @@ fn fast(n: usize) -> usize {
 }
 
 /// The sum of `cos(2 pi k t / n + phase)` over the harmonics k in `lines`, all below n, for t from 0 up to `n`.
-pub(crate) fn cosines(lines: &[usize], phases: &[f64], fft: &dyn Fft<f64>) -> Vec<Complex<f64>> {
+pub(crate) fn cosines(lines: &[usize], phases: &[f64], fft: &Transform) -> Vec<Complex<f64>> {
     // The forward transform of conjugate lines: its real part is the sum of cosines.
     let mut signal = vec![Complex::ZERO; fft.len()];
     for (k, phase) in lines.iter().zip(phases) {
@@ -153,7 +149,7 @@ mod tests {
             let line = |t: usize, k: usize, phase: f64| (TAU * (k * t % n) as f64 / n as f64 + phase).cos();
             let slow: Vec<f64> =
                 (0..n).map(|t| lines.iter().zip(&phases).map(|(k, phase)| line(t, *k, *phase)).sum()).collect();
-            let fast: Vec<f64> = cosines(&lines, &phases, &*forward(n)).iter().map(|v| v.re).collect();
+            let fast: Vec<f64> = cosines(&lines, &phases, &Transform::new(n)).iter().map(|v| v.re).collect();
             assert_close(&fast, &slow, 0.0, 1e-11);
         }
     }
