@@ -1,18 +1,17 @@
 // A model is the same wherever it is identified, and states what repeats it: command line, `piezoid serve`, static page.
 // (Python is compared with the command line in crates/piezoid-py/tests/test_identify.py.)
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
-import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, served, skip as noBrowser } from "./browser.mjs";
+import { PIEZOID, piezoid as run, skip as noPiezoid } from "./piezoid.mjs";
 
-const target = process.env.CARGO_TARGET_DIR ?? new URL("../../target", import.meta.url).pathname;
-const PIEZOID = join(target, "debug/piezoid");
-const skip = noBrowser || (existsSync(PIEZOID) || process.env.CI ? false : `no ${PIEZOID}: cargo build -p piezoid-cli`);
+const skip = noBrowser || noPiezoid;
 const cwd = mkdtempSync(join(tmpdir(), "piezoid-origin-"));
-const piezoid = (...words) => execFileSync(PIEZOID, words, { cwd, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+const piezoid = (...words) => run(cwd, ...words);
 let browser, server, running;
 
 before(async () => {
@@ -45,6 +44,7 @@ async function identified(url) {
   await page.getByText(/4,000 samples/).waitFor();
   const fill = async (name, value) => {
     const field = page.locator(`input[name="${name}"]`);
+    await field.waitFor({ state: "attached" });
     if (!(await field.isVisible())) await page.locator("details", { has: field }).locator("summary").first().click();
     await field.fill(value);
     await field.blur();

@@ -1,16 +1,15 @@
 // The page from `piezoid serve`: the same work, in native processes, with the project in a folder.
 import assert from "node:assert/strict";
-import { execFileSync, spawn } from "node:child_process";
+import { spawn } from "node:child_process";
 import { copyFileSync, existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launched, opened, skip as noBrowser } from "./browser.mjs";
+import { PIEZOID, piezoid, skip as noPiezoid } from "./piezoid.mjs";
 
-const target = process.env.CARGO_TARGET_DIR ?? new URL("../../target", import.meta.url).pathname;
-const PIEZOID = join(target, "debug/piezoid");
-const skip = noBrowser || (existsSync(PIEZOID) || process.env.CI ? false : `no ${PIEZOID}: cargo build -p piezoid-cli`);
+const skip = noBrowser || noPiezoid;
 const folder = mkdtempSync(join(tmpdir(), "piezoid-project-"));
 let browser, running, controller;
 
@@ -45,7 +44,7 @@ function served(port = 0) {
 /** A record of the simulated bender in a file of its own folder. */
 function measured(name) {
   const cwd = mkdtempSync(join(tmpdir(), "piezoid-record-"));
-  const run = (line) => execFileSync(PIEZOID, line.split(" "), { cwd, stdio: "ignore" });
+  const run = (line) => piezoid(cwd, ...line.split(" "));
   run("excite rising-sine --amplitude 28V --frequency 5Hz --ts 0.5ms --duration 2s -o u.csv");
   run(`simulate u.csv --plant pl140 -o ${name}`);
   return join(cwd, name);
@@ -183,7 +182,7 @@ for (const [what, text] of [
 test("a model of the name of the project is kept under another", { skip, timeout: 120_000 }, async () => {
   for (const name of readdirSync(folder)) if (!name.startsWith(".")) rmSync(join(folder, name));
   const model = join(measured("r.csv"), "../project.json");
-  execFileSync(PIEZOID, ["identify", "r.csv", "--operator", "dahl", "--order", "0", "-o", model], { cwd: join(model, ".."), stdio: "ignore" });
+  piezoid(join(model, ".."), ..."identify r.csv --operator dahl --order 0 -o".split(" "), model);
   const { page, context } = await opened(browser, await served());
   await page.getByText("on this computer").waitFor();
   const drop = await page.evaluateHandle((text) => {

@@ -1,9 +1,12 @@
 // Every verb works in its module, with every operator, controller and target.
 import assert from "node:assert/strict";
-import { readdirSync, readFileSync } from "node:fs";
-import { test } from "node:test";
+import { mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, test } from "node:test";
 import { packed, unpacked } from "../dist/parts/packet.js";
 import { call, file, lists, measured, module, renamed } from "./modules.mjs";
+import { piezoid, skip } from "./piezoid.mjs";
 
 const SECONDS = { ts: 1e-3, duration: 1 };
 const small = measured("small.csv", { kind: "prbs", amplitude: 1, ts: 1e-3, duration: 2 });
@@ -24,6 +27,18 @@ function identified(operator) {
   assert.equal(JSON.parse(new TextDecoder().decode(answer.files[0].bytes)).hysteresis.operator, operator);
   assert.ok(stages.length > 0 && stages.every(({ what, done, total }) => what !== "" && done <= total));
   return renamed("model.json", answer.files[0]);
+}
+
+const cwd = mkdtempSync(join(tmpdir(), "piezoid-verbs-"));
+for (const { name, bytes } of [small, record]) writeFileSync(join(cwd, name), bytes);
+after(() => rmSync(cwd, { recursive: true }));
+
+/** The same by the command line. */
+function natively(operator) {
+  const words = `identify ${record.name} --small-signal ${small.name} --operator ${operator} --order 2 -o m.json`;
+  piezoid(cwd, ...words.split(" "));
+  const model = JSON.parse(readFileSync(join(cwd, "m.json"), "utf8"));
+  return { ...model, fit: { ...model.fit, command: "piezoid page" } };
 }
 
 const model = identified("prandtl-ishlinskii");
@@ -48,7 +63,9 @@ for (const name of readdirSync(FORMATS)) {
 }
 
 for (const { name } of lists.operators) {
-  test(`${name} is identified`, () => void identified(name));
+  test(`${name} is identified as by the command line, to the bit`, { skip }, () => {
+    assert.deepEqual(JSON.parse(new TextDecoder().decode(identified(name).bytes)), natively(name));
+  });
 }
 
 test("drives are planned", () => {

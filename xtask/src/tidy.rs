@@ -24,8 +24,7 @@ const SIDE_EFFECTS: [&str; 9] = [
 const MODEL: [&str; 3] = ["linear", "hysteresis", "spline"];
 
 /// Crates whose types must not be in public signatures; `serde_json::Value` is the exception.
-const FOREIGN: [&str; 8] =
-    ["nalgebra", "rand", "rand_chacha", "rand_distr", "rayon", "clarabel", "csv", "minijinja"];
+const FOREIGN: [&str; 8] = ["nalgebra", "rand", "rand_chacha", "rand_distr", "rayon", "clarabel", "csv", "minijinja"];
 
 /// Maximum number of public items of the three crates.
 const ITEMS: usize = 165;

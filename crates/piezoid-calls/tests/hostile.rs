@@ -17,7 +17,7 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Models unless told otherwise.
-const CASES: u32 = 24;
+const CASES: u32 = 12;
 
 /// Builds for tests are three times slower than releases.
 const PATIENCE: Duration = Duration::from_secs(30);

@@ -1,0 +1,14 @@
+// The command line, as `cargo build -p piezoid-cli` builds it.
+import { execFileSync } from "node:child_process";
+import { existsSync } from "node:fs";
+import { join } from "node:path";
+
+const target = process.env.CARGO_TARGET_DIR ?? new URL("../../target", import.meta.url).pathname;
+export const PIEZOID = join(target, "debug/piezoid");
+
+/** Why tests that need it are skipped, if they are. */
+export const skip = existsSync(PIEZOID) || process.env.CI ? false : `no ${PIEZOID}: cargo build -p piezoid-cli`;
+
+/** Runs it in a folder; what it prints. */
+export const piezoid = (cwd, ...words) =>
+  execFileSync(PIEZOID, words, { cwd, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
