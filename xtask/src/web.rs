@@ -17,7 +17,7 @@ const COMMITTED: [&str; 5] = [
 ];
 
 /// Tests that need no module, and those of the modules as they are handed out.
-const SERVED: [&str; 4] = ["project", "serve", "server", "words"];
+const SERVED: [&str; 5] = ["download", "project", "serve", "server", "words"];
 const HANDED_OUT: [&str; 1] = ["sizes"];
 
 /// Builds everything, and tests it.

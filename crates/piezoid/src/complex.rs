@@ -1,4 +1,5 @@
-//! Functions of complex numbers that are bit-identical on every machine. Those of num-complex call the C library, and are left out.
+//! Functions of complex numbers, bit-identical on every machine. Those of num-complex call the C library, and are left
+//! out.
 
 use libm::{atan2, hypot, sincos};
 use nalgebra::Complex;

@@ -6,7 +6,10 @@ import { type Axis, type Figure, place, type Series } from "./figure.ts";
 export function csv(figure: Figure): string {
   const all = figure.panels.flatMap((panel) => panel.series.map((series) => ({ panel, series })));
   const { x } = figure;
-  const cell = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  // Spreadsheets take a cell that begins like a formula for one.
+  const plain = (text: string) => (/^[=+\-@\t\r]/.test(text) ? `'${text}` : text);
+  const quoted = (text: string) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+  const cell = (text: string) => quoted(plain(text));
   const called = (axis: Axis) => (axis.unit ? `${axis.label} [${axis.unit}]` : axis.label);
   const head = all.flatMap(({ panel, series }) => [
     cell(called(x)),

@@ -3,8 +3,8 @@
 //! cannot, the next run cleans up.
 //!
 //! Half of the kills come at random moments, half of these from the first temporary file on; `strace` sends the others
-//! at each rename, each removal and each new folder. `PIEZOID_KILLS` is their number; another `PIEZOID_SEED` takes other moments. It
-//! does not do: loss of power.
+//! at each rename, each removal and each new folder. `PIEZOID_KILLS` is their number; another `PIEZOID_SEED` takes
+//! other moments. It does not do: loss of power.
 #![cfg(unix)]
 
 use crate::bench::{Bench, Run};

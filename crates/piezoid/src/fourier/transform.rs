@@ -155,7 +155,7 @@ fn factors(mut n: usize) -> Vec<usize> {
     let mut found = Vec::new();
     let mut r = 4;
     while n > 1 {
-        if n % r == 0 {
+        if n.is_multiple_of(r) {
             found.push(r);
             n /= r;
         } else {
