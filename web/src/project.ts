@@ -57,7 +57,7 @@ export const isProject = (name: string): boolean => /^project(-\d+)?\.json$/i.te
 /** The project in the text that `written` wrote. What is missing is empty; the error names what is of another kind. */
 export function read(text: string): Project {
   const whole = parsed(text);
-  if (!isObject(whole) || whole["piezoid"] !== 1) throw new Error("this is not a project of piezoid, or of a newer version");
+  if (!isObject(whole) || whole["piezoid"] !== 1) throw new Error("this is no project of this version of piezoid: it is of a newer one, or of another program");
   const { piezoid, ...others } = whole;
   const settings = object(whole["settings"], "settings");
   for (const [view, values] of Object.entries(settings)) object(values, `settings.${view}`);

@@ -67,7 +67,7 @@ test("a damaged archive or project says what is damaged", () => {
   assert.throws(() => unpackedProject(zipSync({ "a.csv": bytes("") })), /holds no project\.json/);
   for (const [text, why] of [
     ["{", /is damaged/],
-    ['{"piezoid":2}', /or of a newer version/],
+    ['{"piezoid":2}', /it is of a newer one, or of another program/],
     ['{"piezoid":1,"settings":null}', /settings is null, but must be an object/],
     ['{"piezoid":1,"records":[null]}', /records\[0\] is null/],
     ['{"piezoid":1,"models":[{"file":7}]}', /models\[0\]/],
