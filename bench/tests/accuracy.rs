@@ -61,8 +61,11 @@ fn the_readme_has_the_larger_figures_of_the_twins() {
         let rows = KINDS.iter().map(|kind| printed::row(PAGE, &[&format!("`{twin}`"), kind.name, METHOD]));
         let errors: Vec<f64> = rows.flat_map(|row| row.into_values().filter_map(|cell| cell.parse().ok())).collect();
         let [_, median, worst] = range(&errors);
-        assert_printed(twin, median, &summary(twin)["median [%]"]);
-        assert_printed(twin, worst, &summary(twin)["largest [%]"]);
+        // Cells have two digits, the summary three.
+        for (of_cells, title) in [(median, "median [%]"), (worst, "largest [%]")] {
+            let kept: f64 = summary(twin)[title].parse().expect("a number");
+            assert!((of_cells - kept).abs() <= 0.05 * kept, "{twin}, {title}: {kept}, but by its rows {of_cells}");
+        }
     }
     let (median, worst) = (largest("median [%]"), largest("largest [%]"));
     let figures = format!("a median error of {median} % of peak-to-peak and a largest error of {worst:.1} %.");
