@@ -5,6 +5,8 @@
 //! `short`, `round` and `exact` print a number, `titled` capitalises the first letter, `line` joins lines, `quoted`
 //! adds MATLAB quotes; `c`, `st` and `plain` remove what would end a comment of C or structured text, or has a meaning
 //! in printf.
+//!
+//! Why: docs/decisions/export.md, "An exported file is a template".
 
 use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram, Port};

@@ -1,5 +1,7 @@
 //! Functions that Python calls. Each file converts the arguments of one subject and calls the library. The interface
 //! for users is in `python/piezoid`, with its types.
+//!
+//! Why: docs/decisions/front-ends-and-serve.md, "Python has a compiled and a typed layer".
 
 mod compare;
 mod compensation;

@@ -2,6 +2,8 @@
 //!
 //! As many calls are at work as there are cores, [`WAITING`] more wait, and others are refused. Requests in memory have
 //! at most [`TOGETHER`] bytes together. A call ends when its client goes.
+//!
+//! Why: docs/decisions/front-ends-and-serve.md, "A call of the server is a process".
 
 use crate::Server;
 use crate::body::{self, PATIENCE};

@@ -1,4 +1,6 @@
 //! The process of one call: request on stdin, lines of progress and the answer on stdout.
+//!
+//! Why: docs/decisions/front-ends-and-serve.md, "A call of the server is a process".
 
 use piezoid::progress::Stage;
 use serde_json::json;

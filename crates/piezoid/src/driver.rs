@@ -10,6 +10,8 @@
 //! with a capacitance C is a slew limit of I / C.
 //!
 //! Overshoot, and limits of energy or power, are not described.
+//!
+//! Why: docs/decisions/identification.md, "A slew limit is modelled only if it is given".
 
 use crate::elementary::exp;
 use crate::error::{Error, positive};

@@ -1,4 +1,6 @@
 //! A measured (or simulated) voltage/displacement record, the input of every identification.
+//!
+//! Why: docs/decisions/data-and-records.md, "Records keep the units of their files".
 
 use crate::error::{Error, finite, positive};
 use crate::number::exact;

@@ -1,4 +1,6 @@
 //! A system is a difference equation: one sample in, one sample out, and a state that is a plain vector.
+//!
+//! Why: docs/decisions/numerics-and-determinism.md, "A model runs block by block".
 
 use std::fmt::Debug;
 

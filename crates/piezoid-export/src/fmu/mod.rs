@@ -19,6 +19,8 @@
 //! equation.
 //!
 //! Reference: Functional Mock-up Interface 2.0.5 and 3.0.2, Modelica Association, <https://fmi-standard.org>.
+//!
+//! Why: docs/decisions/export.md, "The export crate returns an FMU as bytes".
 
 mod variables;
 

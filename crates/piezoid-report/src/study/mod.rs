@@ -6,6 +6,8 @@
 //! frequencies are not in its data. The summaries in [`METHODS`] state the differences, and whether a property is the
 //! paper's or ours. The plant returns only what an experimenter can measure, and no model uses a test record. The joint
 //! model is given the lag and current limit of the plant's driver, which its experimenter knows.
+//!
+//! Why: docs/decisions/study-of-the-paper.md, "The study's joint model is the better of two operators".
 
 mod bench;
 mod document;

@@ -3,6 +3,8 @@
 //!
 //! The models are those of the study and one more ([`TestSignal::UPPER_RULE`]); only the test signal changes. The
 //! signal closest to Table 1 has the smallest maximum of the four relative deviations.
+//!
+//! Why: docs/decisions/study-of-the-paper.md, "The study tests on a stepped sine of 7 steps".
 
 use super::bench::Bench;
 use super::{DURATION, Frequency, METHODS, MethodModel, SETTLING, Study, TS};

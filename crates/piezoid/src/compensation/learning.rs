@@ -17,6 +17,8 @@
 //! 10.1109/MCS.2006.1636313; K. K. Leang & S. Devasia, Mechatronics 16, 141 (2006), DOI
 //! 10.1016/j.mechatronics.2005.11.006 (hysteresis). It does not do: references that are not periodic, disturbances that
 //! are not periodic with them.
+//!
+//! Why: docs/decisions/compensation.md, "Learning corrects z, from the latest trial".
 
 use super::{FeedForward, FeedForwardSettings};
 use crate::complex::{modulus, polar};

@@ -11,6 +11,8 @@
 //! Reference: K. Kuhnen, Eur. J. Control 9, 407 (2003), DOI 10.3166/ejc.9.407-418 (inverse operators in series); S.
 //! Devasia, E. Eleftheriou & S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI
 //! 10.1109/TCST.2007.903345. It does not do: feedback. Errors of the model remain.
+//!
+//! Why: docs/decisions/compensation.md, "Corrections by the free run are off by default".
 
 mod fir;
 mod learning;

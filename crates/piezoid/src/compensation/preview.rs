@@ -13,6 +13,8 @@
 //! (preview); M. Tomizuka, J. Dyn. Syst. Meas. Control 109, 65 (1987), DOI 10.1115/1.3143822 (zeros that cannot be
 //! cancelled). It does not do: zeros near 1 that are slower than the filter is long; the sweeps of
 //! [`super::FeedForward`] correct for them.
+//!
+//! Why: docs/decisions/compensation.md, "The linear block is inverted over frequency".
 
 use super::fir::Fir;
 use crate::complex::{modulus, polar};

@@ -9,6 +9,8 @@
 //! Thus it is a fair baseline: the improvement by the others is not due to a badly chosen line.
 //!
 //! Reference: see the rows. It does not do: references that are generated during the run.
+//!
+//! Why: docs/decisions/control.md, "A scheme is a feed-forward with a controller".
 
 use crate::compensation::{Causal, FeedForward, FeedForwardSettings, FirDesign, Learning};
 use crate::error::{Error, row};

@@ -8,6 +8,8 @@
 //! feed-forward is left unchanged. Before the first sample the plant is settled and the error is zero.
 //!
 //! Reference: none; it is the definition. It does not do: delays of a fraction of a sample, jitter.
+//!
+//! Why: docs/decisions/control.md, "A controller adds to a feed-forward".
 
 use super::{Controller, ControllerInput};
 use crate::error::{Error, finite};

@@ -12,6 +12,8 @@
 //!
 //! Reference: K. J. Astrom, R. M. Murray, Feedback Systems, 2008, ISBN 978-0-691-13576-2, chapter 9. It does not do:
 //! limit cycles, the time-varying slope as such (see the circle criterion), delays of a fraction of a sample.
+//!
+//! Why: docs/decisions/control.md, "Margins hold at the largest slope and with detuned modes".
 
 use super::Controller;
 use super::filters::{plus, ratio, times};

@@ -4,6 +4,8 @@
 //! model, `pi` adds feedback to that, and `feed-forward` is the inverse alone.
 //!
 //! Reference: see the parts. It does not do: two feed-forwards or two controllers at the same time.
+//!
+//! Why: docs/decisions/control.md, "A scheme is a feed-forward with a controller".
 
 use super::feeds::{FEED_FORWARDS, FeedForwardKind, FeedRequest, FeedResult};
 use super::{

@@ -13,6 +13,9 @@
 //!
 //! Reference: K. J. Astrom, H. Panagopoulos, T. Hagglund, Automatica 34, 585 (1998), DOI 10.1016/S0005-1098(98)00011-9.
 //! It does not do: continuous optimisation of the shapes; they come from lists.
+//!
+//! Why: docs/decisions/control.md, "Margins hold at the largest slope and with detuned modes".
+//! Why: docs/decisions/control.md, "Frequencies outside the training data may resonate".
 
 use super::margins::{ControlLoop, at, check_late, grid, growths, open, phase};
 use super::{Controller, filters};

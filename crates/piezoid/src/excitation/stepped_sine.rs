@@ -8,6 +8,8 @@
 //!
 //! Reference: Kuklisova Pavelkova, Estimation of Rate-Dependent Hammerstein Model of Piezo Bender Actuator, ICINCO
 //! 2025, section 3.
+//!
+//! Why: docs/decisions/study-of-the-paper.md, "The study tests on a stepped sine of 7 steps".
 
 use super::Excitation;
 use super::drive::Drive;

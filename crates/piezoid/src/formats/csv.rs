@@ -7,8 +7,8 @@
 //! column. Not supported: cells that span lines, several tables in one file.
 //!
 //! The lines are split here and not by the csv crate: an error names its line for any line ends, an unclosed quote ends
-//! at its line and does not include the rest of the file, and no cell is copied. [`Table::parse`] is pure and accepts
-//! any bytes, so a fuzzer can call it directly.
+//! at its line and does not include the rest of the file, and no cell is copied. In tests, the csv crate reads what is
+//! written here. [`Table::parse`] is pure and accepts any bytes, so a fuzzer can call it directly.
 
 mod cells;
 mod clock;

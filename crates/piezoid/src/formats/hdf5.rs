@@ -3,6 +3,8 @@
 //!
 //! MATLAB states in attributes what an array is: text, logical, empty, sparse, an object. A data set that cannot be
 //! read is left out and named in errors; a filter that only its own library knows (LZF, Blosc) is one reason.
+//!
+//! Why: docs/decisions/data-and-records.md, "HDF5 is read by a crate, other binary formats by piezoid".
 
 use super::bytes::{self, DEEPEST, NumberFormat, NumberKind, Unpacking, damaged};
 use super::csv::stated_period;

@@ -6,6 +6,8 @@
 //!
 //! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
 //! its name. [`Table::write`] writes CSV, `.npz` or `.mat`, by the extension of the name.
+//!
+//! Why: docs/decisions/data-and-records.md, "HDF5 is read by a crate, other binary formats by piezoid".
 
 #[cfg_attr(not(feature = "foreign"), allow(dead_code))]
 mod bytes;

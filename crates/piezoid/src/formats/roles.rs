@@ -8,6 +8,8 @@
 //! ```
 //! An earlier line of this list counts more. Two columns that are equally likely are an error, which names the options
 //! that choose between them; a guess is written into the record's history.
+//!
+//! Why: docs/decisions/data-and-records.md, "Columns are guessed, and the guess is told".
 
 use super::column::Column;
 use super::quote::{listed, quoted, shortened};

@@ -2,6 +2,8 @@
 //!
 //! A file says `Volt`, `[V]`, `µm` or `Mikrometer`; a record says `V` and `um`. A unit that is not known is kept as it
 //! stands.
+//!
+//! Why: docs/decisions/data-and-records.md, "Records keep the units of their files".
 
 use super::quote::shortened;
 

@@ -9,6 +9,8 @@
 //!
 //! Sums and products have one order, and W comes from libm: the same bits on every machine. Libraries take W from the C
 //! library, and their order from the vector unit.
+//!
+//! Why: docs/decisions/numerics-and-determinism.md, "The Fourier transform is our own".
 
 use crate::complex::polar;
 use nalgebra::Complex;

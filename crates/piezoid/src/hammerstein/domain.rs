@@ -1,4 +1,6 @@
 //! The range of the data that a model was identified from: outside it the model extrapolates.
+//!
+//! Why: docs/decisions/identification.md, "The range of the training data is stored once".
 
 use crate::error::Error;
 use crate::record::Record;

@@ -1,4 +1,6 @@
 //! The initial condition of a record.
+//!
+//! Why: docs/decisions/initial-conditions.md, "Five initial conditions are tried, and the one used is named".
 
 use super::Model;
 use crate::series::{ends, mean};

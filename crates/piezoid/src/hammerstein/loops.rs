@@ -1,4 +1,7 @@
 //! The loops of the hidden variable: the points (u, z) of the records, grouped by frequency and split into branches.
+//!
+//! Sensors drift between records, so z of each record with the input range of the first is shifted to the mean of z of
+//! the first.
 
 use crate::error::Error;
 use crate::hammerstein::Model;

@@ -4,6 +4,8 @@
 //! u -> (driver) -> hysteresis -> z -> creep -> linear -> + offset -> y
 //! ```
 //! The driver is a separate block if it is known; otherwise the linear block includes its effect on small steps.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "No further nonlinearity pays".
 
 mod domain;
 mod effort;

@@ -1,8 +1,9 @@
 //! Two branches from a measured loop: section 2.2 of the paper.
 //!
-//! A line through the two reversals of a loop splits its points [u, z] into two sets. Each set is averaged in bins, and
-//! a spline interpolates the averages. The data decide which set is the ascending one: in a piezo loop rising u is
-//! below the line, but above the resonance, or after a wrong linear block, loops are inverted.
+//! A line through the two reversals of a loop splits its points [u, z] into two sets; the paper does not state where
+//! the line runs. Each set is averaged in bins, and a spline interpolates the averages. The data decide which set is
+//! the ascending one: in a piezo loop rising u is below the line, but above the resonance, or after a wrong linear
+//! block, loops are inverted.
 //!
 //! Both branches end at the two reversals, so the loop is closed. Outside them each branch continues as a straight
 //! line.

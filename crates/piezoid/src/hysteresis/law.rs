@@ -1,5 +1,7 @@
 //! Operators defined by one [`Law`], the responses phi_k to the input. From a law, [`Weighted`] makes the block that
 //! runs, the basis that is fitted, and the document that is saved.
+//!
+//! Why: docs/decisions/hysteresis-laws.md, "A law is written twice, to run and to export".
 
 use super::basis::{Basis, ShapeParameter, counted, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials, with_scratch};

@@ -16,6 +16,8 @@
 //! ```
 //! The order is that of k because |p_{k+1} - p_k| <= r_{k+1} - r_k in every state reached from rest. In other states,
 //! and with negative weights, Newton's method finds the right piece.
+//!
+//! Why: docs/decisions/compensation.md, "Operators are inverted by Newton's method on the law".
 
 use super::Operator;
 use super::inverse::Inverted;

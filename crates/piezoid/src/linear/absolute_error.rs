@@ -7,6 +7,8 @@
 //! The lanes of the vector unit are particles. Each lane sums its rows in order, so a cost is bit-identical for any
 //! vector width, any group of particles and any number of threads. After each block of rows, particles that can no
 //! longer fall below their limits are dropped.
+//!
+//! Why: docs/decisions/study-of-the-paper.md, "The swarm evaluates its cost in a plain loop".
 
 use super::regression::Regression;
 

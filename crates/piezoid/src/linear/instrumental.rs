@@ -13,6 +13,8 @@
 //! Young & Jakeman 1979 (doi:10.1080/00207177908922676); Söderström & Stoica 1983, Instrumental Variable Methods for
 //! System Identification (doi:10.1007/BFb0009019). Offsets and pasts of the records are projected out of both sides.
 //! The cost need not fall from round to round, and rounds may cycle; the best free run is kept.
+//!
+//! Why: docs/decisions/linear-block.md, "Output error starts from instrumental variables".
 
 use super::analysis::roots;
 use super::free_run::{FreeRunError, decays};

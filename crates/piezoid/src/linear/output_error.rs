@@ -12,6 +12,9 @@
 //! Ljung 1998, System Identification: Theory for the User. The error has several minima: [`OutputError::fit`] starts
 //! from instrumental variables, initialised by least squares and by fixed filters, and keeps the best. The u of a
 //! record may also be a hidden variable z.
+//!
+//! Why: docs/decisions/linear-block.md, "Output error estimates the initial state of every record".
+//! Why: docs/decisions/linear-block.md, "Output error starts from instrumental variables".
 
 use super::fit::least_squares;
 use super::free_run::FreeRunError;

@@ -3,8 +3,8 @@
 //! ```text
 //! min over x of sum_i |y_i - a_i' x|   is   min sum_i t_i  subject to  -t_i <= y_i - a_i' x <= t_i
 //! ```
-//! An interior-point method solves this linear program (Charnes, Cooper & Ferguson 1955, doi:10.1287/mnsc.1.2.138). The
-//! dual problem gives a certificate: no x has a cost below the bound.
+//! An interior-point method (Clarabel) solves this linear program (Charnes, Cooper & Ferguson 1955,
+//! doi:10.1287/mnsc.1.2.138). The dual problem gives a certificate: no x has a cost below the bound.
 
 use crate::error::Error;
 use clarabel::algebra::CscMatrix;

@@ -17,6 +17,9 @@
 //! The paper does not specify the following: the largest velocity is a share of the box; a particle that reaches a
 //! bound stays there with velocity 0; a cost of NaN counts as the largest cost. Each particle has its own random
 //! stream, so the result does not depend on the number of threads.
+//!
+//! Why: docs/decisions/study-of-the-paper.md, "The swarm draws r1 and r2 once per particle".
+//! Why: docs/decisions/study-of-the-paper.md, "g_best is the best position of all iterations".
 
 use super::{Bounds, Minimum, Reason};
 use crate::error::Error;

@@ -16,6 +16,8 @@
 //! (2000), DOI 10.1063/1.1150559; PI's tutorial gives the law and g = 0.01 to 0.02.
 //!
 //! State: the four x_k [m].
+//!
+//! Why: docs/decisions/study-of-the-paper.md, "Creep of the simulated bender is four lags".
 
 use super::spec::require;
 use crate::error::{Error, positive};

@@ -15,16 +15,19 @@
 //! }
 //! ```
 //! A block has fields (its state), constants, and functions. A parameter is a real number, an integer (`whole`), or the
-//! state of a block, given by the name of the block. There are no early returns, no recursion, and no shadowed names. A
-//! function returns up to two numbers. Conditions have no side effects. `let t = copy(x);` copies a state, `let t =
-//! zero(x);` makes one of zeros, `[0.0; n]` is an array of n numbers. `real(i)` converts an integer; `whole(v)`
-//! truncates a number that is not negative. A loop whose ends are not constant says how often it runs `at most`.
-//! `epsilon`, `least` and `most` are those of the precision in use. Some target languages evaluate both sides of `&&`
-//! and `||`. A comment before a function or a statement is printed in every language.
+//! state of a block, given by the name of the block. There are no early returns, no recursion, and no shadowed names: a
+//! construct that one target language lacks, or that MISRA rules forbid, is no part of the language. A function returns
+//! up to two numbers. Conditions have no side effects. `let t = copy(x);` copies a state, `let t = zero(x);` makes one
+//! of zeros, `[0.0; n]` is an array of n numbers. `real(i)` converts an integer; `whole(v)` truncates a number that is
+//! not negative. A loop whose ends are not constant says how often it runs `at most`. `epsilon`, `least` and `most` are
+//! those of the precision in use. Some target languages evaluate both sides of `&&` and `||`. A comment before a
+//! function or a statement is printed in every language.
 //!
 //! A program is read ([`Program::new`]), differentiated ([`Program::slope`]), run ([`Machine`]) in single or double
 //! precision, and printed by the export. [`Program::bound`] gives the largest number of its operations. The order of
 //! the arithmetic is the same everywhere, so results are bit-identical.
+//!
+//! Why: docs/decisions/hysteresis-laws.md, "A law is written twice, to run and to export".
 
 mod bound;
 mod counted;

@@ -22,6 +22,8 @@
 //! another sign or gain than the others of their set.
 //!
 //! Reference: Pearson 2002, Outliers in process modeling and identification, doi:10.1109/87.974338 (Hampel's rule).
+//!
+//! Why: docs/decisions/data-and-records.md, "Defects are masked, never repaired".
 
 mod bridge;
 mod closed;

@@ -1,4 +1,5 @@
-//! The vector files, the reference of every language: this library reproduces them bit-identically.
+//! The vector files (a model of every operator, inputs and outputs), the reference of every language: library, exports
+//! and Python reproduce them bit-identically. `bench/examples/vectors.rs` writes them.
 
 use crate::compensation::{Causal, FeedForwardSettings};
 use crate::hysteresis::OPERATORS;

@@ -1,4 +1,6 @@
 //! The free run from the initial condition that fits the first part of a record.
+//!
+//! Why: docs/decisions/initial-conditions.md, "Five initial conditions are tried, and the one used is named".
 
 use crate::hammerstein::{InitialCondition, Model};
 use crate::record::Record;

@@ -1,12 +1,13 @@
 //! Validation: free run on data that was not used for identification, never one step ahead.
 //!
-//! The model uses only the input. The input does not determine what happened before the record: of three initial
-//! conditions (settled at the first input, at rest, in motion as in the record) the free run uses the most likely one
-//! for its input, unless another has a clearly smaller error in the first tenth of the record; the result states which.
-//! The first `skip` seconds are left out of the figures. Further results: errors by frequency and amplitude ([`Bin`]),
-//! loops of record and model ([`LoopComparison`]), residual tests ([`Whiteness`]), the noise floor ([`Floor`]), the
-//! drift of the error, remarks on extrapolation, and what the record does not test. [`Linearity`] tests whether a
-//! record is linear, without a model.
+//! The model uses only the input, which does not determine what happened before the record. A simulation starts at
+//! rest, but a measured actuator has moved before. Of five initial conditions (settled at the first input, at rest,
+//! after cycles over the whole range that ended with a rise or with a fall, in motion as in the record) the free run
+//! uses the most likely one for its input, unless another has a clearly smaller error in the first tenth of the record;
+//! the result states which. The first `skip` seconds are left out of the figures. Further results: errors by frequency
+//! and amplitude ([`Bin`]), loops of record and model ([`LoopComparison`]), residual tests ([`Whiteness`]), the noise
+//! floor ([`Floor`]), the drift of the error, remarks on extrapolation, and what the record does not test.
+//! [`Linearity`] tests whether a record is linear, without a model.
 //!
 //! Reference: Ljung 1998, System Identification: Theory for the User, chapter 16.
 

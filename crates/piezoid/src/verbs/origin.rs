@@ -13,8 +13,9 @@
 //!   "seed": 1
 //! }
 //! ```
-//! `options`, `columns` and `preparation` hold what differs from the defaults. `steps` are the history of the record
-//! for people. The `command` is the front end, the only member in which front ends differ.
+//! A report thus needs only the model and the records. A reader of `fit` uses the members that it knows and ignores all
+//! others. `options`, `columns` and `preparation` hold what differs from the defaults. `steps` are the history of the
+//! record for people. The `command` is the front end, the only member in which front ends differ.
 
 use super::{File, Identification, Source, Step, short};
 use crate::error::Error;

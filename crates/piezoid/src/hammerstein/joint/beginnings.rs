@@ -1,4 +1,6 @@
 //! The initial conditions of the records, which a coarse fit shows.
+//!
+//! Why: docs/decisions/initial-conditions.md, "The past of a record is chosen again with the operator".
 
 use super::JointOptions;
 use super::estimate::Estimate;

@@ -1,4 +1,6 @@
 //! Lags of the linear block that are creep, and poles that no actuator has.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "Slow real poles are creep".
 
 use super::JointOptions;
 use crate::creep::Lag;

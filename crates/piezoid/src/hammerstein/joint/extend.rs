@@ -7,6 +7,8 @@
 //! each p of a grid, and for the modes seen in free decays, the linearised problem is solved in all coefficients and
 //! initial states. The best p of each kind and each band of frequencies is a candidate; the best candidates are refined
 //! on these responses.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "A new pole is sought with z held".
 
 use super::hidden::Hidden;
 use super::refine::{Fitted, Iterate, StepCallback, refine};

@@ -3,6 +3,8 @@
 //! A part that is held out tests a fit only if no other part shows the same path. For inputs that wander, and for one
 //! that rises, segments of time do so. If the inputs turn at a few levels again and again, the branches between two
 //! levels are held out together, in every record and at every rate, so that the error is that of an unknown path.
+//!
+//! Why: docs/decisions/identification.md, "Paths are held out".
 
 use super::runs::TrainingRecord;
 use crate::series::ends;

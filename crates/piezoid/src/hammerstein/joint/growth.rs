@@ -4,6 +4,8 @@
 //! The extended fit starts at the fit before it, with the same response, so its own error is never larger. The error
 //! that counts is that of the free run on segments of the records that were left out. Where no extension of the linear
 //! block helps, a lag before the hysteresis is tried: it does not commute with the hysteresis.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "The linear block grows from a gain".
 
 use super::JointOptions;
 use super::beginnings::begin;

@@ -16,6 +16,9 @@
 //! Separable least squares: Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201. Hammerstein models by
 //! over-parametrised and iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017,
 //! DOI 10.1016/j.automatica.2017.06.044 (a survey). Not here: hysteresis inside the feedback of the dynamics.
+//!
+//! Why: docs/decisions/identification.md, "The joint method never inverts a block".
+//! Why: docs/decisions/identification.md, "Creep lags are half a decade apart".
 
 mod beginnings;
 mod check;

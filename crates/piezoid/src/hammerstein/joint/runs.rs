@@ -1,4 +1,6 @@
 //! Records of the joint method: with a past, a scale, and parts that are held out in turn.
+//!
+//! Why: docs/decisions/identification.md, "Every record has its own linear trend".
 
 use super::folds::fold;
 use crate::error::Error;

@@ -6,6 +6,8 @@
 //! D takes second differences of neighbouring weights. S is the mean size of the weights' columns, so lambda has no
 //! unit. The gain of a creep lag is drawn to that of the next faster lag, the fastest to a usual value. The static gain
 //! of G is fixed, because G and w can share any factor.
+//!
+//! Why: docs/decisions/identification.md, "Creep lags are half a decade apart".
 
 use super::equations::ReducedEquations;
 use super::estimate::{Estimate, of_differences};

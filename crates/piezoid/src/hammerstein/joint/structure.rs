@@ -4,6 +4,8 @@
 //! represents the hysteresis, its z replaces the input, and each structure, from a pure gain on, is refined together
 //! with it. Records with few frequencies determine few coefficients: a block of order n needs n + 1 frequencies. The
 //! simplest structure is selected that predicts held-out data as well as the best.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "A grown block has limits, a specified order has none".
 
 use super::JointOptions;
 use super::beginnings::{COARSE, begin_all, coarse};

@@ -1,4 +1,7 @@
 //! The operators tried, and the choice among them.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "The larger of two errors decides between operators".
+//! Why: docs/decisions/structure-and-operator-selection.md, "Without minor loops, auto tries fewer operators".
 
 use super::held_out::WORSE;
 use super::refine::Fitted;

@@ -4,7 +4,8 @@
 //! ```text
 //! error^2 = (F - 1) / F  sum over folds of (value without the fold - mean of these)^2
 //! ```
-//! It needs no assumption about the residuals, and includes model errors as well as noise.
+//! It needs no assumption about the residuals, and includes model errors as well as noise. Every fold contains a part
+//! of each small-signal record; otherwise the parameters that only these records determine would have an error of 0.
 //!
 //! B. Efron & C. Stein, Ann. Statist. 9, 586 (1981), DOI 10.1214/aos/1176345462.
 

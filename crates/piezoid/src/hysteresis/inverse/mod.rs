@@ -15,6 +15,8 @@
 //! 10.1016/S0965-9978(96)00051-8 (bracketing). It does not do: operators that decrease somewhere (`falling_input`
 //! reports where). For these it finds one input of several, or none if z at both ends lies on the same side of the
 //! requested z.
+//!
+//! Why: docs/decisions/compensation.md, "Operators are inverted by Newton's method on the law".
 
 mod program;
 

@@ -5,6 +5,8 @@
 //! ```
 //! Outside the levels the outermost slopes continue. Without this curve, relays on the diagonal of the grid carry the
 //! bend of the reversible displacement, and turn it into small loops.
+//!
+//! Why: docs/decisions/hysteresis-laws.md, "Preisach's operator has a reversible curve".
 
 use super::grid::Grid;
 use crate::hysteresis::real::Real;
