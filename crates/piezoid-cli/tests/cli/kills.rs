@@ -56,8 +56,8 @@ const SIGNALS: [&str; 4] = ["KILL", "TERM", "INT", "HUP"];
 /// System calls at which a signal is sent.
 const CALLS: [&str; 3] = ["rename,renameat,renameat2", "unlink,unlinkat,rmdir", "mkdir,mkdirat"];
 
-/// Share of a run in which its first instructions are: those of the shortest take 20 ms.
-const EARLY: f64 = 0.3;
+/// A signal that is sent so soon may come before the process, on a busy machine, handles it.
+const EARLY: Duration = Duration::from_millis(100);
 
 /// The file that names a set which may be mixed.
 const MARK: &str = "piezoid-unfinished.txt";
@@ -228,7 +228,7 @@ impl Scenario {
             (Some(130), _) => signal != "KILL",
             // A signal may come before it can be handled, but not once files are written.
             (None, Some(_)) => {
-                let is_early = matches!(moment, Moment::Share(share) if share < EARLY);
+                let is_early = matches!(moment, Moment::Share(share) if self.took.mul_f64(share) < EARLY);
                 signal == "KILL" || is_early && is_old && now.keys().eq(self.old.keys())
             }
             _ => false,
