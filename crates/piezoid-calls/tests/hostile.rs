@@ -3,14 +3,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may stop at what must not happen
 
-#[path = "../../piezoid/tests/common/hostile.rs"]
-mod hostile;
-
-use hostile::{CHANGES, changed};
 use piezoid::progress::Stage;
 use piezoid::{Error, File, Model};
 use piezoid_calls::{Request, call};
 use piezoid_export::TARGETS;
+use piezoid_testing::hostile::{CHANGES, changed};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;

@@ -14,9 +14,6 @@ mod served;
 mod simulink;
 mod st;
 mod template;
-#[cfg(test)]
-#[path = "../../piezoid/src/testing/close.rs"]
-mod testing;
 mod vectors;
 mod waveform;
 

@@ -32,7 +32,7 @@ impl StraightLine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn a_straight_line_leaves_nothing_and_a_loop_its_width() {

@@ -9,6 +9,3 @@ pub mod report;
 pub mod study;
 
 pub use page::Page;
-#[cfg(test)]
-#[path = "../../piezoid/src/testing/close.rs"]
-mod testing;

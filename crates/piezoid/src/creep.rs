@@ -200,7 +200,7 @@ fn rungs(x: &mut [f64], rates: &[f64], lags: &[Lag], z: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_step_response_of_a_lag_is_exponential() {

@@ -141,7 +141,7 @@ fn hidden(x: hysteresis, d: driver, u) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_division_of_a_path_has_no_effect_and_the_equation_is_solved() {

@@ -65,8 +65,6 @@ pub mod series;
 mod spline;
 pub mod system;
 #[cfg(test)]
-mod testing;
-#[cfg(test)]
 mod tests;
 pub mod validation;
 mod verbs;

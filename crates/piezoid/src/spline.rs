@@ -129,7 +129,7 @@ fn slopes(h: &[f64], m: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn cubics_are_reproduced_between_and_outside_the_knots() {

@@ -1,7 +1,7 @@
 //! The same command gives the same bytes, wherever it is run.
 
 use crate::bench::Bench;
-use crate::skipped::skipped;
+use piezoid_testing::skipped;
 
 #[test]
 fn identify_gives_the_same_bytes_wherever_it_is_run() {

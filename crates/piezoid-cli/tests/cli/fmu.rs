@@ -1,10 +1,10 @@
 //! FMUs in importers: FMPy validates, simulates and misuses them, and libcosim runs them; see `fmu.py`.
 
 use crate::bench::{Bench, Run};
-use crate::skipped::skipped;
 use piezoid::Model;
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::Arx;
+use piezoid_testing::skipped;
 use std::collections::BTreeMap;
 use std::io::{Cursor, Read};
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! `acquire` and PI's own client PIPython on the controller of `instrument`.
 
 use crate::bench::Bench;
-use crate::skipped::skipped;
+use piezoid_testing::skipped;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};

@@ -8,7 +8,7 @@
 #![cfg(unix)]
 
 use crate::bench::{Bench, Run};
-use crate::skipped::skipped;
+use piezoid_testing::skipped;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{DirEntry, File};
 use std::io::{BufRead, BufReader, Write};

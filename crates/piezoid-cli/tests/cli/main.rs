@@ -35,6 +35,3 @@ mod twins;
 mod usage;
 mod waveform;
 mod workflow;
-
-#[path = "../../../piezoid/tests/common/skipped.rs"]
-mod skipped;

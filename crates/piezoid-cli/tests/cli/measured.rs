@@ -1,8 +1,8 @@
 //! The paper's method on measured data: a PICMA P-885.91 stack at 1 Hz.
 
 use crate::bench::{Bench, Run, number};
-use crate::skipped::skipped;
 use crate::workflow::assert_self_contained;
+use piezoid_testing::skipped;
 use std::path::{Path, PathBuf};
 
 /// The folder of the record: from `PIEZOID_DATA`, or beside the workspace.

@@ -10,9 +10,6 @@ mod simulink;
 mod st;
 mod structured_text;
 
-#[path = "../../../piezoid/tests/common/skipped.rs"]
-mod skipped;
-
 use piezoid::File;
 use piezoid::creep::Creep;
 use piezoid::driver::DriverModel;
@@ -20,7 +17,7 @@ use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
 use piezoid_export::{ExportRequest, ExportTarget, Exported};
-use skipped::skipped;
+use piezoid_testing::skipped;
 use std::path::Path;
 use std::process::{Command, Output};
 

@@ -164,11 +164,11 @@ pub(super) fn answer(model: &Model, u: &[f64]) -> Answer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
     use piezoid::creep::Creep;
     use piezoid::excitation::Limits;
     use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
+    use piezoid_testing::assert_close;
     use std::f64::consts::TAU;
 
     /// A model with creep and a resonance of 147 Hz.

@@ -199,7 +199,7 @@ fn overlaps(n: usize, m: usize) -> impl Iterator<Item = (usize, usize, usize)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     const ROOM: TableCapacity = TableCapacity { cycle: 5e-5, points: 1024, cycles: 65535 };
 

@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::Model;
-use crate::testing::assert_close;
 use piezoid::compensation::FeedForwardSettings;
 use piezoid::creep::Creep;
 use piezoid::excitation::Limits;
 use piezoid::hysteresis::Operator;
 use piezoid::linear::Arx;
 use piezoid::record::Units;
+use piezoid_testing::assert_close;
 use std::f64::consts::TAU;
 
 const TS: f64 = 5e-4;

@@ -128,7 +128,7 @@ impl From<&str> for Axis {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn ends(axis: &Axis, data: &[f64]) -> (f64, f64) {
         let (scale, ticks) = axis.resolve(data.iter().copied(), 6);

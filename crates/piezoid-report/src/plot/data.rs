@@ -291,7 +291,7 @@ impl Digits {
 mod tests {
     use super::*;
     use crate::plot::{Axis, Role};
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use serde_json::Value;
 
     fn data(figure: &Figure) -> Value {

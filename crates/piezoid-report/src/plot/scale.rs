@@ -44,7 +44,7 @@ impl Scale {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_middle_of_a_scale_is_the_arithmetic_or_geometric_mean() {

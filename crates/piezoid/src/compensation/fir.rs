@@ -167,7 +167,7 @@ impl System for Fir {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn sample_by_sample_is_the_whole_record_delayed() {

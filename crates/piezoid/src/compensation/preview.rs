@@ -144,7 +144,7 @@ fn nonzero(numbers: &[f64]) -> Vec<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// Poles of a beam, a delayed input, a sampling zero near -1 and one outside the unit circle.
     fn beam() -> Arx {

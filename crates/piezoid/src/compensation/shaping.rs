@@ -170,7 +170,7 @@ fn mode(ts: f64, hz: f64, damping: f64) -> Result<(f64, f64), Error> {
 mod tests {
     use super::*;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     const TS: f64 = 5e-4;
 

@@ -6,8 +6,8 @@ use crate::hysteresis::{OPERATORS, Operator};
 use crate::linear::Arx;
 use crate::plant::Plant;
 use crate::record::{Record, Units};
-use crate::testing::assert_close;
 use crate::{IdentifyOptions, Records, identify};
+use piezoid_testing::assert_close;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

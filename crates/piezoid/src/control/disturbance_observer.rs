@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use crate::control::ClosedLoop;
     use crate::control::tests::assert_follows_its_law;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn path() -> ControlLoop {
         ControlLoop { limits: (-1e6, 1e6), ..path_of(lag(5e-4, 160.0, 0.03).unwrap(), (1.0, 1.0)) }

@@ -57,7 +57,7 @@ pub(super) fn plus(p: &[f64], k: f64, q: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn a_pair_has_the_requested_poles() {

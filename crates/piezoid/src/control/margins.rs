@@ -259,7 +259,7 @@ pub(super) mod tests {
     use super::super::{filters, pi::Pi};
     use super::*;
     use crate::creep::Lag;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use std::f64::consts::TAU;
 
     const TS: f64 = 5e-4;

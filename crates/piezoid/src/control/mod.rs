@@ -182,7 +182,7 @@ mod tests {
     use crate::System;
 
     use crate::program::{Machine, Program};
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn path(late: usize) -> ControlLoop {
         ControlLoop { late, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }

@@ -101,7 +101,7 @@ pub(super) const ROW: ControllerKind = ControllerKind {
 mod tests {
     use super::*;
     use crate::control::ClosedLoop;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_loop_on_a_first_order_plant_matches_its_formula() {

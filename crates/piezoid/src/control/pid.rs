@@ -148,7 +148,7 @@ mod tests {
         let law = Pid::new(1e-3, gains, (-1.0, 1.0)).unwrap().law().unwrap();
         let pi = super::super::pi::Pi::new(1e-3, 0.3, 20.0, (-1.0, 1.0)).unwrap().law().unwrap();
         let e: Vec<f64> = (0..50).map(|t| f64::from(t * t % 7)).collect();
-        crate::testing::assert_close(&law.simulate(&e), &pi.simulate(&e), 1e-9, 1e-12);
+        piezoid_testing::assert_close(&law.simulate(&e), &pi.simulate(&e), 1e-9, 1e-12);
     }
 
     #[test]

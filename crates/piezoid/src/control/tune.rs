@@ -173,7 +173,7 @@ mod tests {
     use super::super::{CONTROLLERS, ClosedLoop, ControllerKind};
     use super::*;
     use crate::hammerstein::Domain;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     use std::sync::Arc;
 

@@ -230,7 +230,7 @@ impl Actuator {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use std::f64::consts::TAU;
 
     #[test]

@@ -93,7 +93,7 @@ mod tests {
         let sine = super::super::Sine { amplitude: 1.0, frequency: 20.0, offset: 0.0 }.samples(1e-3, 500).unwrap();
         for logarithmic in [false, true] {
             let chirp = Chirp { frequency_start: 20.0, frequency_end: 20.0, logarithmic, ..Chirp::default() };
-            crate::testing::assert_close(&chirp.samples(1e-3, 500).unwrap(), &sine, 0.0, 1e-10);
+            piezoid_testing::assert_close(&chirp.samples(1e-3, 500).unwrap(), &sine, 0.0, 1e-10);
         }
     }
 

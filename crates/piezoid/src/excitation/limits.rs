@@ -223,7 +223,7 @@ fn rounded(value: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::excitation::{Amplifier, Prbs, Sine};
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use proptest::prelude::*;
 
     #[test]

@@ -118,7 +118,7 @@ pub(super) const ROW: Excitation = Excitation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// Amplitude of harmonic `k` of one period.
     fn amplitude(u: &[f64], k: usize) -> f64 {

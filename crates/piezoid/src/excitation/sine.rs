@@ -62,7 +62,7 @@ mod tests {
         let u = Sine { amplitude: 30.0, frequency: 5.0, offset: 2.0 }.samples(5e-4, 801).unwrap();
         assert!(u[0] == 2.0 && u[1] > u[0]);
         assert_eq!((u[100], u[300]), (32.0, -28.0));
-        crate::testing::assert_close(&u[400..], &u[..401], 0.0, 1e-9);
+        piezoid_testing::assert_close(&u[400..], &u[..401], 0.0, 1e-9);
     }
 
     #[test]

@@ -78,7 +78,7 @@ mod tests {
         let u = SteppedSine { amplitude: 30.0, frequency: 5.0, steps: 20, offset: 0.0 }.samples(5e-4, 400).unwrap();
         for (k, step) in u.chunks(20).enumerate() {
             assert!(step.iter().all(|v| *v == step[0]), "step {k}");
-            crate::testing::assert_close(&step[..1], &[30.0 * (TAU * k as f64 / 20.0).sin()], 0.0, 1e-12);
+            piezoid_testing::assert_close(&step[..1], &[30.0 * (TAU * k as f64 / 20.0).sin()], 0.0, 1e-12);
         }
     }
 
@@ -87,7 +87,7 @@ mod tests {
         for steps in 3..=41 {
             let u = SteppedSine { amplitude: 30.0, steps, ..SteppedSine::default() }.samples(1e-3, 1000).unwrap();
             let (low, high) = crate::series::ends(u.iter().copied());
-            crate::testing::assert_close(&[low, high], &[-30.0, 30.0], 1e-12, 0.0);
+            piezoid_testing::assert_close(&[low, high], &[-30.0, 30.0], 1e-12, 0.0);
         }
     }
 
@@ -100,6 +100,6 @@ mod tests {
     fn steps_shorter_than_a_sample_leave_the_sine() {
         let stepped = SteppedSine { frequency: 250.0, steps: 8, ..SteppedSine::default() }.samples(5e-4, 80).unwrap();
         let sine = super::super::Sine { frequency: 250.0, ..Default::default() }.samples(5e-4, 80).unwrap();
-        crate::testing::assert_close(&stepped, &sine, 0.0, 1e-9);
+        piezoid_testing::assert_close(&stepped, &sine, 0.0, 1e-9);
     }
 }

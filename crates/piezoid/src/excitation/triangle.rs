@@ -71,6 +71,6 @@ mod tests {
         let u = Triangle { amplitude: 30.0, frequency: 5.0, offset: -1.0 }.samples(5e-4, 801).unwrap();
         assert!(u[0] == -1.0 && u[1] > u[0]);
         let steps: Vec<f64> = u.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
-        crate::testing::assert_close(&steps, &[4.0 * 30.0 * 5.0 * 5e-4; 800], 0.0, 1e-9);
+        piezoid_testing::assert_close(&steps, &[4.0 * 30.0 * 5.0 * 5e-4; 800], 0.0, 1e-9);
     }
 }

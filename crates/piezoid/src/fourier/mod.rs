@@ -120,7 +120,7 @@ pub(crate) fn cosines(lines: &[usize], phases: &[f64], fft: &Transform) -> Vec<C
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use std::f64::consts::TAU;
 
     #[test]

@@ -68,7 +68,7 @@ fn union(a: [f64; 2], b: [f64; 2]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use std::f64::consts::TAU;
 
     #[test]

@@ -122,7 +122,7 @@ mod tests {
         let u = sine(50.0, TAU / 4.0);
         let first = |initial_condition| mean(&model.resume(&mut model.before(&u, initial_condition), &u)[..200]);
         let [motion, settled, _, _, rest] = InitialCondition::of(&u).map(first);
-        crate::testing::assert_close(&[motion], &[50.0 * 1.1 * 2.0 * 1.15], 1e-3, 0.0);
+        piezoid_testing::assert_close(&[motion], &[50.0 * 1.1 * 2.0 * 1.15], 1e-3, 0.0);
         assert!(settled > 1.02 * motion && rest < 0.9 * motion, "{settled} {rest}");
     }
 }

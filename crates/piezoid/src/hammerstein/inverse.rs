@@ -71,7 +71,7 @@ mod tests {
     use crate::driver::DriverModel;
     use crate::hysteresis::OPERATORS;
     use crate::linear::Arx;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_input_is_found_from_the_output_of_creep_with_and_without_a_driver() {

@@ -216,7 +216,7 @@ mod tests {
     fn frequencies_around_the_resonance_give_the_block_with_delay_and_offset() {
         let part = linear_from_large_signal(&[record(&[5.0, 40.0, 90.0, 150.0, 220.0], &beam())], 2).unwrap();
         assert!(part.reason.contains("delay of 2 samples"), "{}", part.reason);
-        crate::testing::assert_close(&[part.arx.poles()[0].hz, part.offset], &[146.73, -40.0], 1e-3, 0.0);
+        piezoid_testing::assert_close(&[part.arx.poles()[0].hz, part.offset], &[146.73, -40.0], 1e-3, 0.0);
     }
 
     #[test]

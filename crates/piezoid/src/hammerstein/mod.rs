@@ -433,7 +433,7 @@ mod tests {
         let model = model.with_creep(Creep::logarithmic(5e-4, 0.01, 0.1, 1.0).unwrap()).unwrap();
         let u: Vec<f64> = (0..400).map(|t| 20.0 * (0.05 * f64::from(t)).sin()).collect();
         let y = model.simulate(&u);
-        crate::testing::assert_close(&model.predict(&u, &y).unwrap(), &y, 1e-12, 1e-9);
+        piezoid_testing::assert_close(&model.predict(&u, &y).unwrap(), &y, 1e-12, 1e-9);
         let mut off = y.clone();
         off[200] += 1.0;
         let predicted = model.predict(&u, &off).unwrap();

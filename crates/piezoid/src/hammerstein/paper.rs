@@ -390,7 +390,7 @@ mod tests {
         assert_eq!(in_mm.model.units().y, "um");
         let plain = found(large_signal.clone()).unwrap();
         let width = |i: &Identified| i.loops[0].found.branches.width();
-        crate::testing::assert_close(&[width(&in_mm)], &[width(&plain)], 1e-9, 0.0);
+        piezoid_testing::assert_close(&[width(&in_mm)], &[width(&plain)], 1e-9, 0.0);
         let counts = large_signal.with_units(Units { u: "V".into(), y: "counts".into() });
         assert!(found(counts).unwrap_err().to_string().contains("in counts, but um is needed"));
     }
@@ -400,7 +400,7 @@ mod tests {
         let late = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.4, 3.3]).unwrap();
         let u = sine(5.0);
         let (z, note) = late.hidden(0.0, &late.simulate(&u)).unwrap();
-        crate::testing::assert_close(&z, &u[..z.len()], 0.0, 1e-6);
+        piezoid_testing::assert_close(&z, &u[..z.len()], 0.0, 1e-6);
         assert!(z.len() > 3990);
         assert!(note.unwrap().contains("non-causally"));
     }

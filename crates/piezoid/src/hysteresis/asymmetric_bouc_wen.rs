@@ -139,7 +139,7 @@ fn hysteresis(x: hysteresis, u) {
 mod tests {
     use super::*;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn each_branch_saturates_at_its_own_rate() {

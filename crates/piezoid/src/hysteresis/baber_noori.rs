@@ -206,7 +206,7 @@ impl Law for BaberNoori {
 mod tests {
     use super::*;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn sine(cycles: u32) -> Vec<f64> {
         (0..200 * cycles).map(|t| 25.0 * (f64::from(t) * std::f64::consts::TAU / 200.0).sin()).collect()

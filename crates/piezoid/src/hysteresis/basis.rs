@@ -122,8 +122,8 @@ mod tests {
     //! Contract tests of all bases, on ranges about zero, from zero, above zero, and tiny.
     use super::*;
     use crate::hysteresis::OPERATORS;
-    use crate::testing::assert_close;
     use nalgebra::{DMatrix, DVector};
+    use piezoid_testing::assert_close;
 
     const TS: f64 = 5e-4;
 

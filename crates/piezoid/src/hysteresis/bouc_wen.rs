@@ -168,7 +168,7 @@ mod tests {
     use crate::plant::spec::{DriverSpec, SensorSpec};
     use crate::plant::{BeamSpec, Logged, Plant, Preset, Spec};
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_division_of_a_path_into_samples_has_no_effect() {

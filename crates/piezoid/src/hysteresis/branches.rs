@@ -338,7 +338,7 @@ impl Branches {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// An elliptic loop: z lags u, so the ascending branch lies below.
     fn cycle(lag: f64) -> (Vec<f64>, Vec<f64>) {

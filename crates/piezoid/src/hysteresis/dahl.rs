@@ -132,7 +132,7 @@ impl Law for Dahl {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_solution_equals_the_analytical_one_for_exponents_below_at_and_above_one() {

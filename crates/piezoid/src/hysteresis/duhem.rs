@@ -228,7 +228,7 @@ mod tests {
     use super::super::tests::path;
     use super::*;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn moments_are_the_integrals_for_short_and_long_paths() {

@@ -213,7 +213,7 @@ const DEAD_ZONES: &str = "
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn without_bends_and_dead_zones_it_is_prandtl_ishlinskii() {

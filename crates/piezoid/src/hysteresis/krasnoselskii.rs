@@ -195,7 +195,7 @@ fn hysteresis(x: hysteresis, u) {
 mod tests {
     use super::*;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn ramps_side_by_side_are_a_line() {

@@ -388,7 +388,7 @@ mod tests {
             let slowly: Vec<f64> = (0..=200_000).map(|t| 20.0 * f64::from(t) / 200_000.0).collect();
             let z = block.simulate(&slowly)[200_000];
             let settled = block.step(&mut block.settled(20.0), 20.0);
-            crate::testing::assert_close(&[settled], &[z], 5e-3, 0.0);
+            piezoid_testing::assert_close(&[settled], &[z], 5e-3, 0.0);
             let rushed = block.simulate(&[20.0])[0];
             assert!((rushed - z).abs() > 0.02 * z.abs(), "{name}: a step must give another z than {rushed}");
         }

@@ -171,7 +171,7 @@ fn hysteresis(x: hysteresis, u) {
 mod tests {
     use super::*;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn operator(rise: f64, attraction: f64) -> impl System {
         let law = MaxwellSlip { thresholds: vec![2.0], rise, rate: 1000.0, attraction };

@@ -129,7 +129,7 @@ impl Nodes {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn branches_meet_at_the_ends_of_the_range_and_pass_through_rest() {

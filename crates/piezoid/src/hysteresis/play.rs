@@ -369,7 +369,7 @@ mod tests {
 
     use crate::program::{Machine, Program};
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn runs_equal_the_definition_and_are_bit_identical_to_steps() {

@@ -150,7 +150,7 @@ mod tests {
         };
         let expected = |hz: f64| 2.0 * (3.0 + 2.0 * (1.0 + TAU * hz * 30.0 / 1000.0).ln());
         for hz in [2.0, 20.0] {
-            crate::testing::assert_close(&[width(hz)], &[expected(hz)], 5e-3, 0.0);
+            piezoid_testing::assert_close(&[width(hz)], &[expected(hz)], 5e-3, 0.0);
         }
     }
 }

@@ -391,7 +391,7 @@ impl Basis for RateScheduledBasis {
 mod tests {
     use super::super::tests::check_program;
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn pair(frequency_hz: f64, width: f64) -> Pair {
         Pair { frequency_hz, branches: example(width).unwrap() }

@@ -132,7 +132,7 @@ impl Real for Dual {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn derivatives_equal_the_analytical_ones() {

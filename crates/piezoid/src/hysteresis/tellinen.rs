@@ -369,7 +369,7 @@ impl Basis for TellinenBasis {
 mod tests {
     use super::super::tests::path;
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn block() -> Tellinen {
         Tellinen::new(1.0, example(2.0).unwrap()).unwrap()

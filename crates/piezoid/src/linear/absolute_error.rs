@@ -143,7 +143,7 @@ mod tests {
                 let deviation =
                     |row: &[f64]| (row[0] - row[1..].iter().zip(theta).map(|(a, b)| a * b).sum::<f64>()).abs();
                 let plain: f64 = rows.chunks_exact(d + 1).map(deviation).sum();
-                crate::testing::assert_close(&alone, &[plain], 1e-12, 0.0);
+                piezoid_testing::assert_close(&alone, &[plain], 1e-12, 0.0);
             }
         }
     }

@@ -155,7 +155,7 @@ pub(crate) fn roots(c: &[f64]) -> Vec<Root> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn table_2_has_the_poles_and_zeros_of_the_reproduced_paper() {

@@ -246,7 +246,7 @@ pub(super) fn shift_in(past: &mut [f64], newest: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn table2() -> Arx {
         Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003]).unwrap()

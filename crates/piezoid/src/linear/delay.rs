@@ -63,7 +63,7 @@ mod tests {
     use crate::linear::{Orders, OutputError, Uncertain};
     use crate::progress::Stage;
     use crate::system::System;
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 

@@ -305,7 +305,7 @@ mod tests {
     use super::*;
     use crate::excitation::Prbs;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn every_estimator_finds_block_and_offsets_of_records_without_noise() {

@@ -215,7 +215,7 @@ mod tests {
     use crate::excitation::Prbs;
     use crate::linear::{modal_error::tests::held, output_error::tests::pl140};
     use crate::system::System;
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 

@@ -138,7 +138,7 @@ fn energies(decays: &[Vec<f64>], poles: &[Complex<f64>]) -> (Vec<f64>, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::noise;
+    use piezoid_testing::noise;
 
     const TS: f64 = 1e-3;
 

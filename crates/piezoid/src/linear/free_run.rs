@@ -313,7 +313,7 @@ pub(super) mod tests {
     use super::*;
     use crate::linear::Arx;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     const ORDERS: Orders = Orders { na: 3, nb: 3, delay: 2 };
     const THETA: [f64; 6] = [1.9, -1.5, 0.5, 2.0, -0.7, 0.3];

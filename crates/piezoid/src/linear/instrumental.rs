@@ -152,7 +152,7 @@ mod tests {
     use crate::progress::Stage;
     use crate::series::mean;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
     use rand_distr::{Distribution, Normal as Gauss};

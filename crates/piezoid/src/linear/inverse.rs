@@ -173,7 +173,7 @@ pub(super) fn reciprocal(z: &Root) -> Root {
 mod tests {
     use super::*;
     use crate::linear::analysis::roots;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use proptest::prelude::*;
 
     fn wiggle(n: usize) -> Vec<f64> {

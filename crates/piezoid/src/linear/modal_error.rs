@@ -258,7 +258,7 @@ pub(super) mod tests {
     use crate::excitation::Prbs;
     use crate::linear::free_run::tests::assert_gradient;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     const TS: f64 = 5e-4;
 

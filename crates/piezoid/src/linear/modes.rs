@@ -234,7 +234,7 @@ impl Arx {
 mod tests {
     use super::*;
     use crate::linear::modal_error::tests::held;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn modes_under_a_held_input_are_found_with_their_shares_and_delay() {

@@ -214,7 +214,7 @@ pub(super) mod tests {
     use crate::plant::Plant;
     use crate::progress::Stage;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use std::ops::ControlFlow;
 
     const TS: f64 = 5e-4;

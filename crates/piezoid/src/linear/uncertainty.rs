@@ -255,7 +255,7 @@ impl OutputError {
 mod tests {
     use super::*;
     use crate::linear::{Orders, OutputError};
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
 
     const ORDERS: Orders = Orders { na: 2, nb: 2, delay: 1 };
 

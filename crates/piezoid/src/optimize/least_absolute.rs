@@ -90,8 +90,8 @@ mod tests {
         let mut rows: Vec<f64> = (0..10).flat_map(|i| [2.0 + 3.0 * f64::from(i), 1.0, f64::from(i)]).collect();
         rows[27] += 1000.0;
         let fit = least_absolute(&rows, 2).unwrap();
-        crate::testing::assert_close(&fit.x, &[2.0, 3.0], 1e-7, 1e-7);
-        crate::testing::assert_close(&[fit.bound], &[fit.cost], 1e-7, 1e-7);
+        piezoid_testing::assert_close(&fit.x, &[2.0, 3.0], 1e-7, 1e-7);
+        piezoid_testing::assert_close(&[fit.bound], &[fit.cost], 1e-7, 1e-7);
     }
 
     #[test]

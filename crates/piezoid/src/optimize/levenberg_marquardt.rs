@@ -173,7 +173,7 @@ impl NormalEquations {
 mod tests {
     use super::*;
     use crate::progress::Stage;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use std::ops::ControlFlow;
 
     /// Errors and their derivatives as functions of x: e_i, then row i of J.

@@ -128,7 +128,7 @@ fn cholesky(mut a: DMatrix<f64>) -> Option<DMatrix<f64>> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use proptest::prelude::*;
 
     proptest! {

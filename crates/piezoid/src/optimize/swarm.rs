@@ -367,7 +367,7 @@ mod tests {
                     + 0.7 * r2 * (before.g_best[i] - before.x[k]);
                 let inside = by_hand.clamp(-1.0, 1.0);
                 let free = (-2.0..=3.0).contains(&(before.x[k] + inside));
-                crate::testing::assert_close(&[after.v[k]], &[if free { inside } else { 0.0 }], 1e-12, 0.0);
+                piezoid_testing::assert_close(&[after.v[k]], &[if free { inside } else { 0.0 }], 1e-12, 0.0);
             }
         }
     }

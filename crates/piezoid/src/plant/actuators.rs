@@ -117,7 +117,7 @@ mod tests {
     use super::*;
     use crate::excitation::Actuator;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// The plant without noise, converter and lag of its sensor, and without creep.
     fn quiet(name: &str, ts: f64) -> Plant {

@@ -141,7 +141,7 @@ fn sigma(x: f64) -> f64 {
 mod tests {
     use super::super::catalogue::{BENDERS, Bender, DENSITY, PL140};
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn cantilever(bender: &Bender, modes: usize) -> Cantilever {
         Cantilever {

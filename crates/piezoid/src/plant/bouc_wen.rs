@@ -106,7 +106,7 @@ fn ratio(f: impl Fn(f64) -> f64, x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn pl140() -> BoucWenStage {
         BoucWenStage::new(30.0, 1e-3, 0.13, 0.020, 0.005).unwrap()

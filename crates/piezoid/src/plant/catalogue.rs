@@ -90,7 +90,7 @@ impl Bender {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_blocking_force_gives_the_modulus_of_a_piezo_ceramic() {

@@ -68,7 +68,7 @@ impl CreepStage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// Displacement under a unit step at t = k h, k = 1...n.
     fn step_response(creep: &CreepStage, n: usize) -> Vec<f64> {

@@ -80,7 +80,7 @@ fn decay(t: f64, lag: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn driver(lag_s: f64, current_a: Option<f64>, h: f64) -> DriverStage {
         DriverStage::new(&DriverSpec { lag_s, current_a, capacitance_f: 8.2e-6, ..DriverSpec::default() }, h).unwrap()

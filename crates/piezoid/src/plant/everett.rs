@@ -64,7 +64,7 @@ fn remainder(x: f64, n: u32) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn series_and_closed_form_agree_at_their_boundary() {

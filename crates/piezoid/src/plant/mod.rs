@@ -257,7 +257,7 @@ impl System for Plant {
 mod tests {
     use super::spec::{DriverSpec, SensorSpec};
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use std::f64::consts::TAU;
 
     const TS: f64 = 5e-4;

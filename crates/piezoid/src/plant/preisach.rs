@@ -124,7 +124,7 @@ fn reversal(x: &[f64], i: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use proptest::prelude::*;
 
     fn pl140() -> PreisachStage {

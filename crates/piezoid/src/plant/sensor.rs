@@ -105,7 +105,7 @@ impl Sensor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn sensor(spec: &SensorSpec) -> Sensor {
         Sensor::new(spec, 25e-6, 7).unwrap()

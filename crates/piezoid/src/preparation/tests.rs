@@ -2,9 +2,7 @@
 
 use super::kernel::Kernel;
 use super::*;
-use crate::testing::assert_close;
-use rand::SeedableRng;
-use rand_distr::{Distribution, StandardNormal};
+use piezoid_testing::{assert_close, noise};
 use std::f64::consts::TAU;
 
 const TS: f64 = 1e-4;
@@ -19,18 +17,6 @@ fn sine(hz: f64) -> impl Fn(f64) -> f64 {
 
 fn record(u: Vec<f64>, y: Vec<f64>) -> Record {
     Record::new(TS, u, y).unwrap()
-}
-
-fn noise(n: usize, rms: f64) -> Vec<f64> {
-    let mut random = rand_chacha::ChaCha8Rng::seed_from_u64(3);
-    (0..n)
-        .map(|_| {
-            rms * {
-                let x: f64 = StandardNormal.sample(&mut random);
-                x
-            }
-        })
-        .collect()
 }
 
 fn prepared(options: &PrepareOptions, record: &Record) -> Record {
@@ -164,7 +150,7 @@ fn the_mean_of_periods_has_the_noise_that_statistics_expect() {
     let (p, periods, rms) = (200, 100, 0.7);
     let signal = |t: f64| 10.0 * (TAU * t / (p as f64 * TS)).sin();
     let u = series(p * periods + 30, signal);
-    let y = series(u.len(), signal).iter().zip(noise(u.len(), rms)).map(|(y, e)| 3.0 * y + e).collect();
+    let y = series(u.len(), signal).iter().zip(noise(3, u.len())).map(|(y, e)| 3.0 * y + rms * e).collect();
     let made = prepared(&with(|o| o.average = true), &record(u.clone(), y));
     assert_eq!(made.len(), p);
     // The last 100 periods: the record has 30 samples more, and they are the first.
@@ -222,7 +208,7 @@ fn exactly_the_spikes_that_were_put_in_are_replaced() {
     let n = 4000;
     let clean = record(series(n, |t| 30.0 * sine(5.0)(t)), series(n, |t| 20.0 * sine(5.0)(t - 1e-3)));
     let spikes = [(150, 3.0), (151 + 40, -1.5), (900, 0.8), (2500, -8.0), (3900, 100.0)];
-    let mut y: Vec<f64> = clean.y().iter().zip(noise(n, 1e-3)).map(|(y, e)| y + e).collect();
+    let mut y: Vec<f64> = clean.y().iter().zip(noise(3, n)).map(|(y, e)| y + 1e-3 * e).collect();
     let before = y.clone();
     spikes.iter().for_each(|(t, size)| y[*t] += size);
     let options = with(|o| o.outliers = true);

@@ -264,7 +264,7 @@ impl Program {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     fn block(text: &str) -> Block {
         let block = Block::new("b", "").number("last", 0.5).numbers("room", vec![1.0, 2.0, 3.0]);

@@ -42,7 +42,7 @@ pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn a_sum_of_lagged_inputs_is_explained_independently_of_the_trend() {

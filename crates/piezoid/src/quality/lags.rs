@@ -63,7 +63,7 @@ impl<'a> Lags<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn products_and_sums_are_those_of_the_shifted_columns() {

@@ -206,11 +206,7 @@ fn a_band_without_power_is_reported() {
 
 #[test]
 fn noise_has_no_outliers() {
-    let mut state = 1u64;
-    let mut uniform = || {
-        state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-        (state >> 11) as f64 / (1u64 << 53) as f64 - 0.5
-    };
+    let mut uniform = random(1);
     let u = sine(28.0, 7.0, 40_000);
     // Sums of twelve uniform numbers are nearly normal.
     let y = u.iter().map(|u| 33.0 * u + 30.0 * (0..12).map(|_| uniform()).sum::<f64>()).collect();

@@ -1,8 +1,8 @@
 //! Excitations compared with scipy; `golden/*.py` write the numbers.
 
-use super::close::assert_close;
 use super::golden::{number, numbers, rows, text};
 use crate::excitation::{Chirp, Prbs};
+use piezoid_testing::assert_named_close;
 
 /// The bits of a PRBS of 1 V, in the format of scipy's script.
 fn bits(prbs: &Prbs, n: usize) -> String {
@@ -40,6 +40,6 @@ fn chirp_is_scipys_chirp() {
             ..Chirp::default()
         };
         let u = chirp.samples(5e-4, expected.len()).expect("a sweep that scipy makes");
-        assert_close(text(&row, "method"), &u, &expected, 0.0, 1e-10);
+        assert_named_close(text(&row, "method"), &u, &expected, 0.0, 1e-10);
     }
 }

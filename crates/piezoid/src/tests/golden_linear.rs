@@ -1,11 +1,11 @@
 //! The linear block and its fits compared with scipy and numpy; `golden/*.py` write the numbers.
 
-use super::close::assert_close;
 use super::golden::{number, numbers, rows, text};
 use crate::linear::{self, Arx, Orders};
 use crate::optimize::{least_absolute, swarm};
 use crate::progress::Stage;
 use crate::{Record, System};
+use piezoid_testing::assert_named_close;
 use serde_json::Value;
 
 const RTOL: f64 = 1e-12;
@@ -15,7 +15,7 @@ const RTOL: f64 = 1e-12;
 #[track_caller]
 fn assert_close_in_norm(what: &str, a: &[f64], b: &[f64], rtol: f64) {
     let largest = b.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    assert_close(what, a, b, 0.0, rtol * largest);
+    assert_named_close(what, a, b, 0.0, rtol * largest);
 }
 
 /// The block of scipy's `a` and `b`. scipy writes a[0] y_t + a[1] y_{t-1} + ... = ...; equation (1) has the feedback on
@@ -80,11 +80,11 @@ fn the_frequency_response_is_scipys_freqz() {
         let (arx, name) = (block(row, number(row, "ts")), text(row, "name"));
         let ours: Vec<_> = numbers(row, "hz").into_iter().map(|hz| arx.response(hz)).collect();
         let gain: Vec<f64> = ours.iter().map(|r| r.gain).collect();
-        assert_close(name, &gain, &numbers(row, "gain"), RTOL, 0.0);
+        assert_named_close(name, &gain, &numbers(row, "gain"), RTOL, 0.0);
         // Angles are compared modulo 2 pi.
         let phase = numbers(row, "phase");
         let apart: Vec<f64> = ours.iter().zip(&phase).map(|(r, phase)| 2.0 * ((r.phase - phase) / 2.0).sin()).collect();
-        assert_close(name, &apart, &vec![0.0; apart.len()], 0.0, RTOL);
+        assert_named_close(name, &apart, &vec![0.0; apart.len()], 0.0, RTOL);
     }
 }
 
@@ -113,13 +113,13 @@ fn compare_poles_and_zeros(row: &Value) {
     let (arx, name) = (block(row, number(row, "ts")), text(row, "name"));
     let poles = arx.poles();
     let of = |what: &dyn Fn(&linear::Pole) -> f64| poles.iter().map(what).collect::<Vec<f64>>();
-    assert_close(name, &of(&|p| p.hz), &numbers(row, "pole_hz"), RTOL, 0.0);
+    assert_named_close(name, &of(&|p| p.hz), &numbers(row, "pole_hz"), RTOL, 0.0);
     // A damping ratio passes through zero: its rounding error is relative to 1.
-    assert_close(name, &of(&|p| p.damping), &numbers(row, "pole_damping"), 0.0, RTOL);
+    assert_named_close(name, &of(&|p| p.damping), &numbers(row, "pole_damping"), 0.0, RTOL);
     let zeros: Vec<[f64; 2]> = arx.zeros().iter().map(|z| [z.re, z.im]).collect();
     let moduli = |of: &[[f64; 2]]| of.iter().map(|z| z[0].hypot(z[1])).collect::<Vec<f64>>();
     let mut theirs = pairs(&row["zeros"]);
-    assert_close(name, &moduli(&zeros), &moduli(&theirs), RTOL, 0.0);
+    assert_named_close(name, &moduli(&zeros), &moduli(&theirs), RTOL, 0.0);
     // Rounding determines the order of zeros of equal modulus, so each one is searched, within a tolerance relative to
     // the modulus.
     for [re, im] in zeros {
@@ -149,7 +149,7 @@ fn least_squares_is_scipys_lstsq_with_one_constant_per_record() {
         assert_eq!(fit.arx.delay(), orders.delay, "{name}");
         // An offset is a difference of outputs, so the tolerance is relative to the outputs.
         let largest = records.iter().flat_map(|r| r.y()).fold(0.0f64, |m, y| m.max(y.abs()));
-        assert_close(name, &fit.offsets, &numbers(row, "offsets"), 0.0, RTOL * largest);
+        assert_named_close(name, &fit.offsets, &numbers(row, "offsets"), 0.0, RTOL * largest);
     }
 }
 
@@ -162,7 +162,7 @@ fn the_least_absolute_cost_is_that_of_scipys_linear_program() {
         let cost = number(row, "cost");
         let fit = least_absolute(&numbers(row, "rows"), dimension).expect("an optimum that scipy finds");
         // The interior-point method ends near the vertex of the simplex method: 1e-8, not 1e-12.
-        assert_close(text(row, "name"), &[fit.cost, fit.bound], &[cost, cost], 1e-8, 0.0);
+        assert_named_close(text(row, "name"), &[fit.cost, fit.bound], &[cost, cost], 1e-8, 0.0);
         // Only rounding may be below the optimum.
         assert!(fit.cost >= cost * (1.0 - RTOL), "{}: {} is below {cost}", row["name"], fit.cost);
     }

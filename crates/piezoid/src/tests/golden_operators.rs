@@ -1,8 +1,8 @@
 //! Hysteresis operators compared with their definitions in numpy and scipy; `golden/operators.py` writes the numbers.
 
-use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::hysteresis::Operator;
+use piezoid_testing::assert_named_close;
 
 #[test]
 fn operators_are_their_definitions() {
@@ -20,6 +20,6 @@ fn operators_are_their_definitions() {
             "tellinen" => 3e-6,
             _ => 1e-9,
         };
-        assert_close(name, &block.simulate(&u), &z, 0.0, tolerance * largest);
+        assert_named_close(name, &block.simulate(&u), &z, 0.0, tolerance * largest);
     }
 }

@@ -1,8 +1,8 @@
 //! Splines compared with scipy; `golden/cubic_spline.py` writes the numbers.
 
-use super::close::assert_close;
 use super::golden::{numbers, rows, text};
 use crate::spline::Spline;
+use piezoid_testing::assert_named_close;
 
 /// Relative to the value, plus the same share of the largest knot: near zero, the rounding error is relative to the
 /// knots.
@@ -11,7 +11,7 @@ const TOLERANCE: f64 = 1e-12;
 #[track_caller]
 fn assert_close_beside_knots(name: &str, ours: &[f64], theirs: &[f64], knots: &[f64]) {
     let largest = knots.iter().fold(0.0f64, |m, y| m.max(y.abs()));
-    assert_close(name, ours, theirs, TOLERANCE, TOLERANCE * largest);
+    assert_named_close(name, ours, theirs, TOLERANCE, TOLERANCE * largest);
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! Measured files for several tests.
 
-use super::skipped::skipped;
+use piezoid_testing::skipped;
 use std::path::PathBuf;
 
 /// A measured file, such as `picma-p885/model_1Hz.csv`, from `PIEZOID_DATA` or from `../shared/data` beside the

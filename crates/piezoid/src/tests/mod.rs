@@ -2,7 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may panic
 
-mod close;
 mod csv;
 mod golden;
 mod golden_dynamics;
@@ -10,12 +9,8 @@ mod golden_excitation;
 mod golden_linear;
 mod golden_operators;
 mod golden_spline;
-#[path = "../../tests/common/hostile.rs"]
-mod hostile;
 mod measured;
 mod measured_data;
 mod properties;
 mod quality;
-#[path = "../../tests/common/skipped.rs"]
-mod skipped;
 mod vectors;

@@ -116,7 +116,7 @@ fn line(pairs: &[(f64, f64)], drift: bool) -> (f64, f64) {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
 
     /// A resonance at a high sampling rate, delayed by 7 samples, with noise of 0.3 and a masked spike.
     fn noisy() -> MaskedRecord {

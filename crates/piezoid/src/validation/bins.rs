@@ -188,8 +188,8 @@ mod tests {
     use crate::hysteresis::Proportional;
     use crate::linear::Arx;
     use crate::record::Record;
-    use crate::testing::assert_close;
     use crate::validation::Validation;
+    use piezoid_testing::assert_close;
     use std::sync::Arc;
 
     const TS: f64 = 5e-4;

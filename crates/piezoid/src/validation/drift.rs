@@ -62,7 +62,7 @@ fn beside(t: &[f64], s: &[f64], e: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
 
     const TS: f64 = 1e-3;
     const N: usize = 4000;

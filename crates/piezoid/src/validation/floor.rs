@@ -198,7 +198,7 @@ mod tests {
     use super::*;
     use crate::excitation::{Prbs, RisingSine, Sine};
     use crate::plant::{Plant, Preset};
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     const TS: f64 = 5e-4;
 
@@ -235,7 +235,7 @@ mod tests {
     #[test]
     fn the_parts_of_an_error_add_up_and_are_told() {
         let u = RisingSine { amplitude: 28.0, frequency: 5.0, ..RisingSine::default() }.samples(TS, 8000).unwrap();
-        let noise = crate::testing::noise(1, 8000);
+        let noise = piezoid_testing::noise(1, 8000);
         let y: Vec<f64> = u.iter().zip(&noise).map(|(u, e)| 3.0 * u + 0.03 * e).collect();
         let short_of: Vec<f64> = u.iter().map(|u| 2.99 * u).collect();
         let metrics = Metrics::of(&y, &short_of);
@@ -286,7 +286,7 @@ mod tests {
     #[test]
     fn two_periods_are_not_compared_because_the_first_contains_the_transient() {
         let u = Prbs { order: 9, ..Prbs::default() }.samples(TS, 1022).unwrap();
-        let noise = crate::testing::noise(1, 1022);
+        let noise = piezoid_testing::noise(1, 1022);
         let y = u.iter().zip(&noise).enumerate().map(|(t, (u, e))| u + (-0.02 * t as f64).exp() + 0.01 * e).collect();
         let floor = floor(u.clone(), y, &u).unwrap();
         assert_eq!((floor.source, floor.period), ("spectrum", None));

@@ -146,8 +146,8 @@ fn average_of(shapes: &[LoopShape]) -> LoopShape {
 mod tests {
     use super::*;
     use crate::record::Record;
-    use crate::testing::assert_close;
     use crate::waveform::cycles;
+    use piezoid_testing::assert_close;
     use std::f64::consts::{PI, TAU};
 
     const TS: f64 = 5e-4;

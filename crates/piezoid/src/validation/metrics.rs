@@ -78,7 +78,7 @@ fn larger(m: f64, e: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn offsets_between_records_do_not_improve_the_total() {

@@ -200,7 +200,7 @@ mod tests {
     use super::*;
     use crate::hysteresis::Proportional;
     use crate::linear::Arx;
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
     use std::sync::Arc;
 
     #[test]

@@ -70,7 +70,7 @@ fn without(x: &[f64], s: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::testing::noise;
+    use piezoid_testing::noise;
 
     /// A low-passed PRBS, and noise.
     fn signals() -> (Vec<f64>, Vec<f64>, Vec<f64>) {

@@ -274,7 +274,7 @@ mod tests {
     use crate::linear::Arx;
     use crate::plant::Plant;
     use crate::system::System;
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
 
     const TS: f64 = 5e-4;
 

@@ -226,7 +226,7 @@ fn hum(e: &[Complex<f64>], s: &[Complex<f64>], hz: f64, drive: Option<f64>) -> O
 mod tests {
     use super::*;
     use crate::excitation::{Prbs, RisingSine};
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
     use std::f64::consts::TAU;
 
     const TS: f64 = 1e-3;

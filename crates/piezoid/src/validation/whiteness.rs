@@ -170,7 +170,7 @@ fn chi_squared_tail(q: f64, degrees: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::excitation::Prbs;
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
 
     fn prbs(n: usize) -> Vec<f64> {
         Prbs { order: 13, ..Prbs::default() }.samples(5e-4, n).unwrap()

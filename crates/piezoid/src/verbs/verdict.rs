@@ -302,8 +302,8 @@ mod tests {
     use crate::identification::{IdentifyOptions, Records};
     use crate::linear::Arx;
     use crate::progress::Stage;
-    use crate::testing::noise;
     use crate::validation::ValidateOptions;
+    use piezoid_testing::noise;
     use serde_json::json;
     use std::sync::Arc;
 

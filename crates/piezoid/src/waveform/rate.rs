@@ -51,7 +51,7 @@ fn median(lengths: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
     use crate::excitation::{Chirp, Multisine, Prbs, RisingSine, Sine};
-    use crate::testing::{assert_close, noise};
+    use piezoid_testing::{assert_close, noise};
 
     const TS: f64 = 2e-4;
 

@@ -246,8 +246,8 @@ fn by_rows(m: &DMatrix<f64>) -> Vec<f64> {
 mod tests {
     use super::super::interior;
     use super::*;
-    use crate::testing::assert_close;
     use nalgebra::DVector;
+    use piezoid_testing::assert_close;
     use rand::{Rng, RngExt, SeedableRng};
 
     /// Bounds, rates and soft outputs of eight random moves.

@@ -74,7 +74,7 @@ pub(super) fn gain(a: &DMatrix<f64>, c: &RowDVector<f64>, q: &DMatrix<f64>, r: f
 mod tests {
     use super::super::realisation::{Realisation, tests::blocks};
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_gain_is_the_limit_of_a_full_kalman_filter() {

@@ -113,7 +113,7 @@ impl Realisation {
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// Creep and a resonance whose input is delayed by `delay` samples.
     pub(in super::super) fn blocks(delay: usize) -> (Creep, Arx) {

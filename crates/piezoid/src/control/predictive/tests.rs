@@ -7,8 +7,8 @@ use super::*;
 use crate::creep::Creep;
 use crate::driver::DriverModel;
 use crate::hysteresis::{Hysteresis, Operator, Proportional, load};
-use crate::testing::assert_close;
 use nalgebra::DMatrix;
+use piezoid_testing::assert_close;
 use serde_json::json;
 
 const TS: f64 = 5e-4;

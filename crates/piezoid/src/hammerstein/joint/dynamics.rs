@@ -75,7 +75,7 @@ pub(super) fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
 mod tests {
     use super::super::testing::pair;
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn lags_slower_than_the_records_are_limited_and_everything_else_stays() {

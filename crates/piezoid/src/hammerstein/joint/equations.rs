@@ -150,7 +150,7 @@ pub(super) fn equations(
 mod tests {
     use super::super::testing::{estimate, segment};
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn elimination_gives_the_solution_of_all_equations() {

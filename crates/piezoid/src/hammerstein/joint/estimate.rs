@@ -189,7 +189,7 @@ impl<'a> Responses<'a> {
 mod tests {
     use super::*;
     use crate::series::dot;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn coefficients_of_differences_are_those_of_the_elements() {

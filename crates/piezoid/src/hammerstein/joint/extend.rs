@@ -184,7 +184,7 @@ mod tests {
     use super::super::{held_out::Smoothness, runs::of, testing::estimate};
     use super::*;
     use crate::record::Record;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// A record of a second-order block with curved hysteresis and noise.
     fn records() -> Vec<Record> {

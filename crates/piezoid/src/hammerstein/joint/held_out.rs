@@ -177,7 +177,7 @@ mod tests {
     use super::*;
     use crate::record::Record;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// With only a gain, the error is that of a gain for all records and a line over time for each, fitted to the
     /// other segments.

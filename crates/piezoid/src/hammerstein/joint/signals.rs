@@ -113,7 +113,7 @@ mod tests {
     use crate::creep::{Creep, Lag};
     use crate::linear::Arx;
     use crate::system::System;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn parallel_signals_are_those_of_single_runs() {

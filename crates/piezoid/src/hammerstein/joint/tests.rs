@@ -7,7 +7,7 @@ use crate::hysteresis::Operator;
 use crate::linear::Arx;
 use crate::progress::Stage;
 use crate::system::System;
-use crate::testing::{assert_close, noise};
+use piezoid_testing::{assert_close, noise};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 

@@ -185,7 +185,7 @@ impl dyn Hysteresis + '_ {
 mod tests {
     use super::super::{OPERATORS, Operator, load};
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     /// An input that is not periodic.
     fn wander(t: u32) -> f64 {

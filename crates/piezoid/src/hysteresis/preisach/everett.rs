@@ -158,7 +158,7 @@ fn since_rest(u) {
 mod tests {
     use super::*;
     use crate::hysteresis::preisach::grid::cells;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_tables_are_the_sums_over_the_cells() {

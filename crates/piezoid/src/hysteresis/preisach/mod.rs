@@ -374,7 +374,7 @@ impl Basis for CellBasis {
 mod tests {
     use super::super::tests::check_program;
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
     use std::f64::consts::TAU;
 
     fn wander(n: usize) -> Vec<f64> {

@@ -74,7 +74,7 @@ fn reversible(u) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::assert_close;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_curve_is_the_integral_of_its_slope_from_zero() {

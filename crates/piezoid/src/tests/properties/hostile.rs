@@ -7,8 +7,8 @@ use crate::creep::Creep;
 use crate::driver::DriverModel;
 use crate::hysteresis::OPERATORS;
 use crate::linear::Arx;
-use crate::tests::hostile::{CHANGES, changed};
 use crate::{Model, Record, System};
+use piezoid_testing::hostile::{CHANGES, changed};
 use proptest::prelude::*;
 use serde_json::{Value, json};
 

@@ -5,8 +5,8 @@ use crate::excitation::Prbs;
 use crate::linear::{self, AbsoluteError, Arx, Orders};
 use crate::optimize::swarm::{self, Cost};
 use crate::progress::Stage;
-use crate::tests::close::assert_close;
 use crate::{Record, System};
+use piezoid_testing::assert_named_close;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -31,11 +31,11 @@ proptest! {
     ) {
         let y = block.simulate(&u);
         let inverse = block.inverse().expect("its zeros are inside the circle");
-        assert_close("z", &inverse.simulate(&y), &u, 0.0, rounding(&block, &u, &y));
+        assert_named_close("z", &inverse.simulate(&y), &u, 0.0, rounding(&block, &u, &y));
         // And the block after its inverse.
         let back = block.simulate(&inverse.simulate(&u));
         let reversed = Arx::new(TS, inverse_a(&block), inverse_b(&block)).expect("the inverse, by hand");
-        assert_close("y", &back, &u, 0.0, rounding(&reversed, &u, &inverse.simulate(&u)));
+        assert_named_close("y", &back, &u, 0.0, rounding(&reversed, &u, &inverse.simulate(&u)));
     }
 
     #[test]
@@ -53,7 +53,7 @@ proptest! {
         let y = block.simulate(&u);
         let z = block.invert_whole(&y).expect("no zero is on the circle");
         prop_assert_eq!(z.len(), y.len());
-        assert_close("z", &z[150..300], &u[150..300], 0.0, 1e-8);
+        assert_named_close("z", &z[150..300], &u[150..300], 0.0, 1e-8);
     }
 
     #[test]
@@ -75,9 +75,9 @@ proptest! {
         let record = Record::new(TS, u, y).expect("a record");
         let settings = swarm::SwarmSettings::default();
         let fit = estimator.fit(&[record], orders, &settings, &mut Stage::ignore).expect("a fit");
-        assert_close("a", fit.arx.a(), block.a(), 0.0, 1e-7 * (1.0 + largest(block.a())));
-        assert_close("b", fit.arx.b(), block.b(), 0.0, 1e-7 * largest(block.b()));
-        assert_close("offset", &fit.offsets, &[offset], 1e-7, 1e-7 * largest(block.b()));
+        assert_named_close("a", fit.arx.a(), block.a(), 0.0, 1e-7 * (1.0 + largest(block.a())));
+        assert_named_close("b", fit.arx.b(), block.b(), 0.0, 1e-7 * largest(block.b()));
+        assert_named_close("offset", &fit.offsets, &[offset], 1e-7, 1e-7 * largest(block.b()));
     }
 }
 

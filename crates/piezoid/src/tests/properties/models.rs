@@ -4,9 +4,9 @@ use super::strategies::*;
 use crate::excitation::Limits;
 use crate::hysteresis::{HeldInput, Pair, RateScheduled, TwoBranch};
 use crate::linear::Arx;
-use crate::tests::close::assert_close;
 use crate::validation::Metrics;
 use crate::{Model, Record, System, Units};
+use piezoid_testing::assert_named_close;
 use proptest::prelude::*;
 
 /// Any finite number, often one that is not a finite decimal.
@@ -99,7 +99,7 @@ proptest! {
         let scheduled = RateScheduled::new(TS, pairs, HeldInput::Held).expect("two frequencies");
         let z = TwoBranch::new(TS, branches.clone(), HeldInput::Held).expect("a block").simulate(&u);
         // (1 - s) z + s z is z except for rounding.
-        assert_close("z", &scheduled.simulate(&u), &z, 1e-15, 0.0);
+        assert_named_close("z", &scheduled.simulate(&u), &z, 1e-15, 0.0);
     }
 
     #[test]
@@ -119,8 +119,8 @@ proptest! {
             let lengths = [m.rmse / unit, m.max_abs / unit, (m.mse / unit).sqrt() / unit.sqrt()];
             [lengths.as_slice(), &[m.nrmse_percent, m.rms_pp_percent, 100.0 - m.fit_percent]].concat()
         };
-        assert_close("shifted", &numbers(&of(&|v| v + offset), 1.0), &numbers(&plain, 1.0), 1e-9, 1e-12);
-        assert_close("scaled", &numbers(&of(&|v| -k * v), k), &numbers(&plain, 1.0), 1e-9, 0.0);
+        assert_named_close("shifted", &numbers(&of(&|v| v + offset), 1.0), &numbers(&plain, 1.0), 1e-9, 1e-12);
+        assert_named_close("scaled", &numbers(&of(&|v| -k * v), k), &numbers(&plain, 1.0), 1e-9, 0.0);
         prop_assert!(plain.rmse <= plain.max_abs * (1.0 + 1e-15) && plain.rms_pp_percent <= plain.nrmse_percent);
         prop_assert_eq!(Metrics::of(&y, &y).mse, 0.0);
     }
@@ -165,7 +165,7 @@ proptest! {
         prop_assert!(usage.is_ok(), "{:?}", usage);
         // A drive within the limits is not changed.
         if limits.refuse(&u, ts).is_ok() {
-            assert_close("u", &clipped, &u, 0.0, 1e-5 * largest(&u));
+            assert_named_close("u", &clipped, &u, 0.0, 1e-5 * largest(&u));
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::strategies::*;
 use crate::hysteresis::*;
-use crate::tests::close::assert_close;
+use piezoid_testing::assert_named_close;
 use proptest::prelude::*;
 use serde_json::json;
 use std::sync::Arc;
@@ -39,7 +39,7 @@ proptest! {
         let rest = weights[0] - weights[1..].iter().sum::<f64>();
         let plays = block("prandtl-ishlinskii", &(thresholds, [&[rest], &weights[1..]].concat()));
         let scale = largest(&u) * weights.iter().sum::<f64>();
-        assert_close("z", &block("stop", &elements).simulate(&u), &plays.simulate(&u), 0.0, 1e-13 * scale);
+        assert_named_close("z", &block("stop", &elements).simulate(&u), &plays.simulate(&u), 0.0, 1e-13 * scale);
     }
 
     #[test]
@@ -119,7 +119,7 @@ proptest! {
             }
             let z = basis.operator(&scaled).expect("weights").simulate(&u);
             let scale = width * basis.len() as f64;
-            assert_close(row.name, &z, &sums, 1e-12, 1e-12 * scale);
+            assert_named_close(row.name, &z, &sums, 1e-12, 1e-12 * scale);
         }
     }
 }

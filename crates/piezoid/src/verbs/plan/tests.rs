@@ -6,7 +6,7 @@ use crate::hammerstein::Model;
 use crate::hysteresis::Proportional;
 use crate::linear::Arx;
 use crate::options::Options;
-use crate::testing::assert_close;
+use piezoid_testing::assert_close;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::sync::Arc;

@@ -3,10 +3,10 @@
 use serde_json::{Value, json};
 
 /// Number of ways in which a value can be changed.
-pub(crate) const CHANGES: usize = 30;
+pub const CHANGES: usize = 30;
 
 /// A document in which one of its `n` values, that of the index `at(n)`, is changed.
-pub(crate) fn changed(mut document: Value, at: impl Fn(usize) -> usize, how: usize) -> Value {
+pub fn changed(mut document: Value, at: impl Fn(usize) -> usize, how: usize) -> Value {
     let mut found = Vec::new();
     places(&document, "", &mut found);
     if let Some(hit) = document.pointer_mut(&found[at(found.len())]) {
