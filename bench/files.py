@@ -1,30 +1,37 @@
 #!/usr/bin/env python3
-"""Reads files as other programs write them (bench/files), and counts how many are read right without an option.
+"""How many files of other programs are read right without an option, and does the reader refuse the others?
 
-usage: files.py [--set first|second|third] [--data FOLDER] [--only csv] [--all]
+usage: files.py [--set first|second|third] [--only csv] [--all | --list]
 
-The first set was there while the readers were written; the second and the third were written by people who had not
-seen them, and read for the first time after that.
-
-A file is read right if u and y are those of truth.json to the bit, and the sampling period but for rounding; it may be
-refused if truth.json says that it cannot be known what is what. Each file that fails is listed with its message, cut to
-one line. Needs what bench/files/make.py needs (scipy, h5py, npTDMS, pandas, pyarrow, openpyxl, hdf5storage, asammdf),
-and piezoid.
+bench/files holds three sets of files with what is true of them; its README tells how they came about. A file is read
+right if u and y are those of truth.json to the bit, and the sampling period but for rounding; it may be refused if
+truth.json says that it cannot be known what is what. Each file that fails is listed with its message, cut to one line.
+Needs numpy and piezoid.
 """
 
 import argparse
-import collections
 import json
-import subprocess
-import sys
+import tarfile
+import tempfile
+from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import piezoid as pz
 
-HERE = Path(__file__).resolve().parent
+HERE = Path(__file__).resolve().parent / "files"
+SETS = ["first", "second", "third"]
+OUTCOMES = ["read right", "refused, which is right too", "refused", "read wrong", "refused, as it should be", "read, though unclear"]
+EXPECTED = ("read right", "refused, as it should be")
 TS = 1e-9
 """Relative difference of sampling periods that is rounding of the times in a file."""
+
+
+def unpacked(name: str, folder: Path) -> list[dict]:
+    """Unpacks a set into a folder, and returns the list of its files."""
+    with tarfile.open(HERE / f"{name}.tar.xz") as archive:
+        archive.extractall(folder, filter="data")
+    return json.loads((folder / "truth.json").read_text(encoding="utf-8"))
 
 
 def numbers(values: list[float | None]) -> np.ndarray:
@@ -50,30 +57,42 @@ def outcome(folder: Path, truth: dict) -> tuple[str, str]:
     return "read right", ""
 
 
+def outcomes(name: str, only: str = "") -> list[tuple[dict, str, str]]:
+    """Every file of a set with its outcome and the reason."""
+    with tempfile.TemporaryDirectory() as folder:
+        entries = [one for one in unpacked(name, Path(folder)) if one["file"].startswith(only)]
+        return [(truth, *outcome(Path(folder), truth)) for truth in entries]
+
+
+def listed(name: str) -> None:
+    """Prints what each file of a set imitates."""
+    with tempfile.TemporaryDirectory() as folder:
+        for truth in unpacked(name, Path(folder)):
+            print(truth["file"], truth["family"], truth.get("writer", ""), truth["expect"], truth["why"], sep="\t")
+
+
 def main() -> None:
     """Reads all files, and prints a table."""
-    words = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    words.add_argument("--set", choices=["first", "second", "third"], default="first")
-    words.add_argument("--data", type=Path, help="folder of the files; they are written if they are not there")
-    words.add_argument("--only", default="", help="files whose name begins so")
-    words.add_argument("--all", action="store_true", help="lists the files that are read right too")
-    given = words.parse_args()
-    data = given.data or HERE.parent / "target" / "files" / given.set
-    if not (data / "truth.json").exists():
-        script = {"first": "make.py", "second": "second/make.py", "third": "third/make.py"}[given.set]
-        subprocess.run([sys.executable, HERE / "files" / script, data], check=True)
-    entries = json.loads((data / "truth.json").read_text())
-    counts: dict[str, collections.Counter[str]] = collections.defaultdict(collections.Counter)
-    for truth in (one for one in entries if one["file"].startswith(given.only)):
-        became, why = outcome(data, truth)
-        counts[truth["family"]][became] += 1
-        if given.all or became not in ("read right", "refused, as it should be"):
-            print(f"{truth['file']}: {became}: {' '.join(why.split())[:300]}")
-    counts["all"] = sum(counts.values(), collections.Counter())
-    kinds = ["read right", "refused, as it should be", "refused, which is right too", "refused", "read, though unclear", "read wrong"]
-    print(f"\n| family | {' | '.join(kinds)} |\n|---|{'--:|' * len(kinds)}")
-    for family, count in counts.items():
-        print(f"| {family} | {' | '.join(str(count[kind]) for kind in kinds)} |")
+    args = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    args.add_argument("--set", choices=SETS, action="append", help="default: all sets")
+    args.add_argument("--only", default="", help="files whose name begins so")
+    args.add_argument("--all", action="store_true", help="lists the files that are read right too")
+    args.add_argument("--list", action="store_true", help="only lists the files: name, family, writer, what is expected, why")
+    args = args.parse_args()
+    rows: dict[str, Counter[str]] = {}
+    for name in args.set or SETS:
+        if args.list:
+            listed(name)
+            continue
+        for truth, result, why in outcomes(name, args.only):
+            for row in (f"{name}: {truth['family']}", name):
+                rows.setdefault(row, Counter())[result] += 1
+            if args.all or result not in EXPECTED:
+                print(f"{name}/{truth['file']}: {result}: {' '.join(why.split())[:300]}")
+    if rows:
+        print(f"\n| set: family | {' | '.join(OUTCOMES)} |\n|---|{'--:|' * len(OUTCOMES)}")
+    for row in sorted(rows):
+        print(f"| {row} | {' | '.join(str(rows[row][kind]) for kind in OUTCOMES)} |")
 
 
 if __name__ == "__main__":

@@ -1,13 +1,14 @@
 #!/usr/bin/env python3
-"""Makes gross mistakes on purpose in sound records, and counts how often `piezoid validate` names them.
+"""How often does `piezoid validate` name a gross mistake in a record, and how often does it name one in a sound record?
 
 usage: mistakes.py [--seeds 1 2] [--only p04 pl140] [--piezoid FILE] [--data FOLDER] [--stage FOLDER...]
                    [--measured FOLDER]
 
-The records: the simulated plants of bench/plants, the twins of the library under PRBS, sines, staircases and triangles
-(also at and above the resonance), and records of stages and measured records if their folders are given. Each mistake
-is made in each whole record in which it can be made. False alarms are counted on sound records, their halves, and every
-other sample of them. The mistakes know nothing of how they are found. Needs numpy and a command `piezoid`.
+Gross mistakes are made on purpose, each in every whole record in which it can be made. The records: the simulated
+plants of bench/plants, the twins of the library under PRBS, sines, staircases and triangles (also at and above the
+resonance), and records of stages and measured records if their folders are given. False alarms are counted on sound
+records, their halves, and every other sample of them. The mistakes know nothing of how they are found. Needs numpy and
+a command `piezoid`.
 """
 
 import json

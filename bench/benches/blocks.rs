@@ -3,6 +3,7 @@
 #![allow(missing_docs)] // the macros of criterion make public items
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use multiversion::{multiversion, target::target_cfg_f};
 use piezoid::compensation::{Causal, FeedForward, FeedForwardSettings};
 use piezoid::control::predictive::{Predictive, PredictiveSettings, Solver};
 use piezoid::control::{Controller, ControllerInput};
@@ -30,7 +31,27 @@ fn prbs_record() -> Result<Record, Error> {
     Record::new(TS, u, y)
 }
 
-/// The cost function of the swarm: all particles together in the lanes of the vector unit, and one after another.
+/// Number of lanes, enough to hide the latency of the multiply-add at any vector width up to 512 bit.
+const LANES: usize = 128;
+
+/// Multiply-adds in many independent chains: the peak rate of one core.
+#[multiversion(targets("x86_64+avx512f+avx512vl+fma", "x86_64+avx2+fma", "aarch64+neon"))]
+fn chains(factor: f64, rounds: usize) -> f64 {
+    let mut lanes = [1.0f64; LANES];
+    for _ in 0..rounds {
+        for lane in &mut lanes {
+            *lane = if target_cfg_f!(any(target_feature = "fma", target_arch = "aarch64")) {
+                lane.mul_add(factor, 1e-3)
+            } else {
+                *lane * factor + 1e-3
+            };
+        }
+    }
+    lanes.iter().sum()
+}
+
+/// The cost function of the swarm: all particles together in the lanes of the vector unit, and one after another; beside
+/// them, as many multiply-adds at the peak rate of the core.
 fn cost(c: &mut Criterion) {
     let Ok(regression) = prbs_record().and_then(|r| Regression::new(&[r], Orders::of(2))) else { return };
     let cost = AbsoluteError::from(&regression);
@@ -49,21 +70,8 @@ fn cost(c: &mut Criterion) {
             }
         });
     });
-    group.finish();
-}
-
-/// The estimators of the paper's block on the same record.
-fn estimators(c: &mut Criterion) {
-    let Ok(record) = prbs_record() else { return };
-    let records = [record];
-    let mut group = c.benchmark_group("linear block from 4095 samples");
-    group.sample_size(20);
-    for name in ["swarm", "least-squares", "least-absolute"] {
-        let Ok(by) = Estimator::find(name) else { continue };
-        group.bench_function(name, |b| {
-            b.iter(|| by.fit(black_box(&records), Orders::of(2), &SwarmSettings::default(), &mut Stage::ignore));
-        });
-    }
+    let rounds = 50 * regression.len() * 5 / LANES;
+    group.bench_function("peak of this core", |b| b.iter(|| chains(black_box(0.999), rounds)));
     group.finish();
 }
 
@@ -98,33 +106,12 @@ fn side_by_side(c: &mut Criterion, group: &str, systems: Result<Vec<Named>, Erro
     group.finish();
 }
 
-/// The linear blocks, the models, the operators with default fits, and the twins.
+/// The linear blocks, the models, and the operators with default fits.
 fn simulation(c: &mut Criterion) {
     side_by_side(c, "linear", linear());
     side_by_side(c, "models", models());
     let operator = |row: &&'static Operator| Ok((row.name.into(), fitted(row.name)? as Arc<dyn System>));
     side_by_side(c, "operators", OPERATORS.iter().map(operator).collect());
-    let twin = |name: &str| Ok((name.into(), Arc::new(Plant::named(name, TS)?) as Arc<dyn System>));
-    side_by_side(c, "twins", ["paper", "pl140"].into_iter().map(twin).collect());
-}
-
-/// Samples per second of the bases of joint identification: all responses of an operator, before they are weighted.
-fn bases(c: &mut Criterion) {
-    let Ok(u) = sine() else { return };
-    let mut group = c.benchmark_group("bases");
-    group.throughput(Throughput::Elements(u.len() as u64));
-    for row in OPERATORS {
-        let Ok(basis) = basis(row.name) else { continue };
-        let (rest, mut phi) = (basis.initial(), vec![0.0; basis.len()]);
-        group.bench_function(row.name, |b| {
-            let mut x = rest.clone();
-            b.iter(|| {
-                x.copy_from_slice(&rest);
-                u.iter().for_each(|&u| basis.step(&mut x, u, black_box(&mut phi)));
-            });
-        });
-    }
-    group.finish();
 }
 
 /// One sample of predictive control with both solvers. The triangle cannot be followed within +-12 V.
@@ -157,30 +144,6 @@ fn predictive(c: &mut Criterion) {
     group.finish();
 }
 
-/// Inversion from z to u along a sine, sample by sample, for the documented example of each operator: by its own
-/// inverse, and by numerical search.
-fn inverses(c: &mut Criterion) {
-    let Ok(u) = (Sine { amplitude: 24.0, frequency: 20.0, ..Default::default() }).samples(TS, 1000) else { return };
-    let mut group = c.benchmark_group("inverses");
-    group.throughput(Throughput::Elements(u.len() as u64));
-    for row in OPERATORS {
-        let Ok(own) = (row.example)(TS) else { continue };
-        let (mut x, mut samples) = (own.initial(), Vec::new());
-        for &u in &u {
-            let before = x.clone();
-            samples.push((before, own.step(&mut x, u)));
-        }
-        let inverses: [(&str, Arc<dyn Hysteresis>); 2] =
-            [("own", own.clone()), ("trials", Arc::new(WithoutInverse(own)))];
-        for (name, operator) in inverses {
-            group.bench_function(BenchmarkId::new(row.name, name), |b| {
-                b.iter(|| samples.iter().map(|(x, z)| operator.invert(black_box(x), *z, (-30.0, 30.0)).u).sum::<f64>());
-            });
-        }
-    }
-    group.finish();
-}
-
 /// Feed-forward along a sine by the inverse of 30 plays and a resonance, with and without creep: sample by sample, and
 /// over the whole record.
 fn feed_forward(c: &mut Criterion) {
@@ -196,9 +159,9 @@ fn feed_forward(c: &mut Criterion) {
             continue;
         };
         let r: Vec<f64> = r.iter().map(|r| 0.8 / 30.0 * whole.reach().1 * r).collect();
-        for late in [1, 16] {
-            let Ok(causal) = Causal::new(&model, FeedForwardSettings::default(), late) else { continue };
-            group.bench_function(format!("{name}, {late} late"), |b| b.iter(|| causal.simulate(black_box(&r))));
+        for delay in [1, 16] {
+            let Ok(causal) = Causal::new(&model, FeedForwardSettings::default(), delay) else { continue };
+            group.bench_function(format!("{name}, delay of {delay}"), |b| b.iter(|| causal.simulate(black_box(&r))));
         }
         group.bench_function(format!("{name}, whole"), |b| b.iter(|| whole.whole(black_box(&r))));
     }
@@ -213,42 +176,6 @@ fn triangle(turns: f64) -> f64 {
 /// A resonance with an input delay of one sample.
 fn resonant() -> Result<Arx, Error> {
     Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.1, 3.1])
-}
-
-/// An operator without its own inverse.
-#[derive(Debug)]
-struct WithoutInverse(Arc<dyn Hysteresis>);
-
-/// Forwards only the required methods of a system.
-macro_rules! forward_system {
-    ($type:ty) => {
-        impl System for $type {
-            fn ts(&self) -> f64 {
-                self.0.ts()
-            }
-
-            fn order(&self) -> usize {
-                self.0.order()
-            }
-
-            fn step(&self, x: &mut [f64], u: f64) -> f64 {
-                self.0.step(x, u)
-            }
-        }
-    };
-}
-
-forward_system!(WithoutInverse);
-forward_system!(Stepped);
-
-impl Hysteresis for WithoutInverse {
-    fn operator(&self) -> &'static Operator {
-        self.0.operator()
-    }
-
-    fn params(&self) -> Map<String, Value> {
-        self.0.params()
-    }
 }
 
 /// The basis of the operator called `name`, with its default number of elements.
@@ -332,20 +259,23 @@ fn study(c: &mut Criterion) {
 #[derive(Debug)]
 struct Stepped(Model);
 
+impl System for Stepped {
+    fn ts(&self) -> f64 {
+        self.0.ts()
+    }
+
+    fn order(&self) -> usize {
+        self.0.order()
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        self.0.step(x, u)
+    }
+}
+
 fn sine() -> Result<Vec<f64>, Error> {
     Sine { amplitude: 30.0, frequency: 20.0, ..Default::default() }.samples(TS, 10_000)
 }
 
-criterion_group!(
-    benches,
-    cost,
-    estimators,
-    identification,
-    simulation,
-    bases,
-    inverses,
-    feed_forward,
-    predictive,
-    study
-);
+criterion_group!(benches, cost, identification, simulation, feed_forward, predictive, study);
 criterion_main!(benches);

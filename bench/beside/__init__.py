@@ -1,1 +1,1 @@
-"""Code shared by the side-by-side benchmarks in Python."""
+"""Parts of `side_by_side.py`: the problems, the other tools, timing."""

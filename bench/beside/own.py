@@ -1,4 +1,4 @@
-"""The environment of the benchmarks: bench/.venv, one thread."""
+"""The environment of `side_by_side.py`: bench/.venv, one thread."""
 
 from __future__ import annotations
 
@@ -27,10 +27,9 @@ def processor() -> str:
     return names[0] if names else platform.processor() or platform.machine()
 
 
-def inside(needs: list[str], checkout: bool = False) -> None:
-    """Restarts the script in bench/.venv, which is created on the first run. Installs `needs` from the package index.
-
-    checkout: also build and install piezoid of this checkout, on every start
+def inside(needs: list[str]) -> None:
+    """Restarts the script in bench/.venv, which is created on the first run, with `needs` from the package index and
+    piezoid of this checkout, built on every start.
     """
     python = HOME / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
     if Path(sys.prefix).resolve() == HOME.resolve():
@@ -44,6 +43,5 @@ def inside(needs: list[str], checkout: bool = False) -> None:
             venv.create(HOME, with_pip=True, clear=True)
         subprocess.run([*install, *missing], check=True)
         there.write_text("\n".join(installed + missing))
-    if checkout:
-        subprocess.run([*install, "--force-reinstall", "--no-deps", str(ROOT / "crates/piezoid-py")], check=True)
+    subprocess.run([*install, "--force-reinstall", "--no-deps", str(ROOT / "crates/piezoid-py")], check=True)
     raise SystemExit(subprocess.run([str(python), *sys.argv], env={**os.environ, **ONE_THREAD}).returncode)

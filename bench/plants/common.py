@@ -195,28 +195,25 @@ class Bench:
         return r
 
     def finish(self, **truth):
-        rd = lambda x: (
-            float("%.6g" % x)
-            if isinstance(x, (float, np.floating))
-            else [rd(i) for i in x]
-            if isinstance(x, (list, tuple, np.ndarray))
-            else {k: rd(v) for k, v in x.items()}
-            if isinstance(x, dict)
-            else int(x)
-            if isinstance(x, np.integer)
-            else x
-        )
-        j = dict(
-            name=self.name,
-            seed=self.seed,
-            fs_Hz=self.fs,
-            u_held_by_DAC=not self.analog,
-            range_V=list(self.range),
-            truth=rd(truth),
-            records=self.rec,
-        )
-        json.dump(j, open(os.path.join(self.out, "truth.json"), "w"), indent=1)
-        np.savez_compressed(os.path.join(self.out, "truth_y.npz"), **self.clean)
+        save(self, not self.analog, truth)
+
+
+def rounded(x):
+    """numbers of a truth with six digits, for JSON"""
+    if isinstance(x, dict):
+        return {k: rounded(v) for k, v in x.items()}
+    if isinstance(x, (list, tuple, np.ndarray)):
+        return [rounded(v) for v in x]
+    if isinstance(x, (float, np.floating)):
+        return float("%.6g" % x)
+    return int(x) if isinstance(x, np.integer) else x
+
+
+def save(bench, held, truth):
+    """truth.json and truth_y.npz of a bench or rig"""
+    j = dict(name=bench.name, seed=bench.seed, fs_Hz=bench.fs, u_held_by_DAC=held, range_V=list(bench.range))
+    json.dump(dict(j, truth=rounded(truth), records=bench.rec), open(os.path.join(bench.out, "truth.json"), "w"), indent=1)
+    np.savez_compressed(os.path.join(bench.out, "truth_y.npz"), **bench.clean)
 
 
 def _pink(w):

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Flexure stage, 100 um at 0..100 V, strain gauge; triangles at three rates, nothing else.
 
-usage: p01_flexure_triangles.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: generalised plays with a quadratic envelope, loop width 13.6 % -> creep 1.2 % a decade (1 ms to 100 s) -> modes
 460 Hz (damping 0.020, share 0.92), 1350 Hz (0.015, 0.06), residual 0.02 -> strain-gauge amplifier, first order 0.106
 ms. The function generator is analog: corners fall between samples.

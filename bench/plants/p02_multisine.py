@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Nanopositioner +-100 V, 42 um, capacitive sensor; one large-signal multisine is all there is.
 
-usage: p02_multisine.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: Preisach (exponential in coercive voltage 11 V, Gaussian in interaction voltage 6 +- 42 V, 44 %) and a reversible
 part; width 11 % at +-70 V, 9 % at +-100 V -> power-law creep t^0.12 (2 ms to 50 s) -> modes 310 Hz (0.030, 0.91), 1180
 Hz (0.020, 0.07), residual 0.02 -> sensor 0.06 ms. DAC held over the sample.

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Loaded stack stage, 38 um at 0..100 V, interferometer; random steps are all there is.
 
-usage: p03_random_steps.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: Maxwell slip with Weibull thresholds and a cubic curve behind, width 11.7 % -> creep 1.6 % a decade (3 ms to 30
 s) -> mode 240 Hz (0.05, share 0.96), residual 0.04 -> sensor lag 0.12 ms; y is read 0.4 sample after the DAC. Drift
 1e-5..4e-5 of stroke a second.

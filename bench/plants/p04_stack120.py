@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Positive-only stack, 0..120 V, 18 um, first-order amplifier in front of the ceramic, 12-bit sensor.
 
-usage: p04_stack120.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: amplifier 0.55 ms -> Preisach on 0..120 V, denser about 48 V (50 %), and a bowed reversible part, width 13.3 % ->
 creep 1.5 % a decade (10 ms to 100 s) -> mode 2100 Hz (0.05). The generator is analog and its voltage, before the
 amplifier, is what is logged.

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Bimorph cantilever +-30 V, 800 um, laser triangulation near the drive: antiresonance between the modes.
 
-usage: p05a_beam_colloc.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: plays with gamma-like thresholds and a quadratic envelope, width 14.4 % -> creep 1.4 % a decade -> modes 130 Hz
 (0.012, 0.86), 815 Hz (0.008, 0.14), residues of one sign: antiresonance at 323 Hz. y is read 1/3 sample after the DAC.
 Recorded: 5 kHz; small_prbs (+-1.5 V, clock 2 samples, 2 periods); rising sines +-30 V at 3, 15, 50 Hz after

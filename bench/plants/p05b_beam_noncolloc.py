@@ -2,9 +2,6 @@
 """Bimorph cantilever +-30 V, 300 um, sensor beyond the node: residues of opposite sign, no antiresonance, a real zero
 outside the unit circle.
 
-usage: p05b_beam_noncolloc.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: Preisach, lognormal in coercive voltage (42 %), and reversible part, width 13.0 % -> creep 1.1 % a decade ->
 modes 176 Hz (0.018, 1.12), 990 Hz (0.012, -0.12). DAC held.
 Recorded: 8 kHz; small_prbs (+-1 V, clock 3); rising sines +-30 V at 4, 20, 70 Hz, all after full cycles: the remanence

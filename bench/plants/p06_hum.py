@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Stack stage -20..120 V, 65 um, heavy load, 50 Hz mains hum in the sensor.
 
-usage: p06_hum.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and truth_y.npz
-(noise-free y) into DIR
-
 Truth: Preisach, power-law falling in coercive voltage (60 %), and reversible part, width 13 % -> creep 1.7 % a decade
 (2 ms to 200 s) -> mode 192 Hz (0.04) -> sensor 0.3 ms. Hum: 50 Hz 0.15 %, 100 Hz 0.015 %, 150 Hz 0.042 % of stroke
 (amplitudes), mains frequency off by up to 0.03 %, slowly breathing.

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Amplified stage 0..150 V, 105 um; strain-gauge electronics with a second-order low pass behind the sensor.
 
-usage: p07_gauge_filter.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: generalised plays with different cubic edges for rise and fall, width 9.9 % -> creep 1.3 % a decade (2 ms to 50
 s) -> modes 1150 Hz (0.025, 0.93), 2900 Hz (0.020, 0.05), residual 0.02 -> low pass 300 Hz, damping 0.72. DAC held.
 Recorded: 10 kHz; rising sines 0..148 V at 10 and 100 Hz, a staircase of eight levels. 16 bits, white noise 0.01 % and

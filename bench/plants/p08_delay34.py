@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Stack -10..110 V, 28 um, digital sensor with a transport delay of 3.4 samples.
 
-usage: p08_delay34.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and truth_y.npz
-(noise-free y) into DIR
-
 Truth: plays with Lorentzian thresholds and a cubic envelope, width 10.5 % -> creep 1.5 % a decade -> mode 520 Hz
 (0.020) -> delay 0.85 ms = 3.4 samples (not moved by the seed). DAC held.
 Recorded: 4 kHz; rising sines about 50 V at 8 and 70 Hz; a staircase of seven levels. 18 bits, noise 0.01 %.

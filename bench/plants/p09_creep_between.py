@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Heavy 200 um stage 0..100 V; creep lags between the decades, long records with pauses.
 
-usage: p09_creep_between.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: Preisach, gamma-like in coercive voltage (37 %), and bowed reversible part, width 14 % -> creep lags 0.03, 0.4, 7
 s of 1.6, 2.0, 2.6 % -> mode 95 Hz (0.05). DAC held. Drift 1e-5..4e-5 of stroke a second.
 Recorded: 1 kHz; two records of 28 s as by hand: ramps of 4 ms to 1 s, bursts of sines, pauses of 1.5..6 s. 16 bits,

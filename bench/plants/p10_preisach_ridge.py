@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Small +-75 V actuator, 12 um, with a sharp ridge in the Preisach density.
 
-usage: p10_preisach_ridge.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: Preisach (66 %): ridge at coercive 7 V (sd 0.7 V) over an exponential ground; reversible part cubic; width 11.3
 %. Only the switching part creeps, 3 % a decade. Modes 690 Hz (0.015, 0.9), 1720 Hz (0.03, 0.1). Analog generator.
 Recorded: 5 kHz; rising sines to +-73 V at 4, 25, 80 Hz after depolarising. 16 bits, noise 0.03 %.

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Tube scanner +-118 V, 9.5 um, 20 kHz; raster records of a scan turned by 45 degrees.
 
-usage: p11_tube_raster.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: moving generalised plays: the domains see u + 0.085 * what they give, cubic envelope, so minor loops are not
 congruent; width 12.8 % -> creep 1.3 % a decade -> modes 850 Hz (0.008, 0.94), 5200 Hz (0.02, 0.05), residual 0.01 ->
 amplifier 22 us (put behind). DAC held; y read 1/3 sample after.

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Slow long-stroke lever actuator, 500 um at 0..150 V, 200 Hz sampling, temperature drift.
 
-usage: p12_slow_amplified.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: plays, stretched exponential, cubic envelope, width 10.9 % -> creep 1.8 % a decade (5 ms to 300 s) -> modes 35 Hz
 (0.015, 0.97), 141 Hz (0.02, 0.03: above Nyquist, folded). y read 0.35 sample after the DAC (12 bits). Drift: 0.45..0.9
 % of stroke * (1 - exp(-t/40 s)), either sign, and a random walk of 0.04 % a root second.

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Stack 0..100 V, 30 um; seven records of 0.3 s with the start-up in them.
 
-usage: p13_short_records.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: amplifier lag 0.08 ms -> plays with gamma-like thresholds, cubic envelope, width 13.7 % -> creep 1.2 % a decade
 (0.5 ms to 20 s) -> mode 1400 Hz (0.020, 0.95), residual 0.05. DAC held, y read half a sample after.
 Recorded: 8 kHz; amplitudes 10, 20, 35, 50, 65, 80, 100 V at 20 or 60 Hz: 4 ms at 0 V, then the generator's offset comes

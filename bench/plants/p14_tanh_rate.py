@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Saturating lopsided actuator +-150 V, 55 um (electrostrictive look), width grows with the rate.
 
-usage: p14_tanh_rate.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: plays on a tanh edge; thresholds shrink by 22 % toward +150 V and grow by 3.5 % a decade of the smoothed sweep
 rate (domains need time), width 11.8 % at 1 Hz -> creep 1.5 % a decade -> mode 920 Hz (0.03, 0.97), residual 0.03.
 Analog generator.

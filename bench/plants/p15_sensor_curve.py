@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Outside the form, 1: sensor curve behind the dynamics. Stack stage 0..100 V, 60 um.
 
-usage: p15_sensor_curve.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: Preisach (50 %) and reversible part, width 11.8 % -> creep 1.4 % a decade -> modes 400 Hz (0.020, 0.95), 1500 Hz
 (0.02, 0.05) -> y + 4 * 0.01 * y (1 - y/60 um): 1 % of stroke at mid stroke. Analog generator.
 Recorded: 5 kHz; rising sines 0..98 V at 5, 40, 150 Hz; a square 25/75 V whose edges take 0.2 ms (ring-downs). 16 bits,

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Outside the form, 2: a mode whose frequency falls with its amplitude. Stage 0..100 V, 80 um.
 
-usage: p16_soft_mode.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: amplifier 0.3 ms -> plays, quadratic envelope, width 10.5 % -> creep 1.2 % a decade -> x'' = -w^2 e (1 - b |e|) -
 2 zeta w x', e = x - z the elastic strain: 500 Hz (0.015), lower by 3 % when it rings with half the stroke.
 Semi-implicit Euler at 64 kHz. DAC held.

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Outside the form, 3: hysteresis inside the loop through the charge. Stack stage 0..100 V, 45 um.
 
-usage: p17_charge_inside.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: Goldfarb and Celanovic: R q' = u - rc(q) - v, q = a x + v, x'' + 2 zeta w x' + w^2 (x - v) = 0, rc = eight
 Maxwell slip elements driven by the charge; a = 0.5 (coupling k^2 = 0.33), RC 0.15 ms, 380 Hz (0.018) at fixed voltage,
 stiffer while the elements stick, damped by their slip. Width 15.8 %. Creep 1.2 % a decade behind. DAC held.

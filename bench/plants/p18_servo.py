@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Records taken in closed loop: the user logs what the servo sends to the amplifier. Stage 0..100 V, 100 um.
 
-usage: p18_servo.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and truth_y.npz
-(noise-free y) into DIR
-
 Truth: plays, stretched exponential, quadratic envelope, width 10.4 % -> creep 1.4 % a decade -> mode 300 Hz (0.025).
 DAC held. Servo: integral action 30 rad/s at 5 kHz, so u contains the noise of y and the creep; the ceramic itself is of
 Hammerstein form.

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Outside the form, 4: amplifier with a current limit. Stage 0..100 V, 90 um.
 
-usage: p19_slew.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and truth_y.npz
-(noise-free y) into DIR
-
 Truth: amplifier lag 0.15 ms whose rate cannot exceed 10.5 V/ms -> plays, cubic envelope, width 9.5 % -> creep 1.3 % a
 decade -> mode 270 Hz (0.02, 0.97), residual 0.03. The logged u is the command.
 Recorded: 10 kHz, analog generator; rising sines 0..99 V at 4, 16, 36 Hz (the last touches the limit: 11.2 V/ms), a

@@ -1,9 +1,6 @@
 #!/usr/bin/env python3
 """Outside the form, 5: random steps through a slow amplifier in front of the ceramic. 52 um at 0..100 V.
 
-usage: p20_slow_amp_steps.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: amplifier 1.2 ms -> Maxwell slip with Weibull thresholds, cubic curve, width 11.7 % -> creep 1.6 % a decade (3 ms
 to 30 s) -> mode 205 Hz (0.03, 0.96), residual 0.04. DAC held, y read 0.4 sample after.
 Recorded: 2 kHz, one record of 20 s: levels 5..95 V, holds 12..250 ms. 14 bits, noise 0.04 %. Tests as in p03.

@@ -2,9 +2,6 @@
 """Outside operators that wipe out: a simulated bender in the manner of the literature (Low and Guo), +-30 V, 2 mm, 2
 kHz.
 
-usage: p21_boucwen_twin.py DIR [SEED]    writes train_*, small_*, test_* CSV files (t_s,u_V,y_um), truth.json and
-truth_y.npz (noise-free y) into DIR
-
 Truth: Bouc-Wen (Low and Guo: alpha 0.32, beta 0.020, gamma 0.005 1/V), width 11.5 % -> creep 1.2 % a decade (10 ms to
 10 s) -> modes 151 Hz (0.025, 0.891), 946 Hz (0.020, 0.079), residual 0.03 -> lag 0.2 ms. DAC held.
 Recorded: 2 kHz; small_prbs (+-1 V, clock 1); rising sines at 5, 20, 80 Hz from the virgin state. 16 bits, noise 0.01 %.

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Preloaded stack 0..150 V that carries 5.5 kg, 30 um, capacitive sensor; triangles with inner loops, nothing else.
 
-usage: p22_preload_stack.py DIR [SEED]    writes train_*, test_* CSV, truth.json, truth_y.npz
-
 Truth: amplifier lag 0.08 ms -> Preisach operator (300x300 cells: bell over coercive voltage, mean field shifted by the
 preload, a narrow ridge at one switching-up voltage) 45 % of the stroke, beside a bent reversible part 55 % (the preload
 stiffens) -> creep of the IRREVERSIBLE part alone, log-type -> mode 235 Hz (0.022), small residual -> capacitive sensor

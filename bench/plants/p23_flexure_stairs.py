@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Flexure stage 0..100 V, 90 um, strain gauge; two random staircases and one small chirp.
 
-usage: p23_flexure_stairs.py DIR [SEED]    writes train_*, small_*, test_* CSV, truth.json, truth_y.npz
-
 Truth: amplifier lag 0.12 ms -> Maxwell slip in the CHARGE (Goldfarb and Celanovic): v = c(q) + sum of 56 elastic-slip
 elements, each with another break voltage up and down, solved for q at each voltage; c bent (saturating) -> creep,
 log-type -> modes 312 Hz (0.014), 1180 Hz (0.03, share -0.03) -> strain-gauge amplifier, second-order 1.1 kHz (0.75),

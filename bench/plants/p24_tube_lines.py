@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Tube scanner +-125 V, 11 um, 16 kHz, optical sensor; scan lines (triangles) that walk slowly, three line rates.
 
-usage: p24_tube_lines.py DIR [SEED]    writes train_*, test_* CSV, truth.json, truth_y.npz
-
 Truth: homogenised energy (Smith): 2600 two-well domains, spread over coercive voltage (gamma) and inner bias (normal),
 thermally activated: rates w0 exp((+-(u+bias)-Ec)/theta), so the loop widens with the logarithm of the rate, and creep
 is the switching that goes on, logarithmic, dependent on where the state is: there is no linear creep block. Beside it

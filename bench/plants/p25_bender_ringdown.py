@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Bimorph bender +-30 V, 1.1 mm, resonance 82 Hz, laser triangulation; dying sines and steps.
 
-usage: p25_bender_ringdown.py DIR [SEED]    writes train_*, test_* CSV, truth.json, truth_y.npz
-
 Truth: Bouc-Wen driven by the voltage, with six shape factors (Song and Der Kiureghian), so up and down, plus and minus
 differ, exponent 1.25; does not wipe out -> creep, three lags 0.06, 0.9, 11 s -> modes 82 Hz (0.013), 514 Hz (0.01,
 share 0.07: far beyond where 2.5 kHz is 20 times as fast) -> laser: 0.5 um steps, mean over one sample, 1.4 samples

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Shear stack +-250 V with a heavy carriage, 9 um, interferometer; sines at 4 amplitudes, 3 frequencies.
 
-usage: p26_shear_sines.py DIR [SEED]    writes train_*, test_* CSV, truth.json, truth_y.npz
-
 Truth: 360 domain walls, each in its own random pinning landscape (smooth, four waves), elastic return force, viscous
 drag: drag*x' = u + bias - k x - pin_i(x). Rayleigh-like: gain and width grow with amplitude; drag widens the loop at
 speed. Beside the walls a reversible slope (50 %, cubic) -> creep, log-type, of the whole -> mode 455 Hz (0.02), read at

@@ -1,8 +1,6 @@
 #!/usr/bin/env python3
 """Amplified (lever) piezo actuator -20..120 V, 220 um, current-limited amplifier; multisines at two levels.
 
-usage: p27_amplified_multisine.py DIR [SEED]    writes train_*, test_* CSV, truth.json, truth_y.npz
-
 Truth: amplifier lag 0.1 ms with a slew limit (1 or 2 % of the loud records is off by more than 0.1 V through it) ->
 Preisach with mean field: the field w on the domains is u - a P, and reaches them with a lag of 0.35 ms (w inside the
 loop: minor loops are not congruent, the loop widens at speed); two populations of domains (300x300 cells) -> bent

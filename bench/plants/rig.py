@@ -2,20 +2,17 @@
 truth_y.npz.
 
 The rig is simulated at fs*over. u_V is what was logged at the sample instant, y_um what the converter gave.
-usage of every plant: python3 NAME.py DIR [SEED]   or   python3 NAME.py DIR --seed SEED
 """
-import argparse, json, os, zlib
+import os, sys, zlib
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import cont2discrete, lfilter
+from common import save
 
 
 class Rig:
     def __init__(self, name, fs, over, held, range):
-        a = argparse.ArgumentParser()
-        a.add_argument("dir"); a.add_argument("seed_", nargs="?", type=int); a.add_argument("--seed", type=int)
-        a = a.parse_args()
-        self.out, self.seed = a.dir, a.seed if a.seed is not None else a.seed_ if a.seed_ is not None else 1
+        self.out, self.seed = sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 1
         os.makedirs(self.out, exist_ok=True)
         self.name, self.fs, self.over, self.held, self.range = name, fs, over, held, range
         self.T, self.Ts = 1 / (fs * over), 1 / fs
@@ -106,13 +103,7 @@ class Rig:
         self.rec[name + ".csv"], self.clean[name] = r, clean
 
     def finish(self, **truth):
-        rd = lambda x: (float("%.6g" % x) if isinstance(x, (float, np.floating)) else [rd(i) for i in x]
-                        if isinstance(x, (list, tuple, np.ndarray)) else {k: rd(v) for k, v in x.items()}
-                        if isinstance(x, dict) else int(x) if isinstance(x, np.integer) else x)
-        j = dict(name=self.name, seed=self.seed, fs_Hz=self.fs, u_held_by_DAC=self.held, range_V=list(self.range),
-                 truth=rd(truth), records=self.rec)
-        json.dump(j, open(os.path.join(self.out, "truth.json"), "w"), indent=1)
-        np.savez_compressed(os.path.join(self.out, "truth_y.npz"), **self.clean)
+        save(self, self.held, truth)
 
 
 # ---------------------------------------------------------------- noise, lags, modes, creep

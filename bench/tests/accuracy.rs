@@ -1,16 +1,12 @@
 //! Joint identification predicts validation data as docs/accuracy.md says. To save time, the operator is given that
-//! `auto` selects, and four frequencies of ten are tested; `examples/accuracy.rs` runs all and writes the page.
+//! `auto` selects, and four frequencies of ten are tested; `src/accuracy.rs` runs all and writes the page.
 
-#![allow(clippy::expect_used)] // a failing test panics
+#![allow(clippy::expect_used, clippy::panic)] // a failing test panics
 
-#[allow(dead_code)] // the paper's method and the figure are not used
-#[path = "../examples/accuracy.rs"]
-mod accuracy;
-mod printed;
-
-use accuracy::{KINDS, OUTSIDE, TWINS, Twin, error, range};
 use piezoid::plant::{Preset, Spec};
-use printed::assert_printed;
+use piezoid_bench::accuracy::range;
+use piezoid_bench::page::{printed, same};
+use piezoid_bench::twin::{KINDS, OUTSIDE, TWINS, Twin, error};
 use std::collections::BTreeMap;
 
 const PAGE: &str = include_str!("../../docs/accuracy.md");
@@ -22,9 +18,15 @@ const METHOD: &str = "joint, driver given";
 /// signal.
 const FREQUENCIES: [f64; 4] = [5.0, 40.0, 160.0, 400.0];
 
+/// The row of the page that begins with these names.
+#[track_caller]
+fn row(names: &[&str]) -> BTreeMap<String, String> {
+    printed(PAGE, names).expect("one row")
+}
+
 /// The row of the page that sums up all errors of a twin.
 fn summary(twin: &str) -> BTreeMap<String, String> {
-    printed::row(PAGE, &[&format!("`{twin}`"), METHOD])
+    row(&[&format!("`{twin}`"), METHOD])
 }
 
 /// Identifies one twin with the operator of the page, and compares the errors [% rms of peak-to-peak].
@@ -33,10 +35,11 @@ fn is_predicted(twin: &str) {
     let on_bench = Twin::new(twin).expect("a twin");
     let model = on_bench.joint(summary(twin)["operator"].trim_matches('`'), true).expect("a model").model;
     for kind in &KINDS {
-        let row = printed::row(PAGE, &[&format!("`{twin}`"), kind.name, METHOD]);
+        let row = row(&[&format!("`{twin}`"), kind.name, METHOD]);
         for hz in FREQUENCIES {
             let percent = error(&model, &on_bench.validation(kind, hz).expect("a record"));
-            assert_printed(&format!("{twin}, {} of {hz} Hz", kind.name), percent, &row[&hz.to_string()]);
+            let what = format!("{twin}, {} of {hz} Hz", kind.name);
+            same(percent, &row[&hz.to_string()]).unwrap_or_else(|e| panic!("{what}: {e}"));
         }
     }
 }
@@ -58,7 +61,7 @@ fn the_readme_has_the_larger_figures_of_the_twins() {
         TWINS.iter().map(of).fold(0.0, f64::max)
     };
     for twin in TWINS {
-        let rows = KINDS.iter().map(|kind| printed::row(PAGE, &[&format!("`{twin}`"), kind.name, METHOD]));
+        let rows = KINDS.iter().map(|kind| row(&[&format!("`{twin}`"), kind.name, METHOD]));
         let errors: Vec<f64> = rows.flat_map(|row| row.into_values().filter_map(|cell| cell.parse().ok())).collect();
         let [_, median, worst] = range(&errors);
         // Cells have two digits, the summary three.

@@ -1,21 +1,17 @@
 //! Control of a twin with a model identified from its records, as docs/control.md says. To save time, the operator is
-//! given that `auto` selects, and there are few schemes; `examples/tracking.rs` runs all and writes the page.
+//! given that `auto` selects, and there are few schemes; `src/control.rs` runs all and writes the page.
 
-#![allow(clippy::expect_used)] // a failing test panics
-
-mod printed;
-#[allow(dead_code)] // the tables and the figure are not used
-#[path = "../examples/tracking.rs"]
-mod tracking;
+#![allow(clippy::expect_used, clippy::panic)] // a failing test panics
 
 use piezoid::compensation::Fir;
 use piezoid::control::{CONTROLLERS, Comparison, NamedReference, Tolerance};
 use piezoid::plant::Preset;
 use piezoid::progress::Stage;
 use piezoid::{Error, Model, System};
+use piezoid_bench::control::{PATHS, TRIED, compared, drive, errors};
+use piezoid_bench::page::{printed, same};
+use piezoid_bench::twin::{TS, Twin};
 use std::sync::OnceLock;
-use tracking::accuracy::TS;
-use tracking::{PATHS, TRIED, accuracy, compared, drive, errors};
 
 const TWIN: &str = "pl140";
 
@@ -24,8 +20,7 @@ const PAGE: &str = include_str!("../../docs/control.md");
 /// The model, identified from records alone.
 fn model() -> &'static Model {
     static MODEL: OnceLock<Model> = OnceLock::new();
-    let identified =
-        || accuracy::Twin::new(TWIN).and_then(|twin| twin.joint("preisach", false)).expect("a model").model;
+    let identified = || Twin::new(TWIN).and_then(|twin| twin.joint("preisach", false)).expect("a model").model;
     MODEL.get_or_init(identified)
 }
 
@@ -45,10 +40,10 @@ fn periodic() -> &'static [(&'static str, f64)] {
 /// `name`.
 #[track_caller]
 fn is_printed(first: &str, name: &str, paths: &[(&str, f64)], errors: &[f64]) {
-    let row = printed::row(PAGE, &[first, &format!("`{name}`")]);
+    let row = printed(PAGE, &[first, &format!("`{name}`")]).expect("one row");
     for ((kind, hz), error) in paths.iter().zip(errors) {
         let path = format!("{kind} {hz}");
-        printed::assert_printed(&format!("{name}, {path}"), *error, &row[&path]);
+        same(*error, &row[&path]).unwrap_or_else(|e| panic!("{name}, {path}: {e}"));
     }
 }
 

@@ -1,15 +1,10 @@
 //! Joint identification recovers each operator's example from records that a user could take.
 
-#![allow(clippy::expect_used)] // a failing test panics
+#![allow(clippy::expect_used, clippy::panic)] // a failing test panics
 
-#[allow(dead_code)] // the table and the map are not used
-#[path = "../examples/matrix.rs"]
-mod matrix;
-mod printed;
-
-use matrix::error;
 use piezoid::hysteresis::{OPERATORS, Operator};
-use printed::{assert_printed, cells};
+use piezoid_bench::operators::error;
+use piezoid_bench::page::{cells, same};
 
 /// A millionth of peak-to-peak, in percent.
 const RECOVERED: f64 = 1e-4;
@@ -87,6 +82,6 @@ fn the_matrix_in_the_documentation_is_reproduced() {
     ] {
         let (i, j) = (place(truth), place(model));
         let now = error(OPERATORS[i], OPERATORS[j]).expect("a model");
-        assert_printed(&format!("{truth} as {model}"), now, &rows[i].1[j]);
+        same(now, &rows[i].1[j]).unwrap_or_else(|e| panic!("{truth} as {model}: {e}"));
     }
 }

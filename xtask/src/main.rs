@@ -181,7 +181,7 @@ fn python_tests(skipped: &mut Skipped) -> Result<(), String> {
 
 fn bench() -> Result<(), String> {
     step(&mut cargo(&["bench", "--package", "piezoid-bench"]))?;
-    ["swarm.py", "side_by_side.py"].iter().try_for_each(|script| step(python().arg(root().join("bench").join(script))))
+    step(python().arg(root().join("bench/side_by_side.py")))
 }
 
 fn golden() -> Result<(), String> {
@@ -194,8 +194,8 @@ fn golden() -> Result<(), String> {
 }
 
 fn docs() -> Result<(), String> {
-    for example in ["paper", "matrix", "accuracy", "tracking"] {
-        step(&mut cargo(&["run", "--release", "--package", "piezoid-bench", "--example", example, "--", "docs"]))?;
+    for page in ["paper", "operators", "accuracy", "control"] {
+        step(&mut cargo(&["run", "--release", "--package", "piezoid-bench", "--", page, "docs"]))?;
     }
     step(&mut cargo(&["doc", "--workspace", "--no-deps"]))?;
     eprintln!("open {}", root().join("target/doc/piezoid/index.html").display());

@@ -1,5 +1,5 @@
 //! The vector files (a model of every operator, inputs and outputs), the reference of every language: library, exports
-//! and Python reproduce them bit-identically. `bench/examples/vectors.rs` writes them.
+//! and Python reproduce them bit-identically. `bench/src/vectors.rs` writes them.
 
 use crate::compensation::{Causal, FeedForwardSettings};
 use crate::hysteresis::OPERATORS;
@@ -16,7 +16,7 @@ fn every_operator_gives_the_numbers_of_its_vector_file() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors");
     for name in OPERATORS.iter().map(|o| o.name).chain(["driven"]) {
         let text = std::fs::read_to_string(folder.join(format!("{name}.json")))
-            .unwrap_or_else(|e| panic!("{name}.json: {e}: write it with `--example vectors`"));
+            .unwrap_or_else(|e| panic!("{name}.json: {e}: write it with `cargo run -p piezoid-bench -- vectors`"));
         let vectors: Value = serde_json::from_str(&text).unwrap();
         let model = Model::from_json(&vectors["model"].to_string()).unwrap();
         let of = |entry: &str, part: &str| numbers(&vectors[entry][part]);

@@ -22,7 +22,7 @@ pub enum Solver {
 pub struct PredictiveSettings {
     /// Horizon N [samples]. If less of the reference is known, its last known value is used. Example: a sine of 40 Hz
     /// over 80 % of the stroke of the twin `pl140` is tracked to 0.03 % of stroke rms with a preview of 20 samples, to
-    /// 0.2 % with 4, to 5 % with none (`examples/tracking.rs`).
+    /// 0.2 % with 4, to 5 % with none (`bench/src/control.rs`).
     pub horizon: usize,
     /// Lowest and highest voltage [V].
     pub voltage: (f64, f64),

@@ -1,0 +1,29 @@
+//! Measures what a page of docs/ states, and writes its tables and figures.
+//!
+//! `cargo run --release -p piezoid-bench -- paper|operators|accuracy|control docs`
+//! `cargo run -p piezoid-bench -- vectors crates/piezoid/tests/vectors`
+
+use piezoid_bench::{accuracy, control, operators, paper, vectors};
+use std::error::Error;
+use std::path::Path;
+
+/// Writes into a folder.
+type Write = fn(&Path) -> Result<(), Box<dyn Error>>;
+
+/// What can be written.
+const WRITERS: [(&str, Write); 5] = [
+    ("paper", paper::write),
+    ("operators", operators::write),
+    ("accuracy", accuracy::write),
+    ("control", control::write),
+    ("vectors", vectors::write),
+];
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let names = WRITERS.map(|(name, _)| name).join("|");
+    let [name, folder] = &args[..] else { return Err(format!("usage: piezoid-bench {names} FOLDER").into()) };
+    let writer = WRITERS.iter().find(|(known, _)| known == name);
+    let (_, write) = writer.ok_or_else(|| format!("there is no page {name}: give one of {names}"))?;
+    write(Path::new(folder))
+}
