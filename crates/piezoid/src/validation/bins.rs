@@ -14,13 +14,13 @@ use libm::{log10, pow};
 use serde::Serialize;
 
 /// Frequency bands per decade.
-const BY_FREQUENCY: f64 = 10.0;
+const FREQUENCY_BANDS: f64 = 10.0;
 
 /// Amplitude bands per decade.
-const BY_AMPLITUDE: f64 = 5.0;
+const AMPLITUDE_BANDS: f64 = 5.0;
 
 /// Share of the input's power from which a band counts as excited.
-const EXCITED: f64 = 1e-4;
+const MIN_POWER_SHARE: f64 = 1e-4;
 
 /// Source of the figures of a bin. Different sources are never merged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -125,21 +125,21 @@ impl Bin {
 
 /// The band number n of a frequency [Hz].
 pub(super) fn band(hz: f64) -> f64 {
-    (log10(hz) * BY_FREQUENCY).round()
+    (log10(hz) * FREQUENCY_BANDS).round()
 }
 
 /// True if two cycles belong to the same bins of frequency and amplitude.
 pub(super) fn alike(a: &Cycle, b: &Cycle) -> bool {
-    let bin = |c: &Cycle| (band(c.hz), (log10(c.amplitude) * BY_AMPLITUDE).round());
+    let bin = |c: &Cycle| (band(c.hz), (log10(c.amplitude) * AMPLITUDE_BANDS).round());
     bin(a) == bin(b)
 }
 
 pub(super) fn by_frequency(run: &ComparedRun) -> Vec<Bin> {
-    if run.cycles.is_empty() { by_spectrum(run) } else { by_cycle(run, |c| c.hz, BY_FREQUENCY) }
+    if run.cycles.is_empty() { by_spectrum(run) } else { by_cycle(run, |c| c.hz, FREQUENCY_BANDS) }
 }
 
 pub(super) fn by_amplitude(run: &ComparedRun) -> Vec<Bin> {
-    by_cycle(run, |c| c.amplitude, BY_AMPLITUDE)
+    by_cycle(run, |c| c.amplitude, AMPLITUDE_BANDS)
 }
 
 fn by_cycle(run: &ComparedRun, at: fn(&Cycle) -> f64, per_decade: f64) -> Vec<Bin> {
@@ -175,7 +175,8 @@ fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
         let excited = sum(&input);
         let centre = bins.iter().map(|&k| hz(k) * input[k]).sum::<f64>() / excited;
         let figures = [sum(&error).sqrt(), sum(&output).sqrt(), high - low];
-        (excited > EXCITED * all).then(|| Bin::new(centre, BY_FREQUENCY, Source::Spectrum, record.len(), figures))
+        (excited > MIN_POWER_SHARE * all)
+            .then(|| Bin::new(centre, FREQUENCY_BANDS, Source::Spectrum, record.len(), figures))
     };
     bins.chunk_by(|a, b| band(hz(*a)) == band(hz(*b))).filter_map(within).collect()
 }

@@ -7,11 +7,11 @@ const NAMED: [f64; 2] = [0.5, 0.25];
 
 /// A drift goes on: over the whole record and over either half of it, the slope that the free run does not explain lies
 /// between these shares of the slope of the line. Creep that the model lacks slows down more.
-const STEADY: std::ops::RangeInclusive<f64> = 0.6..=1.6;
+const STEADY_SLOPE_RATIO: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
 /// Fastest drift that is named, over the peak-to-peak of the free run [1 / s]. Sensors and temperatures drift more
 /// slowly.
-const FASTEST: f64 = 0.01;
+const MAX_DRIFT_RATE: f64 = 0.01;
 
 /// The straight line through the error of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,12 +36,12 @@ impl Drift {
         let (low, high) = ends(simulated.iter().copied());
         let (mean, square) = (mean(errors), dot(errors, errors) / n);
         let large = rms > NAMED[0] * (square - mean * mean).max(0.0).sqrt() && rms > NAMED[1] * square.sqrt();
-        let is_slow = slope.abs() < FASTEST * (high - low) * ts;
+        let is_slow = slope.abs() < MAX_DRIFT_RATE * (high - low) * ts;
         let middle = errors.len() / 2;
         let goes_on = || {
             [0..errors.len(), 0..middle, middle..errors.len()].into_iter().all(|part| {
                 let own = beside(&time[part.clone()], &simulated[part.clone()], &errors[part]);
-                STEADY.contains(&(own / slope))
+                STEADY_SLOPE_RATIO.contains(&(own / slope))
             })
         };
         Drift { mean, slope, rms, is_named: large && is_slow && goes_on() }

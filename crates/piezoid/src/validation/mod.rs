@@ -14,6 +14,7 @@
 mod best_block;
 mod bins;
 mod drift;
+mod extrapolation;
 mod floor;
 mod initial_condition;
 mod loops;
@@ -22,20 +23,21 @@ mod remarks;
 mod residual_noise;
 mod small_signal;
 mod undriven;
+mod untested;
 mod whiteness;
 
 pub use bins::{Bin, Source};
+pub(crate) use extrapolation::inner_reversals;
 pub use floor::Floor;
 pub(crate) use floor::{rough, summary};
 pub use loops::{LoopComparison, LoopShape};
 pub use metrics::Metrics;
-pub(crate) use remarks::inner_reversals;
 pub use small_signal::Linearity;
 pub use whiteness::Whiteness;
 
 use self::drift::Drift;
 use crate::error::Error;
-use crate::hammerstein::{InitialCondition, Model};
+use crate::hammerstein::{Domain, InitialCondition, Model};
 use crate::options::{OptionKind, OptionRow, options};
 use crate::record::{Record, Units};
 use crate::system::System;
@@ -154,6 +156,15 @@ impl Model {
         let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
         let floor = Floor::of(&counted, &errors, run.simulated, &metrics, &drift);
         let loops = loops::loops(&run);
+        let comparison = remarks::Comparison {
+            model: self,
+            record: &counted,
+            simulated: run.simulated,
+            metrics: &metrics,
+            drift: &drift,
+            loops: &loops,
+            domains: self.identified().map(|domain| (domain, Domain::of_input(counted.u(), counted.ts()))),
+        };
         Ok(Validation {
             metrics,
             start,
@@ -167,8 +178,8 @@ impl Model {
             whiteness: Whiteness::of(counted.u(), &errors),
             floor,
             summary: summary(&metrics, floor.as_ref(), named),
-            remarks: remarks::remarks(self, &counted, run.simulated, &metrics, &drift),
-            not_covered: remarks::not_covered(self, &counted, &loops),
+            remarks: remarks::remarks(&comparison),
+            not_covered: remarks::not_covered(&comparison),
             loops,
             simulated,
         })
