@@ -1,4 +1,4 @@
-//! What is told of a compensation: why a reference cannot be reached, and where its voltages extrapolate.
+//! Notes on a compensation, and the error for a reference that cannot be reached.
 
 use super::{FeedForward, InverseRun};
 use crate::error::Error;

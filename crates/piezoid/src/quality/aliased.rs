@@ -13,7 +13,7 @@ const ALIASED_PHASE_DEG: Range<f64> = 2.0..45.0;
 
 pub(super) static ALIASED: Detector = Detector {
     name: "aliased",
-    criterion: "y leads a sine of less than 5 samples a period: the drive is above half the sampling frequency",
+    criterion: "the output leads a sine of fewer than 5 samples a period: it is above half the sampling frequency",
     consequence: Consequence::Reported,
     loop_remedy: None,
     run: aliased,

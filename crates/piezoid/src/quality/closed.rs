@@ -40,7 +40,7 @@ const MAX_CALM_INNOVATION: f64 = 4.0;
 
 pub(super) static CLOSED_LOOP: Detector = Detector {
     name: "closed-loop",
-    criterion: "u falls when noise raises y",
+    criterion: "the input falls when noise raises the output",
     consequence: Consequence::Reported,
     loop_remedy: None,
     run: |context| context.closed_loop().cloned(),

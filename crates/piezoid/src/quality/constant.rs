@@ -9,7 +9,7 @@ const MIN_SAMPLES: usize = 16;
 
 pub(super) static TOO_SHORT: Detector = Detector {
     name: "too-short",
-    criterion: "less than 16 samples",
+    criterion: "fewer than 16 samples",
     consequence: Consequence::Unusable,
     loop_remedy: None,
     run: |context| {

@@ -40,7 +40,7 @@ const RESTING_BLOCK_SHARE: f64 = 0.5;
 
 pub(crate) static DRIFT: Detector = Detector {
     name: "drift",
-    criterion: "the part of y not explained by u has a trend that does not slow down like creep, or is too large for it",
+    criterion: "the output has a trend of 3 % of its range that the input does not explain, 6 % if it slows down like creep",
     consequence: Consequence::Reported,
     loop_remedy: Some("remove the trend first, or choose a part of few cycles"),
     run: |context| drift(context.record()),
@@ -79,7 +79,7 @@ fn drift(record: &Record) -> Option<Detection> {
     let kind =
         if slows { "it slows down like creep" } else { "it does not slow down like creep, so the sensor may drift" };
     let text = format!(
-        "the output drifts by {} {unit} in {} s ({} % of peak-to-peak), not explained by the input; {kind}",
+        "the output drifts by {} {unit} in {} s ({} % of stroke), not explained by the input; {kind}",
         short(total),
         short(seconds),
         short(100.0 * share)

@@ -35,7 +35,7 @@ const MAX_DELAY_SAMPLES: usize = 5;
 
 pub(super) static SATURATED_OUTPUT: Detector = Detector {
     name: "saturated-output",
-    criterion: "y is constant at its extreme while u moves",
+    criterion: "the output is constant at its extreme while the input moves",
     consequence: Consequence::Masked,
     loop_remedy: Some("lower the voltage or take a larger range of the sensor"),
     run: |context| saturated(context.record()),
@@ -43,7 +43,7 @@ pub(super) static SATURATED_OUTPUT: Detector = Detector {
 
 pub(super) static CLIPPED_INPUT: Detector = Detector {
     name: "clipped-input",
-    criterion: "y has an arc while u is constant at its extreme",
+    criterion: "the input is constant at its extreme while the output still moves",
     consequence: Consequence::Masked,
     loop_remedy: None,
     run: |context| clipped(context.record()),
@@ -51,7 +51,7 @@ pub(super) static CLIPPED_INPUT: Detector = Detector {
 
 pub(super) static FROZEN_OUTPUT: Detector = Detector {
     name: "frozen-output",
-    criterion: "y repeats exactly while u moves",
+    criterion: "the output repeats exactly while the input moves",
     consequence: Consequence::Masked,
     loop_remedy: None,
     run: |context| frozen(context.record()),
@@ -59,7 +59,7 @@ pub(super) static FROZEN_OUTPUT: Detector = Detector {
 
 pub(super) static MISSING_ROWS: Detector = Detector {
     name: "missing-rows",
-    criterion: "a smooth u jumps; masked until u has again covered its earlier range",
+    criterion: "a smooth input jumps; masked until it has again covered its earlier range",
     consequence: Consequence::Masked,
     loop_remedy: None,
     run: |context| missing(context.record()),

@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn the_normal_equations_are_those_of_shifted_columns() {
         let (u, y) = (noise(1, 500), noise(2, 500));
-        let seen = Increments::of(&u, &y).unwrap();
+        let equations = Increments::of(&u, &y).unwrap();
         let increments: Vec<f64> = u.windows(2).map(|w| w[1] - w[0]).collect();
         let end = increments.len() - MAX_LEAD_LAGS as usize;
         let power = increments.iter().map(|u| u * u).sum::<f64>() / increments.len() as f64;
@@ -92,7 +92,7 @@ mod tests {
         for (i, j) in [(0, 0), (0, 70), (3, 5), (9, 40), (71, 71)] {
             let products = (0..end as isize).map(|t| at(i, t).unwrap_or(0.0) * at(j, t).unwrap_or(0.0));
             let expected = products.sum::<f64>() / (end as f64 * power) + if i == j { RIDGE } else { 0.0 };
-            let got = seen.gram[(i as usize, j as usize)];
+            let got = equations.gram[(i as usize, j as usize)];
             assert!((got - expected).abs() < 1e-12, "{i} {j}: {got} {expected}");
         }
     }
@@ -101,9 +101,9 @@ mod tests {
     fn a_response_is_explained_by_its_own_lags_alone() {
         let u = noise(1, 2000);
         let y: Vec<f64> = (0..2000).map(|t| if t < 3 { 0.0 } else { u[t - 2] + 0.5 * u[t - 3] }).collect();
-        let seen = Increments::of(&u, &y).unwrap();
-        assert!(seen.explained(2..4) > 0.99 && seen.explained(4..MAX_LAGS) < 0.8, "{}", seen.explained(4..MAX_LAGS));
-        assert!(seen.by_later() < 0.02, "{}", seen.by_later());
+        let equations = Increments::of(&u, &y).unwrap();
+        assert!(equations.explained(2..4) > 0.99 && equations.explained(4..MAX_LAGS) < 0.8, "{}", equations.explained(4..MAX_LAGS));
+        assert!(equations.by_later() < 0.02, "{}", equations.by_later());
         assert!(Increments::of(&y, &u).unwrap().by_later() > 0.9);
         assert!(Increments::of(&u, &[1.0; 2000]).is_none() && Increments::of(&u[..90], &y[..90]).is_none());
     }

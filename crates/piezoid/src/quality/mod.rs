@@ -2,7 +2,7 @@
 //! and what it means for the record.
 //!
 //! Samples that must not be fitted are masked in [`Inspection::usable`]; nothing is repaired. It does not detect:
-//! spikes below 1 % of peak-to-peak, drift as small as creep, a clipped square wave. [`compare`] finds records with
+//! spikes below 1 % of stroke, drift as small as creep, a clipped square wave. [`compare`] finds records with
 //! another sign or gain than the others of their set.
 //!
 //! Reference: Pearson 2002, Outliers in process modeling and identification, doi:10.1109/87.974338 (Hampel's rule).

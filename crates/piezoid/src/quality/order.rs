@@ -69,7 +69,7 @@ struct Turns {
 
 pub(super) static SWAPPED: Detector = Detector {
     name: "swapped",
-    criterion: "loops turn the wrong way, or later inputs explain y better than earlier ones",
+    criterion: "loops turn the wrong way, or later inputs explain the output better than earlier ones",
     consequence: Consequence::Error,
     loop_remedy: None,
     run: |context| match context.order()? {
@@ -80,7 +80,7 @@ pub(super) static SWAPPED: Detector = Detector {
 
 pub(super) static SHIFTED: Detector = Detector {
     name: "shifted",
-    criterion: "y turns or answers sharp changes of u before u, or more than 12 samples after it",
+    criterion: "the output turns, or responds to sharp changes, before the input or more than 12 samples after it",
     consequence: Consequence::Reported,
     loop_remedy: None,
     run: |context| match context.order()? {

@@ -54,7 +54,7 @@ const SCATTER_SAMPLES: usize = 50;
 
 pub(crate) static OUTLIERS: Detector = Detector {
     name: "outliers",
-    criterion: "one sample of y differs from its neighbours by more than usual (Hampel)",
+    criterion: "one sample of the output differs from its neighbours by more than usual (Hampel)",
     consequence: Consequence::Masked,
     loop_remedy: None,
     run: |context| outliers(context.record(), &context.usable),
@@ -91,7 +91,7 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
     }
     let ranges: Vec<_> = found.keys().map(|t| *t..t + 1).collect();
     let text = format!(
-        "the output has outliers: {}, the largest {} {} from its neighbours ({} % of peak-to-peak)",
+        "the output has outliers: {}, the largest {} {} from its neighbours ({} % of stroke)",
         places(&ranges, record.ts()),
         short(largest),
         record.units().y,

@@ -28,8 +28,8 @@ pub(super) fn residuals(u: &[f64], y: &[f64], reach: usize) -> Option<Vec<f64>> 
     let n = columns[0].len();
     let gram = DMatrix::from_fn(COLUMN_COUNT, COLUMN_COUNT, |i, j| dot(&columns[i], &columns[j]) / n as f64);
     let damped = &gram + DMatrix::identity(COLUMN_COUNT, COLUMN_COUNT) * (RIDGE * gram.trace());
-    let share = |late: usize| {
-        let y = detrended(&standardised(&y[late..late + n])?);
+    let share = |delay: usize| {
+        let y = detrended(&standardised(&y[delay..delay + n])?);
         let right = DVector::from_fn(COLUMN_COUNT, |i, _| dot(&columns[i], &y) / n as f64);
         let w = weights(&damped, &right);
         Some((dot(&y, &y) / n as f64 - 2.0 * right.dot(&w) + (&gram * &w).dot(&w)).max(0.0).sqrt())
@@ -97,10 +97,10 @@ mod tests {
     #[test]
     fn the_best_delay_is_that_of_the_output_and_plays_are_found_exactly() {
         let (u, y) = pair();
-        for late in [0, 3, 5] {
-            let residuals = residuals(&u[late..], &y[..y.len() - late], 8).unwrap();
+        for delay in [0, 3, 5] {
+            let residuals = residuals(&u[delay..], &y[..y.len() - delay], 8).unwrap();
             let best = (0..residuals.len()).min_by(|a, b| residuals[*a].total_cmp(&residuals[*b])).unwrap();
-            assert_eq!(best, 8 + late);
+            assert_eq!(best, 8 + delay);
             // The threshold of the second play differs a little after the cut.
             assert!(residuals[best] < 5e-3, "{}", residuals[best]);
         }

@@ -138,8 +138,8 @@ fn a_frozen_output_and_missing_rows_are_reported_with_their_times() {
     let missing = Record::new(TS, cut(record.u()), cut(record.y())).unwrap();
     assert_eq!(found(&missing), ["missing-rows"]);
     assert!(!inspect(&missing).usable[1500]);
-    let late = |x: &[f64]| [&[x[0]; 20], &x[700..]].concat();
-    let step = Record::new(TS, late(record.u()), late(record.y())).unwrap();
+    let after_rest = |x: &[f64]| [&[x[0]; 20], &x[700..]].concat();
+    let step = Record::new(TS, after_rest(record.u()), after_rest(record.y())).unwrap();
     assert_eq!(found(&step), [], "a step from rest");
 }
 
@@ -285,6 +285,92 @@ fn staged() -> [(&'static str, Record); 5] {
     ]
 }
 
+/// A record of the stage as a servo.
+fn servo() -> Record {
+    let mut sum = 0.0;
+    let control = |t, y| {
+        sum += 0.02 * (slow(t) - y);
+        sum
+    };
+    stage(control, 6000)
+}
+
+fn slow(t: usize) -> f64 {
+    20.0 * (std::f64::consts::TAU * 1.5 * t as f64 * TS).sin()
+}
+
+/// A sine through the stage, of which one sample of `every` is recorded.
+fn sampled(hz: f64, every: usize) -> Record {
+    let fast = stage(|t, _| 20.0 * (std::f64::consts::TAU * hz * t as f64 * TS).sin(), 6000);
+    let take = |x: &[f64]| x.iter().copied().step_by(every).collect::<Vec<f64>>();
+    Record::new(TS * every as f64, take(fast.u()), take(fast.y())).unwrap()
+}
+
+/// For each detector a record with its defect alone.
+fn examples() -> Vec<(&'static Detector, Record)> {
+    let sound = measured("pl140", sine(28.0, 7.0, 4000));
+    let (u, y) = (sound.u().to_vec(), sound.y().to_vec());
+    let record = |u: &[f64], y: &[f64]| Record::new(TS, u.to_vec(), y.to_vec()).unwrap();
+    let cut = |x: &[f64]| [&x[..1500], &x[1560..]].concat();
+    let [rising, ..] = staged().map(|(_, record)| record);
+    let clipped: Vec<f64> = u.iter().map(|u| u.min(24.0)).collect();
+    vec![
+        (&constant::TOO_SHORT, record(&u[..9], &y[..9])),
+        (&constant::CONSTANT_INPUT, record(&[2.0; 4000], &y)),
+        (&constant::CONSTANT_OUTPUT, record(&u, &[7.0; 4000])),
+        (&wild::WILD_VALUES, with(&sound, |t, y| if t == 300 { 1e6 } else { y })),
+        (&flat::SATURATED_OUTPUT, with(&sound, |_, y| y.min(600.0))),
+        (&flat::CLIPPED_INPUT, record(&clipped, &y)),
+        (&flat::FROZEN_OUTPUT, with(&sound, |t, v| if (1000..1050).contains(&t) { y[1000] } else { v })),
+        (&flat::MISSING_ROWS, record(&cut(&u), &cut(&y))),
+        (&outliers::OUTLIERS, with(&sound, |t, y| if t == 700 { y + 300.0 } else { y })),
+        (&drift::DRIFT, with(&sound, |t, y| y + 0.05 * t as f64)),
+        (&order::SWAPPED, record(rising.y(), rising.u())),
+        (&order::SHIFTED, record(&rising.u()[..3994], &rising.y()[6..])),
+        (&aliased::ALIASED, sampled(37.0, 40)),
+        (&closed::CLOSED_LOOP, servo()),
+        (&units::UNITS, sound.with_units(crate::record::Units { u: "V".into(), y: "mm".into() })),
+    ]
+}
+
+#[test]
+fn each_detector_finds_its_defect_with_its_consequence_and_nothing_in_sound_records() {
+    let examples = examples();
+    let criteria = |detectors: Vec<&Detector>| detectors.iter().map(|d| d.criterion).collect::<Vec<_>>();
+    assert_eq!(criteria(examples.iter().map(|(d, _)| *d).collect()), criteria(DETECTORS.to_vec()), "one example each");
+    let sound = [measured("pl140", sine(28.0, 7.0, 4000)), staged().map(|(_, record)| record)[1].clone()];
+    for (detector, record) in examples {
+        for sound in &sound {
+            assert_eq!((detector.run)(&Context::new(sound)), None, "{detector:?}");
+        }
+        let Detection { samples, text } = (detector.run)(&Context::new(&record)).expect(detector.criterion);
+        let inspection = inspect(&record);
+        assert_eq!(inspection.findings, [Finding { detector, samples: samples.clone(), text }], "{detector:?}");
+        assert_eq!(inspection.sound().is_err(), detector.consequence.is_fatal(), "{detector:?}");
+        let masks = detector.consequence == Consequence::Masked;
+        assert_eq!(samples.is_empty(), !masks, "{detector:?}");
+        for t in 0..record.len() {
+            let is_masked = samples.iter().any(|range| range.contains(&t));
+            assert_eq!(inspection.usable[t], !is_masked, "{detector:?} {t}");
+        }
+    }
+}
+
+#[test]
+fn the_page_on_identification_lists_the_detectors() {
+    let row = |d: &&Detector| {
+        let consequence = match d.consequence {
+            Consequence::Unusable | Consequence::Error => "error",
+            Consequence::Masked => "note, samples masked",
+            Consequence::Reported => "note",
+        };
+        format!("| {} | {} | {consequence} |\n", d.name.replace('-', " "), d.criterion)
+    };
+    let table: String = DETECTORS.iter().map(row).collect();
+    let page = include_str!("../../../../docs/identification.md");
+    assert!(page.contains(&format!("| defect | found if | consequence |\n|---|---|---|\n{table}\n")), "\n{table}");
+}
+
 #[test]
 fn swapped_columns_are_refused_for_smooth_and_sharp_drives() {
     for (name, record) in staged() {
@@ -311,11 +397,11 @@ fn an_early_output_is_reported_with_the_number_of_samples() {
 }
 
 #[test]
-fn a_late_output_is_reported_if_the_drive_is_sharp() {
+fn a_delayed_output_is_reported_if_the_drive_is_sharp() {
     for (name, record) in staged().into_iter().filter(|(name, _)| ["steps", "bits"].contains(name)) {
         let n = record.len() - 20;
-        let late = Record::new(TS, record.u()[20..].to_vec(), record.y()[..n].to_vec()).unwrap();
-        let inspection = inspect(&late).findings;
+        let delayed = Record::new(TS, record.u()[20..].to_vec(), record.y()[..n].to_vec()).unwrap();
+        let inspection = inspect(&delayed).findings;
         let answers =
             |count: usize| inspection.iter().any(|f| f.text.contains(&format!("answers {count} samples (0.01")));
         assert!(answers(20) || answers(21), "{name}: {inspection:?}");
@@ -324,15 +410,7 @@ fn a_late_output_is_reported_if_the_drive_is_sharp() {
 
 #[test]
 fn a_closed_loop_is_reported_and_a_noisy_measurement_of_the_input_is_not() {
-    let reference = |t: usize| 20.0 * (std::f64::consts::TAU * 1.5 * t as f64 * TS).sin();
-    let mut sum = 0.0;
-    let servo = stage(
-        |t, y| {
-            sum += 0.02 * (reference(t) - y);
-            sum
-        },
-        6000,
-    );
+    let servo = servo();
     let inspection = inspect(&servo);
     assert_eq!(found(&servo), ["closed-loop"], "{:?}", inspection.findings);
     assert!(
@@ -340,7 +418,7 @@ fn a_closed_loop_is_reported_and_a_noisy_measurement_of_the_input_is_not() {
         "{:?}",
         inspection.findings
     );
-    let driven = stage(|t, _| reference(t), 6000);
+    let driven = stage(|t, _| slow(t), 6000);
     assert_eq!(found(&driven), []);
     let mut noise = random(11);
     let monitored: Vec<f64> = driven.u().iter().map(|u| u + 0.01 * noise()).collect();
@@ -349,12 +427,7 @@ fn a_closed_loop_is_reported_and_a_noisy_measurement_of_the_input_is_not() {
 
 #[test]
 fn an_aliased_drive_is_reported_and_a_sine_above_the_resonance_is_not() {
-    let sampled = |hz: f64, every: usize| {
-        let fast = stage(|t, _| 20.0 * (std::f64::consts::TAU * hz * t as f64 * TS).sin(), 6000);
-        let take = |x: &[f64]| x.iter().copied().step_by(every).collect::<Vec<f64>>();
-        found(&Record::new(TS * every as f64, take(fast.u()), take(fast.y())).unwrap())
-    };
-    assert_eq!(sampled(37.0, 1), []);
-    assert_eq!(sampled(37.0, 40), ["aliased"]);
-    assert_eq!(sampled(550.0, 1), []);
+    assert_eq!(found(&sampled(37.0, 1)), []);
+    assert_eq!(found(&sampled(37.0, 40)), ["aliased"]);
+    assert_eq!(found(&sampled(550.0, 1)), []);
 }

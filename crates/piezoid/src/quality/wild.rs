@@ -16,7 +16,7 @@ const TAIL_SHARE: f64 = 0.01;
 
 pub(super) static WILD_VALUES: Detector = Detector {
     name: "outliers",
-    criterion: "y is far outside the range of all other samples, u is not",
+    criterion: "the output is far outside the range of all other samples, the input is not: error codes, overflows",
     consequence: Consequence::Masked,
     loop_remedy: None,
     run: |context| context.wild().map(|wild| wild.found.clone()),

@@ -51,8 +51,8 @@ pub(super) struct ClosestFit {
 }
 
 impl MaskedRecord {
-    /// The block with the smallest residual. Output error is tried if the residual of least squares exceeds `enough`.
-    pub(super) fn closest(&self, enough: f64) -> Option<ClosestFit> {
+    /// The block with the smallest residual. Output error is tried if the residual of least squares exceeds `tolerance`.
+    pub(super) fn closest(&self, tolerance: f64) -> Option<ClosestFit> {
         let best = |blocks: &mut dyn Iterator<Item = Arx>| {
             blocks.filter_map(|arx| self.run(&arx)).min_by(|a, b| a.rms.total_cmp(&b.rms))
         };
@@ -61,7 +61,7 @@ impl MaskedRecord {
             &mut LEAST_SQUARES_ORDERS.map(Orders::of).into_iter().chain([plain]).filter_map(|o| self.least_squares(o)),
         );
         match quick {
-            Some(quick) if quick.rms <= enough => Some(quick),
+            Some(quick) if quick.rms <= tolerance => Some(quick),
             quick => {
                 let careful = best(&mut OUTPUT_ERROR_ORDERS.into_iter().filter_map(|n| self.output_error(n)));
                 quick.into_iter().chain(careful).min_by(|a, b| a.rms.total_cmp(&b.rms))

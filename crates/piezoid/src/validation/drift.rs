@@ -55,7 +55,7 @@ fn beside(t: &[f64], s: &[f64], e: &[f64]) -> f64 {
     let (tt, ts, ss) = (product(t, t), product(t, s), product(s, s));
     let (te, se) = (product(t, e), product(s, e));
     let determinant = tt * ss - ts * ts;
-    // Without a response, the error alone tells the slope.
+    // Without a response, the error alone has the slope.
     if determinant > 1e-9 * tt * ss { (te * ss - ts * se) / determinant } else { te / tt }
 }
 
@@ -91,6 +91,6 @@ mod tests {
         let scan = |t: f64| 10.0 * t + sine(t);
         assert!(!of(|t| 0.01 * (scan(t) - 20.0), scan).is_named, "the gain of a slow scan");
         assert!(!of(|t| 0.1 * ((t + 0.05).ln() - 0.4), sine).is_named, "creep");
-        assert!(!of(|t| 0.3 * (t - 2.0), sine).is_named, "1.5 % of peak-to-peak per second");
+        assert!(!of(|t| 0.3 * (t - 2.0), sine).is_named, "1.5 % of stroke per second");
     }
 }

@@ -243,14 +243,14 @@ mod tests {
         let whole = found.nrmse_percent.hypot(found.reducible_nrmse_percent);
         assert_close(&[whole, found.error_over_floor * found.rms], &[metrics.nrmse_percent, metrics.rmse], 1e-9, 0.0);
         assert_close(&[found.rms], &[0.03], 0.05, 0.0);
-        let told = summary(&metrics, Some(&found), None).unwrap();
-        assert_eq!(told, "0.34 % NRMSE, of which noise 0.088 %: a better model could gain up to 0.33 %");
+        let sentence = summary(&metrics, Some(&found), None).unwrap();
+        assert_eq!(sentence, "0.34 % NRMSE, of which noise 0.088 %: a better model could gain up to 0.33 %");
         let hum = Floor { hum_hz: Some(50.0), ..found };
         assert!(summary(&metrics, Some(&hum), None).unwrap().contains("noise 0.088 % (with hum at 50 Hz): "));
         let drifting = Floor { reducible_nrmse_percent: 0.2, ..found };
-        let told = summary(&metrics, Some(&drifting), None).unwrap();
+        let sentence = summary(&metrics, Some(&drifting), None).unwrap();
         assert!(
-            told.ends_with("drift 0.27 % and noise 0.088 %: besides the drift, a better model could gain up to 0.2 %")
+            sentence.ends_with("drift 0.27 % and noise 0.088 %: besides the drift, a better model could gain up to 0.2 %")
         );
         let true_model: Vec<f64> = u.iter().map(|u| 3.0 * u).collect();
         let (metrics, found) = (Metrics::of(&y, &true_model), floor(u, y, &true_model).unwrap());

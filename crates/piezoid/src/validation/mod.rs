@@ -101,7 +101,7 @@ pub struct Validation {
     pub loops: Vec<LoopComparison>,
     /// Tests of the residuals; `None` if there are none, or the record is too short.
     pub whiteness: Option<Whiteness>,
-    /// The noise floor; `None` if neither periods of the input nor the spectrum tell it.
+    /// The noise floor; `None` if neither periods of the input nor the spectrum show it.
     pub floor: Option<Floor>,
     /// The error in one sentence: noise, drift, and what a better model could gain; `None` if y is constant.
     pub summary: Option<String>,
@@ -225,10 +225,10 @@ mod tests {
         let record = Record::new(ts, u, y).unwrap();
         let validated = |offset| model.validate_with(&record, &ValidateOptions { offset, skip: 0.5 }).unwrap();
         for offset in [Offset::Kept, Offset::Free] {
-            let seen = validated(offset);
-            assert_close(&[seen.drift_per_s], &[0.04], 0.02, 0.0);
-            assert!(seen.remarks.iter().any(|r| r.contains("a drift of 0.04 um/s makes 0.")), "{:?}", seen.remarks);
-            assert!(seen.summary.unwrap().contains("of which drift 0."));
+            let validation = validated(offset);
+            assert_close(&[validation.drift_per_s], &[0.04], 0.02, 0.0);
+            assert!(validation.remarks.iter().any(|r| r.contains("a drift of 0.04 um/s makes 0.")), "{:?}", validation.remarks);
+            assert!(validation.summary.unwrap().contains("of which drift 0."));
         }
         let (free, rest) = (validated(Offset::Free), validated(Offset::Drift));
         assert_close(&[rest.metrics.rmse, rest.floor.unwrap().rms], &[0.005; 2], 0.1, 0.0);

@@ -149,22 +149,17 @@ fn scaled(record: &Record, simulated: &[f64]) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::loops::loops;
+    use super::super::{ComparedRun, errors};
     use super::*;
     use crate::hysteresis::{OPERATORS, Proportional};
     use crate::linear::Arx;
     use crate::system::System;
+    use crate::waveform::cycles;
     use std::f64::consts::TAU;
     use std::sync::Arc;
 
     const TS: f64 = 5e-4;
-
-    #[test]
-    fn only_reversals_inside_the_range_are_counted() {
-        let full: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.1).sin()).collect();
-        assert_eq!(inner_reversals(&full, -1.0, 1.0), 0);
-        let half: Vec<f64> = full.iter().map(|u| 0.5 * u).collect();
-        assert_eq!(inner_reversals(&half, -1.0, 1.0), 12);
-    }
 
     fn sine(bias: f64, height: f64, hz: f64) -> Vec<f64> {
         (0..4000).map(|t| bias + height * (TAU * hz * f64::from(t) * TS).sin()).collect()
@@ -172,8 +167,8 @@ mod tests {
 
     fn remarks_of(model: &Model, u: Vec<f64>) -> (Vec<String>, Vec<String>) {
         let y = model.simulate(&u);
-        let seen = model.validate(&Record::new(TS, u, y).unwrap()).unwrap();
-        (seen.remarks, seen.not_covered)
+        let validation = model.validate(&Record::new(TS, u, y).unwrap()).unwrap();
+        (validation.remarks, validation.not_covered)
     }
 
     #[test]
@@ -219,7 +214,88 @@ mod tests {
         let u = sine(0.0, 20.0, 5.0);
         let mut y = model.simulate(&u);
         y[700] += 200.0;
-        let seen = model.validate(&Record::new(TS, u, y).unwrap()).unwrap();
-        assert!(seen.remarks.iter().any(|r| r.contains("outliers: 1 sample (at 0.35 s)")), "{:?}", seen.remarks);
+        let remarks = model.validate(&Record::new(TS, u, y).unwrap()).unwrap().remarks;
+        assert!(remarks.iter().any(|r| r.contains("outliers: 1 sample (at 0.35 s)")), "{remarks:?}");
+    }
+
+    /// A model identified from sines of 20 V at 5 Hz, and its record of such a sine, that no row but `RESONANCE`
+    /// comments on.
+    fn stock(operator: &str) -> (Model, Vec<f64>) {
+        let operator = OPERATORS.iter().find(|o| o.name == operator).unwrap();
+        let beam = Arx::new(TS, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
+        let model = Model::new((operator.example)(TS).unwrap(), beam, 0.0).unwrap();
+        let u = sine(0.0, 20.0, 5.0);
+        let record = Record::new(TS, u.clone(), u.clone()).unwrap();
+        let model = model.with_identified(Domain::of(&[record]).unwrap());
+        (model, u)
+    }
+
+    type Change = fn(usize, f64) -> f64;
+
+    /// The names of the rows that remark on a record: of `u`, and of the output of the model for it, changed by `y`.
+    fn remarked(rows: &[&Remark], model: &Model, u: Vec<f64>, y: Change) -> Vec<&'static str> {
+        let simulated = model.simulate(&u);
+        let y = simulated.iter().enumerate().map(|(t, s)| y(t, *s)).collect();
+        let record = Record::new(TS, u, y).unwrap();
+        let metrics = Metrics::of(record.y(), &simulated);
+        let drift = Drift::of(&errors(record.y(), &simulated), &simulated, TS);
+        let cycles = cycles(record.u(), TS);
+        let loops = loops(&ComparedRun { record: &record, simulated: &simulated, cycles: &cycles });
+        let domains = model.identified().map(|domain| (domain, Domain::of_input(record.u(), TS)));
+        let comparison = Comparison {
+            model,
+            record: &record,
+            simulated: &simulated,
+            metrics: &metrics,
+            drift: &drift,
+            loops: &loops,
+            domains,
+        };
+        rows.iter().filter(|row| (row.text)(&comparison).is_some()).map(|row| row.name).collect()
+    }
+
+    #[test]
+    fn each_row_makes_its_remark_and_none_on_a_record_like_those_identified() {
+        let (model, u) = stock("prandtl-ishlinskii");
+        let same: Change = |_, y| y;
+        assert_eq!(remarked(REMARKS, &model, u.clone(), same), [""; 0]);
+        assert_eq!(remarked(UNTESTED, &model, u.clone(), same), ["resonance"]);
+        let both: Vec<f64> = u.iter().zip(sine(0.0, 3.0, 140.0)).map(|(u, v)| u + v).collect();
+        assert_eq!(remarked(UNTESTED, &model, both, same), [""; 0]);
+        assert_eq!(remarked(UNTESTED, &model, sine(0.0, 2.0, 5.0), same), ["resonance", "hysteresis"]);
+        let examples: [(&str, &str, Vec<f64>, Change); 10] = [
+            ("overflow", "prandtl-ishlinskii", u.clone(), |_, y| y + 1e300),
+            ("constant output", "prandtl-ishlinskii", u.clone(), |_, _| 7.0),
+            ("scale", "prandtl-ishlinskii", u.clone(), |_, y| 3.0 * y),
+            ("range", "prandtl-ishlinskii", sine(0.0, 21.0, 5.0), same),
+            ("frequency", "rate-scheduled", sine(0.0, 1.0, 200.0), same),
+            ("inner reversals", "two-branch", sine(0.0, 10.0, 5.0), same),
+            ("band", "prandtl-ishlinskii", sine(0.0, 0.5, 300.0), same),
+            ("rate", "prandtl-ishlinskii", sine(0.0, 20.0, 6.0), same),
+            ("bias", "prandtl-ishlinskii", sine(9.0, 10.0, 5.0), same),
+            ("drift", "prandtl-ishlinskii", u, |t, y| y + 2e-3 * (t as f64 - 2000.0)),
+        ];
+        assert_eq!(
+            examples.each_ref().map(|example| example.0).as_slice(),
+            names(REMARKS),
+            "one example each, in order"
+        );
+        for (name, operator, u, change) in examples {
+            let remarks = remarked(REMARKS, &stock(operator).0, u, change);
+            assert!(remarks.contains(&name), "{name}: {remarks:?}");
+        }
+    }
+
+    fn names(rows: &[&Remark]) -> Vec<&'static str> {
+        rows.iter().map(|row| row.name).collect()
+    }
+
+    #[test]
+    fn the_reference_lists_the_remarks() {
+        let page = include_str!("../../../../docs/reference.md");
+        for (rows, title) in [(REMARKS, "remark"), (UNTESTED, "property")] {
+            let table: String = rows.iter().map(|row| format!("| {} | {} |\n", row.name, row.when)).collect();
+            assert!(page.contains(&format!("| {title} | if |\n|---|---|\n{table}\n")), "\n{table}");
+        }
     }
 }

@@ -96,8 +96,8 @@ mod tests {
     #[test]
     fn nonlinear_residuals_and_a_missing_delay_are_not_noise() {
         let (u, s, noise) = signals();
-        let late = std::iter::repeat_n(0.0, 9).chain(u.iter().copied()).take(4000).collect();
-        for structure in nonlinear(&s).into_iter().chain([late]) {
+        let delayed = std::iter::repeat_n(0.0, 9).chain(u.iter().copied()).take(4000).collect();
+        for structure in nonlinear(&s).into_iter().chain([delayed]) {
             let size = (structure.iter().map(|x| x * x).sum::<f64>() / 4000.0).sqrt();
             let e: Vec<f64> = noise.iter().zip(&structure).map(|(e, x)| e + 0.5 * x / size).collect();
             assert_eq!(independent(&u, &s, &e), None);

@@ -326,10 +326,10 @@ mod tests {
     #[test]
     fn the_gain_increases_with_the_amplitude_of_loops() {
         let rising = RisingSine { amplitude: 30.0, frequency: 5.0, ..RisingSine::default() }.samples(TS, 8000).unwrap();
-        let seen = Linearity::of(&measured("pl140", rising)).unwrap();
-        let slopes: Vec<f64> = seen.gain_by_amplitude.iter().map(|[_, slope]| *slope).collect();
+        let linearity = Linearity::of(&measured("pl140", rising)).unwrap();
+        let slopes: Vec<f64> = linearity.gain_by_amplitude.iter().map(|[_, slope]| *slope).collect();
         assert!(slopes.len() > 3 && slopes.is_sorted(), "{slopes:?}");
-        assert!(seen.is_linear == Some(false) && seen.verdict.contains("the gain at"), "{}", seen.verdict);
+        assert!(linearity.is_linear == Some(false) && linearity.verdict.contains("the gain at"), "{}", linearity.verdict);
     }
 
     #[test]
@@ -337,8 +337,8 @@ mod tests {
         let prbs = Prbs { order: 9, ..Prbs::default() }.samples(TS, 6 * 511).unwrap();
         let sound = measured("pl140", prbs);
         let noisy = sound.y().iter().enumerate().map(|(t, y)| y + 3.0 * ((t * t * 7) as f64).sin()).collect();
-        let seen = Linearity::of(&Record::new(TS, sound.u().to_vec(), noisy).unwrap()).unwrap();
-        assert!(seen.noise_percent > Some(5.0 * MAX_LINEAR_PERCENT) && seen.is_linear == Some(true), "{seen:?}");
+        let linearity = Linearity::of(&Record::new(TS, sound.u().to_vec(), noisy).unwrap()).unwrap();
+        assert!(linearity.noise_percent > Some(5.0 * MAX_LINEAR_PERCENT) && linearity.is_linear == Some(true), "{linearity:?}");
     }
 
     fn with_noise(record: &Record, size: f64) -> Record {
@@ -353,10 +353,10 @@ mod tests {
         let y = block.resume(&mut block.settled(20.0), &u);
         let plain = Record::new(2e-5, u, y).unwrap();
         let std = (scatter(plain.y()) / 8000.0).sqrt();
-        let seen = Linearity::of(&with_noise(&plain, 0.04 * std)).unwrap();
-        assert!(seen.is_linear == Some(true) && seen.verdict.contains("the record is linear"), "{seen:?}");
-        assert_close(&[seen.noise_percent.unwrap()], &[4.0], 0.05, 0.0);
-        assert!(seen.detection_limit_percent < Some(MAX_LINEAR_PERCENT), "{seen:?}");
+        let linearity = Linearity::of(&with_noise(&plain, 0.04 * std)).unwrap();
+        assert!(linearity.is_linear == Some(true) && linearity.verdict.contains("the record is linear"), "{linearity:?}");
+        assert_close(&[linearity.noise_percent.unwrap()], &[4.0], 0.05, 0.0);
+        assert!(linearity.detection_limit_percent < Some(MAX_LINEAR_PERCENT), "{linearity:?}");
         let distorted = plain.y().iter().map(|y| y + 0.2 * (y - 12.0).powi(2) / std).collect();
         let distorted =
             Linearity::of(&with_noise(&Record::new(2e-5, plain.u().to_vec(), distorted).unwrap(), 0.04 * std)).unwrap();
@@ -372,8 +372,8 @@ mod tests {
         for spikes in [vec![1900], (100..4000).step_by(430).collect()] {
             let mut y = sound.y().to_vec();
             spikes.iter().for_each(|t| y[*t] += 2000.0);
-            let seen = Linearity::of(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
-            assert!(seen.is_linear == Some(true) && seen.residual_percent < Some(MAX_LINEAR_PERCENT), "{seen:?}");
+            let linearity = Linearity::of(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
+            assert!(linearity.is_linear == Some(true) && linearity.residual_percent < Some(MAX_LINEAR_PERCENT), "{linearity:?}");
         }
     }
 
@@ -384,12 +384,12 @@ mod tests {
         for u in [once, again] {
             let sound = measured("pl140", u);
             let std = (scatter(sound.y()) / sound.len() as f64).sqrt();
-            let seen = Linearity::of(&with_noise(&sound, 2.0 * std)).unwrap();
-            assert_eq!(seen.is_linear, None, "{seen:?}");
-            assert!(seen.verdict.contains("hides distortion up to"), "{}", seen.verdict);
+            let linearity = Linearity::of(&with_noise(&sound, 2.0 * std)).unwrap();
+            assert_eq!(linearity.is_linear, None, "{linearity:?}");
+            assert!(linearity.verdict.contains("hides distortion up to"), "{}", linearity.verdict);
             assert!(
-                seen.noise_percent > Some(80.0) && seen.detection_limit_percent > Some(MIN_NONLINEAR_PERCENT),
-                "{seen:?}"
+                linearity.noise_percent > Some(80.0) && linearity.detection_limit_percent > Some(MIN_NONLINEAR_PERCENT),
+                "{linearity:?}"
             );
         }
     }
@@ -407,8 +407,8 @@ mod tests {
         for u in [multisine.samples(TS, 4000).unwrap(), rising.samples(TS, 4000).unwrap()] {
             let sound = measured("pl140", u);
             let std = (scatter(sound.y()) / sound.len() as f64).sqrt();
-            let seen = Linearity::of(&with_noise(&sound, 0.01 * std)).unwrap();
-            assert!(seen.is_linear == Some(false) && seen.verdict.contains("not linear"), "{seen:?}");
+            let linearity = Linearity::of(&with_noise(&sound, 0.01 * std)).unwrap();
+            assert!(linearity.is_linear == Some(false) && linearity.verdict.contains("not linear"), "{linearity:?}");
         }
     }
 }

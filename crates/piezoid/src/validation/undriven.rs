@@ -14,7 +14,7 @@
 //!   tried. There the free run must have next to no power, because the error of a model is not noise.
 //! - Hum is added: lines at 50 or 60 Hz and multiples that neither the free run nor a multiple of the frequency of the
 //!   input explains.
-//! - Noise that grows towards low frequencies faster than 1 / f, and noise only at low frequencies, are not seen. Then
+//! - Noise that grows towards low frequencies faster than 1 / f, and noise only at low frequencies, are not found. Then
 //!   the figure is too low.
 //!
 //! Reference: Percival & Walden 1993, Spectral Analysis for Physical Applications, doi:10.1017/CBO9780511622762.
@@ -67,7 +67,7 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// The noise of a record, from the errors of a free run; `None` if no part of the spectrum tells it, or the record
+    /// The noise of a record, from the errors of a free run; `None` if no part of the spectrum shows it, or the record
     /// is too short.
     pub(super) fn of(record: &Record, errors: &[f64], simulated: &[f64]) -> Option<Self> {
         let (e, s) = (spectrum(errors), spectrum(simulated));
@@ -275,9 +275,9 @@ mod tests {
     #[test]
     fn a_broadband_input_and_a_model_with_wrong_gain_and_delay_leave_the_noise() {
         let u = Prbs { order: 13, ..Prbs::default() }.samples(TS, N).unwrap();
-        let late: Vec<f64> = std::iter::once(0.0).chain(u.iter().map(|u| 1.05 * u)).take(N).collect();
+        let delayed: Vec<f64> = std::iter::once(0.0).chain(u.iter().map(|u| 1.05 * u)).take(N).collect();
         let e: Vec<f64> = noise(3, N).iter().map(|e| 0.02 * e).collect();
-        assert_close(&[found(u, &e, &late).unwrap().rms], &[0.02], 0.15, 0.0);
+        assert_close(&[found(u, &e, &delayed).unwrap().rms], &[0.02], 0.15, 0.0);
     }
 
     #[test]
@@ -304,16 +304,16 @@ mod tests {
         let e: Vec<f64> = noise(1, N).iter().enumerate().map(|(t, e)| 0.01 * e + hum(t)).collect();
         let u = rising();
         let model = poor(&u);
-        let seen = found(u, &e, &model).unwrap();
-        assert_eq!(seen.hum_hz, Some(50.0));
-        assert_close(&[seen.rms], &[rms(&e)], 0.1, 0.0);
+        let with_hum = found(u, &e, &model).unwrap();
+        assert_eq!(with_hum.hum_hz, Some(50.0));
+        assert_close(&[with_hum.rms], &[rms(&e)], 0.1, 0.0);
         let u = RisingSine { amplitude: 10.0, frequency: 25.0, ..RisingSine::default() }.samples(TS, N).unwrap();
         let e: Vec<f64> = noise(2, N).iter().zip(&u).map(|(e, u)| 0.01 * e + 1e-3 * u * u).collect();
         assert_eq!(found(u.clone(), &e, &u).unwrap().hum_hz, None, "twice 25 Hz is the error of the model");
     }
 
     #[test]
-    fn what_no_part_of_the_spectrum_tells_is_unknown() {
+    fn noise_that_no_part_of_the_spectrum_shows_is_unknown() {
         let u = rising();
         let model = poor(&u);
         assert_eq!(found(u[..150].to_vec(), &noise(1, 150), &model[..150]), None, "too short");

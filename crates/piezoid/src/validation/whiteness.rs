@@ -113,7 +113,7 @@ impl Whiteness {
             false => format!(
                 "a part of the residuals is regular, not noise: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} \
                  lags, p {p}). In a long record this test finds parts that are far too small to matter; how large they \
-                 are is told by the error beside the noise floor",
+                 are is shown by the error beside the noise floor",
                 short(self.autocorrelation[0])
             ),
         }
@@ -188,9 +188,9 @@ mod tests {
     #[test]
     fn noise_passes_in_99_of_100_records() {
         let u = prbs(2000);
-        let seen: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(seed, 2000)).unwrap()).collect();
-        let not_white = seen.iter().filter(|w| !w.is_white()).count();
-        let correlated = seen.iter().filter(|w| w.correlates_with_input()).count();
+        let all: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(seed, 2000)).unwrap()).collect();
+        let not_white = all.iter().filter(|w| !w.is_white()).count();
+        let correlated = all.iter().filter(|w| w.correlates_with_input()).count();
         assert!((1..=9).contains(&not_white) && correlated <= 9, "{not_white} {correlated}");
     }
 
@@ -203,11 +203,11 @@ mod tests {
             state
         };
         let e: Vec<f64> = noise(3, 4000).iter().map(colour).collect();
-        let seen = Whiteness::of(&u, &e).unwrap();
-        assert!(!seen.is_white() && !seen.correlates_with_input(), "{seen:?}");
-        assert_close(&[seen.autocorrelation[0]], &[0.9], 0.05, 0.0);
+        let whiteness = Whiteness::of(&u, &e).unwrap();
+        assert!(!whiteness.is_white() && !whiteness.correlates_with_input(), "{whiteness:?}");
+        assert_close(&[whiteness.autocorrelation[0]], &[0.9], 0.05, 0.0);
         assert!(
-            seen.verdict[0].contains("regular, not noise") && seen.verdict[1].contains("uncorrelated with the input")
+            whiteness.verdict[0].contains("regular, not noise") && whiteness.verdict[1].contains("uncorrelated with the input")
         );
     }
 
@@ -215,22 +215,22 @@ mod tests {
     fn a_missing_delayed_term_shows_at_its_lag() {
         let (u, w) = (prbs(4000), noise(4, 4000));
         let e: Vec<f64> = (0..4000).map(|t| w[t] + if t >= 7 { 0.2 * u[t - 7] } else { 0.0 }).collect();
-        let seen = Whiteness::of(&u, &e).unwrap();
+        let whiteness = Whiteness::of(&u, &e).unwrap();
         assert!(
-            seen.correlates_with_input() && seen.verdict[1].contains("at a lag of 7 samples"),
+            whiteness.correlates_with_input() && whiteness.verdict[1].contains("at a lag of 7 samples"),
             "{:?}",
-            seen.verdict
+            whiteness.verdict
         );
-        assert_close(&[seen.cross_correlation[40 + 7]], &[0.2 / 1.04f64.sqrt()], 0.2, 0.0);
+        assert_close(&[whiteness.cross_correlation[40 + 7]], &[0.2 / 1.04f64.sqrt()], 0.2, 0.0);
     }
 
     /// A sine with the error of a wrong gain and phase: the bound was 1.1, and the model "covered the linear response".
     #[test]
     fn a_bound_that_nothing_could_exceed_is_no_proof_of_a_model() {
         let wave = |phase: f64| -> Vec<f64> { (0..4000).map(|t| (0.004 * f64::from(t) + phase).sin()).collect() };
-        let seen = Whiteness::of(&wave(0.0), &wave(2.0)).unwrap();
-        assert!(seen.cross_correlation_bound > MAX_USEFUL_BOUND && !seen.correlates_with_input(), "{seen:?}");
-        assert!(seen.verdict[1].contains("says nothing here") && !seen.verdict[1].contains("covers"), "{seen:?}");
+        let whiteness = Whiteness::of(&wave(0.0), &wave(2.0)).unwrap();
+        assert!(whiteness.cross_correlation_bound > MAX_USEFUL_BOUND && !whiteness.correlates_with_input(), "{whiteness:?}");
+        assert!(whiteness.verdict[1].contains("says nothing here") && !whiteness.verdict[1].contains("covers"), "{whiteness:?}");
     }
 
     #[test]
