@@ -102,7 +102,11 @@ mod tests {
         let u = noise(1, 2000);
         let y: Vec<f64> = (0..2000).map(|t| if t < 3 { 0.0 } else { u[t - 2] + 0.5 * u[t - 3] }).collect();
         let equations = Increments::of(&u, &y).unwrap();
-        assert!(equations.explained(2..4) > 0.99 && equations.explained(4..MAX_LAGS) < 0.8, "{}", equations.explained(4..MAX_LAGS));
+        assert!(
+            equations.explained(2..4) > 0.99 && equations.explained(4..MAX_LAGS) < 0.8,
+            "{}",
+            equations.explained(4..MAX_LAGS)
+        );
         assert!(equations.by_later() < 0.02, "{}", equations.by_later());
         assert!(Increments::of(&y, &u).unwrap().by_later() > 0.9);
         assert!(Increments::of(&u, &[1.0; 2000]).is_none() && Increments::of(&u[..90], &y[..90]).is_none());

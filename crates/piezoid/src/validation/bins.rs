@@ -215,7 +215,11 @@ mod tests {
         }
         let rising = RisingSine { amplitude: 30.0, frequency: 5.0, ..RisingSine::default() };
         let validation = validated(rising.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
-        assert!(validation.by_amplitude.len() >= 5 && validation.by_frequency.len() == 1, "{:?}", validation.by_amplitude);
+        assert!(
+            validation.by_amplitude.len() >= 5 && validation.by_frequency.len() == 1,
+            "{:?}",
+            validation.by_amplitude
+        );
         for bin in &validation.by_amplitude {
             assert_close(&[bin.rms_pp_percent], &[1.0 / 1.01 / 8f64.sqrt()], 0.1, 0.0);
         }

@@ -250,7 +250,8 @@ mod tests {
         let drifting = Floor { reducible_nrmse_percent: 0.2, ..found };
         let sentence = summary(&metrics, Some(&drifting), None).unwrap();
         assert!(
-            sentence.ends_with("drift 0.27 % and noise 0.088 %: besides the drift, a better model could gain up to 0.2 %")
+            sentence
+                .ends_with("drift 0.27 % and noise 0.088 %: besides the drift, a better model could gain up to 0.2 %")
         );
         let true_model: Vec<f64> = u.iter().map(|u| 3.0 * u).collect();
         let (metrics, found) = (Metrics::of(&y, &true_model), floor(u, y, &true_model).unwrap());

@@ -227,7 +227,11 @@ mod tests {
         for offset in [Offset::Kept, Offset::Free] {
             let validation = validated(offset);
             assert_close(&[validation.drift_per_s], &[0.04], 0.02, 0.0);
-            assert!(validation.remarks.iter().any(|r| r.contains("a drift of 0.04 um/s makes 0.")), "{:?}", validation.remarks);
+            assert!(
+                validation.remarks.iter().any(|r| r.contains("a drift of 0.04 um/s makes 0.")),
+                "{:?}",
+                validation.remarks
+            );
             assert!(validation.summary.unwrap().contains("of which drift 0."));
         }
         let (free, rest) = (validated(Offset::Free), validated(Offset::Drift));

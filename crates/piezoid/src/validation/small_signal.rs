@@ -329,7 +329,11 @@ mod tests {
         let linearity = Linearity::of(&measured("pl140", rising)).unwrap();
         let slopes: Vec<f64> = linearity.gain_by_amplitude.iter().map(|[_, slope]| *slope).collect();
         assert!(slopes.len() > 3 && slopes.is_sorted(), "{slopes:?}");
-        assert!(linearity.is_linear == Some(false) && linearity.verdict.contains("the gain at"), "{}", linearity.verdict);
+        assert!(
+            linearity.is_linear == Some(false) && linearity.verdict.contains("the gain at"),
+            "{}",
+            linearity.verdict
+        );
     }
 
     #[test]
@@ -338,7 +342,10 @@ mod tests {
         let sound = measured("pl140", prbs);
         let noisy = sound.y().iter().enumerate().map(|(t, y)| y + 3.0 * ((t * t * 7) as f64).sin()).collect();
         let linearity = Linearity::of(&Record::new(TS, sound.u().to_vec(), noisy).unwrap()).unwrap();
-        assert!(linearity.noise_percent > Some(5.0 * MAX_LINEAR_PERCENT) && linearity.is_linear == Some(true), "{linearity:?}");
+        assert!(
+            linearity.noise_percent > Some(5.0 * MAX_LINEAR_PERCENT) && linearity.is_linear == Some(true),
+            "{linearity:?}"
+        );
     }
 
     fn with_noise(record: &Record, size: f64) -> Record {
@@ -354,7 +361,10 @@ mod tests {
         let plain = Record::new(2e-5, u, y).unwrap();
         let std = (scatter(plain.y()) / 8000.0).sqrt();
         let linearity = Linearity::of(&with_noise(&plain, 0.04 * std)).unwrap();
-        assert!(linearity.is_linear == Some(true) && linearity.verdict.contains("the record is linear"), "{linearity:?}");
+        assert!(
+            linearity.is_linear == Some(true) && linearity.verdict.contains("the record is linear"),
+            "{linearity:?}"
+        );
         assert_close(&[linearity.noise_percent.unwrap()], &[4.0], 0.05, 0.0);
         assert!(linearity.detection_limit_percent < Some(MAX_LINEAR_PERCENT), "{linearity:?}");
         let distorted = plain.y().iter().map(|y| y + 0.2 * (y - 12.0).powi(2) / std).collect();
@@ -373,7 +383,10 @@ mod tests {
             let mut y = sound.y().to_vec();
             spikes.iter().for_each(|t| y[*t] += 2000.0);
             let linearity = Linearity::of(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
-            assert!(linearity.is_linear == Some(true) && linearity.residual_percent < Some(MAX_LINEAR_PERCENT), "{linearity:?}");
+            assert!(
+                linearity.is_linear == Some(true) && linearity.residual_percent < Some(MAX_LINEAR_PERCENT),
+                "{linearity:?}"
+            );
         }
     }
 

@@ -207,7 +207,8 @@ mod tests {
         assert!(!whiteness.is_white() && !whiteness.correlates_with_input(), "{whiteness:?}");
         assert_close(&[whiteness.autocorrelation[0]], &[0.9], 0.05, 0.0);
         assert!(
-            whiteness.verdict[0].contains("regular, not noise") && whiteness.verdict[1].contains("uncorrelated with the input")
+            whiteness.verdict[0].contains("regular, not noise")
+                && whiteness.verdict[1].contains("uncorrelated with the input")
         );
     }
 
@@ -229,8 +230,14 @@ mod tests {
     fn a_bound_that_nothing_could_exceed_is_no_proof_of_a_model() {
         let wave = |phase: f64| -> Vec<f64> { (0..4000).map(|t| (0.004 * f64::from(t) + phase).sin()).collect() };
         let whiteness = Whiteness::of(&wave(0.0), &wave(2.0)).unwrap();
-        assert!(whiteness.cross_correlation_bound > MAX_USEFUL_BOUND && !whiteness.correlates_with_input(), "{whiteness:?}");
-        assert!(whiteness.verdict[1].contains("says nothing here") && !whiteness.verdict[1].contains("covers"), "{whiteness:?}");
+        assert!(
+            whiteness.cross_correlation_bound > MAX_USEFUL_BOUND && !whiteness.correlates_with_input(),
+            "{whiteness:?}"
+        );
+        assert!(
+            whiteness.verdict[1].contains("says nothing here") && !whiteness.verdict[1].contains("covers"),
+            "{whiteness:?}"
+        );
     }
 
     #[test]
