@@ -150,7 +150,7 @@ def saturated(r: Record) -> Record:
     return replace(r, y=np.minimum(r.y, low + 0.7 * (high - low)))
 
 
-def folded(r: Record) -> Record | None:
+def aliased(r: Record) -> Record | None:
     """So few samples that the line of the input is above half the sampling frequency."""
     line = tone(r)
     if line is None:
@@ -184,7 +184,7 @@ MISTAKES = {
     "output late by 20": (shifted(20), "after the input"),
     "output early by 5": (shifted(-5), "before the input"),
     "output saturated": (saturated, "saturated"),
-    "input folded": (folded, "folded"),
+    "input aliased": (aliased, "aliased"),
     "closed loop": (servo, "closed loop"),
 }
 # Words that no sound record may cause. A twin may saturate its sensor indeed.

@@ -2,7 +2,7 @@
 """Slow long-stroke lever actuator, 500 um at 0..150 V, 200 Hz sampling, temperature drift.
 
 Truth: plays, stretched exponential, cubic envelope, width 10.9 % -> creep 1.8 % a decade (5 ms to 300 s) -> modes 35 Hz
-(0.015, 0.97), 141 Hz (0.02, 0.03: above Nyquist, folded). y read 0.35 sample after the DAC (12 bits). Drift: 0.45..0.9
+(0.015, 0.97), 141 Hz (0.02, 0.03: above Nyquist, aliased). y read 0.35 sample after the DAC (12 bits). Drift: 0.45..0.9
 % of stroke * (1 - exp(-t/40 s)), either sign, and a random walk of 0.04 % a root second.
 Recorded: 200 Hz; rising sines 0..148 V at 0.2, 1, 5 Hz (25, 17, 11 s). Triangulation sensor, 14 bits, noise 0.1 %.
 Tests: 2.3 Hz; random loops 25 s with pauses; 1 Hz on another day.

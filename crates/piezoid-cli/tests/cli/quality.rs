@@ -34,7 +34,7 @@ fn each_defect_is_named_with_its_place_by_identify_validate_and_the_report() {
             |t, u, y| Some((u, if (1000..1060).contains(&t) { 77.0 } else { y })),
             &["frozen", "60 samples (from 0.5 s"],
         ),
-        ("drift", |t, u, y| Some((u, y + 0.05 * t as f64)), &["drifts by", "% of peak-to-peak", "does not slow down"]),
+        ("drift", |t, u, y| Some((u, y + 0.05 * t as f64)), &["drifts by", "% of stroke", "does not slow down"]),
         ("clip", |_, u, y| Some((u.min(23.0), y)), &["recorded input is clipped", "places"]),
         (
             "gap",

@@ -1,4 +1,4 @@
-//! What is told of a compensation: why a reference cannot be reached, and where its voltages extrapolate.
+//! Notes on a compensation, and the error for a reference that cannot be reached.
 
 use super::{FeedForward, InverseRun};
 use crate::error::Error;
@@ -9,7 +9,7 @@ use crate::series::ends;
 use crate::system::System;
 
 /// Range of a reference, over the displacements that can be held, from which its unit is doubted.
-const FAR: f64 = 5.0;
+const MAX_STROKE_RATIO: f64 = 5.0;
 
 impl FeedForward {
     /// The error for a reference that needs an input out of reach at `sample`.
@@ -22,7 +22,7 @@ impl FeedForward {
         let is_inside = bottom <= lowest && highest <= top;
         let [value, at, bottom, top] = [r[sample], sample as f64 * self.model.ts(), bottom, top].map(round);
         if !is_inside {
-            let why = match times > FAR {
+            let why = match times > MAX_STROKE_RATIO {
                 true => format!("this is {} times the stroke: check the unit of the reference", short(times)),
                 false if times <= 1.0 => "shift it into this range".into(),
                 false => "reduce its amplitude".into(),

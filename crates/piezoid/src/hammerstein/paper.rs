@@ -15,7 +15,7 @@ use crate::linear::{self, Arx, Orders};
 use crate::number::short;
 use crate::optimize::swarm;
 use crate::progress::Progress;
-use crate::quality::{Need, around, excites, inspect};
+use crate::quality::{around, excites, inspect};
 use crate::record::{Record, Units};
 use crate::system::System;
 use std::sync::Arc;
@@ -255,7 +255,7 @@ fn linear_part(
 fn defects(which: &str, records: &[Record]) -> Vec<String> {
     let each = records.iter().enumerate().flat_map(|(k, record)| {
         let name = called(which, k, records.len());
-        let findings = inspect(record, &Need::default()).findings.into_iter();
+        let findings = inspect(record).findings.into_iter();
         findings.map(move |f| format!("{name}: {}", f.text))
     });
     each.collect()

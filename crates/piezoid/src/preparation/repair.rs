@@ -3,19 +3,18 @@
 use super::Trend;
 use crate::error::Error;
 use crate::number::short;
-use crate::quality::{Defect, Need, bridged, inspect, places};
+use crate::quality::{Consequence, OUTLIERS, bridged, inspect, places};
 use crate::record::Record;
 use crate::series::mean;
 
 /// The record with the outliers of its output replaced by the cubic through two samples on each side, or by the line
 /// between the next samples if there is no such cubic. The inspection finds them: see [`crate::quality`].
 pub(super) fn without_outliers(record: &Record) -> Result<Record, Error> {
-    let seen = inspect(record, &Need::default());
-    let unfit = |defect: Defect| defect.is_fatal() && defect != Defect::Swapped;
-    if let Some(finding) = seen.findings.iter().find(|finding| unfit(finding.defect)) {
+    let findings = inspect(record).findings;
+    if let Some(finding) = findings.iter().find(|finding| finding.detector.consequence == Consequence::Unusable) {
         return Err(Error::Content(format!("outliers cannot be found: {}", finding.text)));
     }
-    let found = seen.findings.into_iter().filter(|finding| finding.defect == Defect::Outliers);
+    let found = findings.into_iter().filter(|finding| finding.detector == &OUTLIERS);
     let mut ranges: Vec<_> = found.flat_map(|finding| finding.samples).collect();
     ranges.sort_by_key(|range| range.start);
     if ranges.is_empty() {

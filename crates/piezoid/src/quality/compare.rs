@@ -6,7 +6,7 @@
 //! only compared if their rates are similar. Records that excite a resonance, such as PRBS, have no gain here.
 
 use super::runs::quantile;
-use super::scale::{FAR, scales};
+use super::scale::{MAX_GAIN_RATIO, scales};
 use crate::error::Error;
 use crate::number::short;
 use crate::record::Record;
@@ -14,24 +14,24 @@ use crate::series::{mean, scatter};
 use crate::waveform::dominant_frequency;
 
 /// A gain counts if the correlation of y with u is larger.
-const PROPORTIONAL: f64 = 0.95;
+const MIN_CORRELATION: f64 = 0.95;
 
 /// Means over periods count if their rms is this share of that of the input, over this number of periods.
-const SLOW: f64 = 0.05;
-const PERIODS: usize = 8;
+const MIN_SLOW_RMS_SHARE: f64 = 0.05;
+const MIN_PERIODS: usize = 8;
 
 /// Ratio of rates up to which an opposite sign is certain.
-const AS_FAST: f64 = 2.0;
+const MAX_SURE_RATE_RATIO: f64 = 2.0;
 
 /// Ratio of rates up to which records are compared at all. A resonance between them that turns the sign also changes
-/// the gain, by more than `ALIKE`, unless it is at 0.6 to 0.8 times the faster rate.
-const NEAR: f64 = 10.0;
-const ALIKE: f64 = 1.5;
+/// the gain, by more than `MAX_OPPOSITE_GAIN_RATIO`, unless it is at 0.6 to 0.8 times the faster rate.
+const MAX_RATE_RATIO: f64 = 10.0;
+const MAX_OPPOSITE_GAIN_RATIO: f64 = 1.5;
 
 /// Hysteresis and frequency change the gain by less: from small signals to the full range by up to 2.5 times.
-const OTHER: f64 = 5.0;
+const MIN_OTHER_GAIN_RATIO: f64 = 5.0;
 
-/// What a record tells of the static gain.
+/// The static gain of a record.
 struct Gain {
     /// Slope [output unit / input unit].
     slope: f64,
@@ -63,20 +63,24 @@ pub(crate) fn compare(records: &[(&str, &Record)], notes: &mut Vec<String>) -> R
             format!("(y over u: {} and {} {}/{})", short(gain.slope), short(usual), units.y, units.u)
         };
         let remedy = "invert its input or its output, or leave it out";
-        if odd(AS_FAST, &|ratio| ratio < 0.0) {
-            let because = format!("{name}: it has the opposite sign of other records {}: {remedy}", both(AS_FAST));
+        if odd(MAX_SURE_RATE_RATIO, &|ratio| ratio < 0.0) {
+            let because =
+                format!("{name}: it has the opposite sign of other records {}: {remedy}", both(MAX_SURE_RATE_RATIO));
             return Err(Error::Unidentifiable { what: "a model".into(), because });
         }
-        if odd(NEAR, &|ratio| (-ALIKE..=-1.0 / ALIKE).contains(&ratio)) {
+        if odd(MAX_RATE_RATIO, &|ratio| (-MAX_OPPOSITE_GAIN_RATIO..=-1.0 / MAX_OPPOSITE_GAIN_RATIO).contains(&ratio)) {
             notes.push(format!(
                 "{name}: it has the opposite sign of other records {}: unless it is driven above a resonance, {remedy}",
-                both(NEAR)
+                both(MAX_RATE_RATIO)
             ));
-        } else if odd(NEAR, &|ratio| (OTHER..FAR).contains(&ratio) || (1.0 / FAR..1.0 / OTHER).contains(&ratio)) {
+        } else if odd(MAX_RATE_RATIO, &|ratio| {
+            (MIN_OTHER_GAIN_RATIO..MAX_GAIN_RATIO).contains(&ratio)
+                || (1.0 / MAX_GAIN_RATIO..1.0 / MIN_OTHER_GAIN_RATIO).contains(&ratio)
+        }) {
             notes.push(format!(
                 "{name}: it has another gain than other records {}: check units and amplifier, and that it is of the \
                  same actuator",
-                both(NEAR)
+                both(MAX_RATE_RATIO)
             ));
         }
     }
@@ -91,7 +95,7 @@ fn gain(record: &Record) -> Option<Gain> {
     let means = |x: &[f64]| x.chunks_exact(period).map(mean).collect::<Vec<f64>>();
     let (slow_u, slow_y) = (means(u), means(y));
     let rms = |x: &[f64]| (scatter(x) / x.len() as f64).sqrt();
-    let varies = slow_u.len() >= PERIODS && rms(&slow_u) > SLOW * rms(u);
+    let varies = slow_u.len() >= MIN_PERIODS && rms(&slow_u) > MIN_SLOW_RMS_SHARE * rms(u);
     let slow = varies.then(|| slope(&slow_u, &slow_y, period as f64 * ts)).flatten();
     slow.or_else(|| slope(u, y, ts))
 }
@@ -102,7 +106,7 @@ fn slope(u: &[f64], y: &[f64], ts: f64) -> Option<Gain> {
     let product: f64 = u.iter().zip(y).map(|(u, y)| (u - mu) * (y - my)).sum();
     let steps: f64 = u.windows(2).map(|w| (w[1] - w[0]).powi(2)).sum();
     let (power, correlation) = (scatter(u), product / (scatter(u) * scatter(y)).sqrt());
-    (correlation.abs() > PROPORTIONAL).then(|| Gain { slope: product / power, rate: (steps / power).sqrt() / ts })
+    (correlation.abs() > MIN_CORRELATION).then(|| Gain { slope: product / power, rate: (steps / power).sqrt() / ts })
 }
 
 #[cfg(test)]
@@ -118,7 +122,7 @@ mod tests {
     }
 
     /// The notes, or the error.
-    fn said(records: &[Record]) -> Result<Vec<String>, String> {
+    fn notes_of(records: &[Record]) -> Result<Vec<String>, String> {
         let names: Vec<String> = (1..=records.len()).map(|k| format!("record {k}")).collect();
         let mut notes = Vec::new();
         let named: Vec<(&str, &Record)> = names.iter().map(|name| &**name).zip(records).collect();
@@ -127,27 +131,29 @@ mod tests {
 
     #[test]
     fn an_opposite_sign_is_refused_at_like_rates_and_doubtful_at_others() {
-        let because = said(&[record(5.0, 0.3, false), record(20.0, 0.3, false), record(7.0, -0.3, false)]).unwrap_err();
+        let because =
+            notes_of(&[record(5.0, 0.3, false), record(20.0, 0.3, false), record(7.0, -0.3, false)]).unwrap_err();
         assert!(because.contains("record 3: "), "{because}");
-        let because = said(&[record(5.0, 0.3, false), record(7.0, -0.3, false), record(6.0, 0.31, false)]).unwrap_err();
+        let because =
+            notes_of(&[record(5.0, 0.3, false), record(7.0, -0.3, false), record(6.0, 0.31, false)]).unwrap_err();
         assert!(because.contains("record 2: it has the opposite sign of other records (y over u: -0.3"), "{because}");
         let slow = [record(5.0, 0.3, true), record(9.0, -0.3, true)];
-        assert!(said(&slow).is_err());
-        let notes = said(&[record(5.0, 0.3, false), record(6.0, 0.3, false), record(40.0, -0.3, false)]).unwrap();
+        assert!(notes_of(&slow).is_err());
+        let notes = notes_of(&[record(5.0, 0.3, false), record(6.0, 0.3, false), record(40.0, -0.3, false)]).unwrap();
         assert!(notes.len() == 1 && notes[0].contains("record 3: it has the opposite sign"), "{notes:?}");
         assert!(notes[0].contains("unless it is driven above a resonance"), "{notes:?}");
         // Above a resonance both change; far above, nothing is compared.
-        assert_eq!(said(&[record(5.0, 0.3, false), record(40.0, -0.1, false)]), Ok(vec![]));
-        assert_eq!(said(&[record(5.0, 0.3, false), record(90.0, -0.3, false)]), Ok(vec![]));
+        assert_eq!(notes_of(&[record(5.0, 0.3, false), record(40.0, -0.1, false)]), Ok(vec![]));
+        assert_eq!(notes_of(&[record(5.0, 0.3, false), record(90.0, -0.3, false)]), Ok(vec![]));
     }
 
     #[test]
     fn another_gain_is_noted_and_that_of_small_signals_is_not() {
-        assert_eq!(said(&[record(5.0, 0.3, false), record(6.0, 0.14, false), record(7.0, 0.3, false)]), Ok(vec![]));
-        let notes = said(&[record(5.0, 0.3, false), record(6.0, 3e-2, false), record(7.0, 0.3, false)]).unwrap();
+        assert_eq!(notes_of(&[record(5.0, 0.3, false), record(6.0, 0.14, false), record(7.0, 0.3, false)]), Ok(vec![]));
+        let notes = notes_of(&[record(5.0, 0.3, false), record(6.0, 3e-2, false), record(7.0, 0.3, false)]).unwrap();
         assert!(notes.len() == 1 && notes[0].contains("record 2: it has another gain"), "{notes:?}");
         assert!(notes[0].contains("(y over u: 0.03000 and 0.3000 um/V): check units"), "{notes:?}");
-        let notes = said(&[record(5.0, 0.3, false), record(6.0, 3e-4, false), record(7.0, 0.3, false)]).unwrap();
+        let notes = notes_of(&[record(5.0, 0.3, false), record(6.0, 3e-4, false), record(7.0, 0.3, false)]).unwrap();
         assert!(notes.len() == 1 && notes[0].contains("(y over u, rms: 3.000e-4 and 0.3000 um/V)"), "{notes:?}");
     }
 }

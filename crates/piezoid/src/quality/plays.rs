@@ -13,10 +13,10 @@ use crate::series::{dot_wide, ends, mean};
 use nalgebra::{DMatrix, DVector};
 
 /// Number of plays. Their thresholds divide half the range of the input.
-const PLAYS: usize = 8;
+const PLAY_COUNT: usize = 8;
 
 /// Number of columns: the square and the cube, with weights of any sign, and the plays.
-const COLUMNS: usize = 2 + PLAYS;
+const COLUMN_COUNT: usize = 2 + PLAY_COUNT;
 
 /// Ridge, relative to the trace of the normal equations.
 const RIDGE: f64 = 1e-9;
@@ -26,11 +26,11 @@ const RIDGE: f64 = 1e-9;
 pub(super) fn residuals(u: &[f64], y: &[f64], reach: usize) -> Option<Vec<f64>> {
     let columns = columns(&u[..u.len() - reach], reach)?;
     let n = columns[0].len();
-    let gram = DMatrix::from_fn(COLUMNS, COLUMNS, |i, j| dot(&columns[i], &columns[j]) / n as f64);
-    let damped = &gram + DMatrix::identity(COLUMNS, COLUMNS) * (RIDGE * gram.trace());
-    let share = |late: usize| {
-        let y = detrended(&standardised(&y[late..late + n])?);
-        let right = DVector::from_fn(COLUMNS, |i, _| dot(&columns[i], &y) / n as f64);
+    let gram = DMatrix::from_fn(COLUMN_COUNT, COLUMN_COUNT, |i, j| dot(&columns[i], &columns[j]) / n as f64);
+    let damped = &gram + DMatrix::identity(COLUMN_COUNT, COLUMN_COUNT) * (RIDGE * gram.trace());
+    let share = |delay: usize| {
+        let y = detrended(&standardised(&y[delay..delay + n])?);
+        let right = DVector::from_fn(COLUMN_COUNT, |i, _| dot(&columns[i], &y) / n as f64);
         let w = weights(&damped, &right);
         Some((dot(&y, &y) / n as f64 - 2.0 * right.dot(&w) + (&gram * &w).dot(&w)).max(0.0).sqrt())
     };
@@ -47,20 +47,20 @@ fn columns(u: &[f64], from: usize) -> Option<Vec<Vec<f64>>> {
     let v: Vec<f64> = u.iter().map(|u| (u - middle) / half).collect();
     let power = |p: i32| v.iter().map(|v| v.powi(p)).collect();
     let play = |k: usize| {
-        let r = k as f64 / PLAYS as f64;
+        let r = k as f64 / PLAY_COUNT as f64;
         v.iter().scan(v[0], move |s, v| {
             *s = s.clamp(v - r, v + r);
             Some(*s)
         })
     };
-    let all = [power(2), power(3)].into_iter().chain((0..PLAYS).map(|k| play(k).collect::<Vec<f64>>()));
+    let all = [power(2), power(3)].into_iter().chain((0..PLAY_COUNT).map(|k| play(k).collect::<Vec<f64>>()));
     Some(all.map(|column| detrended(&column[from..])).collect())
 }
 
 /// Least squares with weights that are not negative, except the first two.
 fn weights(gram: &DMatrix<f64>, right: &DVector<f64>) -> DVector<f64> {
-    let signed: Vec<bool> = (0..COLUMNS).map(|k| k >= COLUMNS - PLAYS).collect();
-    non_negative(gram, right, &signed, &mut [true; COLUMNS]).unwrap_or_else(|| DVector::zeros(COLUMNS))
+    let signed: Vec<bool> = (0..COLUMN_COUNT).map(|k| k >= COLUMN_COUNT - PLAY_COUNT).collect();
+    non_negative(gram, right, &signed, &mut [true; COLUMN_COUNT]).unwrap_or_else(|| DVector::zeros(COLUMN_COUNT))
 }
 
 /// A series without its regression line over time.
@@ -97,10 +97,10 @@ mod tests {
     #[test]
     fn the_best_delay_is_that_of_the_output_and_plays_are_found_exactly() {
         let (u, y) = pair();
-        for late in [0, 3, 5] {
-            let residuals = residuals(&u[late..], &y[..y.len() - late], 8).unwrap();
+        for delay in [0, 3, 5] {
+            let residuals = residuals(&u[delay..], &y[..y.len() - delay], 8).unwrap();
             let best = (0..residuals.len()).min_by(|a, b| residuals[*a].total_cmp(&residuals[*b])).unwrap();
-            assert_eq!(best, 8 + late);
+            assert_eq!(best, 8 + delay);
             // The threshold of the second play differs a little after the cut.
             assert!(residuals[best] < 5e-3, "{}", residuals[best]);
         }

@@ -1,5 +1,6 @@
-//! Runs of samples, and statistics of samples.
+//! Runs of samples, their times in words, and statistics of samples.
 
+use crate::number::round;
 use crate::series::{mean, scatter};
 use std::ops::Range;
 
@@ -34,6 +35,22 @@ pub(super) fn quantile(mut x: Vec<f64>, share: f64) -> f64 {
 pub(super) fn standardised(x: &[f64]) -> Option<Vec<f64>> {
     let (mean, rms) = (mean(x), (scatter(x) / x.len() as f64).sqrt());
     (rms > 0.0).then(|| x.iter().map(|x| (x - mean) / rms).collect())
+}
+
+/// Number and times of the samples in sorted ranges, for example "12 samples (from 0.15 s to 0.1555 s)".
+pub(crate) fn places(ranges: &[Range<usize>], ts: f64) -> String {
+    let count: usize = ranges.iter().map(|r| r.len()).sum();
+    let at = |k: usize| round(k as f64 * ts);
+    let noun = if count == 1 { "sample" } else { "samples" };
+    let (Some(first), Some(last)) = (ranges.first(), ranges.last()) else { return format!("{count} {noun}") };
+    match (ranges.len(), count) {
+        (1, 1) => format!("{count} {noun} (at {} s)", at(first.start)),
+        (1, _) => format!("{count} {noun} (from {} s to {} s)", at(first.start), at(first.end - 1)),
+        (many, _) => {
+            let (first, last) = (at(first.start), at(last.start));
+            format!("{count} {noun} in {many} places (the first at {first} s, the last at {last} s)")
+        }
+    }
 }
 
 #[cfg(test)]

@@ -7,10 +7,10 @@ use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 /// An input is a tone if its line has this share of the power.
-const PURE: f64 = 0.7;
+const MIN_LINE_POWER_SHARE: f64 = 0.7;
 
 /// Fewer periods are a trend, not a line.
-const PERIODS: usize = 5;
+const MIN_PERIODS: usize = 5;
 
 /// The line of a tone.
 pub(super) struct Tone {
@@ -28,7 +28,7 @@ pub(super) fn tone(u: &[f64], y: &[f64]) -> Option<Tone> {
     let line = top.saturating_sub(LINE / 2).max(1)..(top + LINE / 2 + 1).min(input.len());
     let share = line.clone().map(power).sum::<f64>() / (1..input.len()).map(power).sum::<f64>();
     let response: Complex<f64> = line.map(|k| input[k].conj() * output[k]).sum();
-    (top >= PERIODS && share > PURE)
+    (top >= MIN_PERIODS && share > MIN_LINE_POWER_SHARE)
         .then(|| Tone { frequency: top as f64 / u.len() as f64, phase: argument(response).to_degrees() })
 }
 

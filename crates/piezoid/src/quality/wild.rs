@@ -1,25 +1,43 @@
-//! Wild values in the output: transmission errors, error codes, overflows.
+//! Wild values in the output: transmission errors, error codes, overflows. They are outliers so large that the other
+//! detectors see the record without them.
 //!
 //! The core of a series is all samples between its 1 % and 99 % quantiles, extended by the other samples up to the
 //! first gap that is wider than the core. Samples outside the core are wild, unless the input has such samples too. If
 //! the core is constant, no sample is wild.
 
-use super::runs::{quantile, runs};
-use super::{Defect, Finding, bridged, places};
+use super::detector::{Consequence, Detector};
+use super::runs::{places, quantile, runs};
+use super::{Detection, bridged};
 use crate::number::short;
 use crate::record::Record;
 
 /// Share of the samples on each side outside the initial core.
-const BEYOND: f64 = 0.01;
+const TAIL_SHARE: f64 = 0.01;
 
-/// The wild values of the output, and the record with interpolated values in their place.
-pub(super) fn wild(record: &Record) -> (Option<Finding>, Option<Record>) {
+pub(super) static WILD_VALUES: Detector = Detector {
+    name: "outliers",
+    criterion: "the output is far outside the range of all other samples, the input is not: error codes, overflows",
+    consequence: Consequence::Masked,
+    loop_remedy: None,
+    run: |context| context.wild().map(|wild| wild.found.clone()),
+};
+
+/// The wild values of an output.
+pub(super) struct Wild {
+    pub(super) found: Detection,
+    /// The record, interpolated over them.
+    pub(super) interpolated: Record,
+}
+
+pub(super) fn wild(record: &Record) -> Option<Wild> {
     let y = record.y();
-    let (Some((low, high)), true) = (core(y), calm(record.u())) else { return (None, None) };
+    let (low, high) = core(y).filter(|_| calm(record.u()))?;
     let inside: Vec<bool> = y.iter().map(|y| (low..=high).contains(y)).collect();
     let samples = runs(y.len(), 0, |t| !inside[t]);
-    let tame = Record::new(record.ts(), record.u().to_vec(), bridged(y, &inside)).ok();
-    let Some(tame) = tame.filter(|_| !samples.is_empty()) else { return (None, None) };
+    if samples.is_empty() {
+        return None;
+    }
+    let interpolated = Record::new(record.ts(), record.u().to_vec(), bridged(y, &inside)).ok()?;
     let beyond = samples.iter().flat_map(|run| &y[run.clone()]);
     let wildest = beyond.fold(low, |m, &y| if (y - low).abs() > (m - low).abs() { y } else { m });
     let unit = &record.units().y;
@@ -30,8 +48,8 @@ pub(super) fn wild(record: &Record) -> (Option<Finding>, Option<Record>) {
         short(low),
         short(high)
     );
-    let finding = Finding { defect: Defect::Outliers, samples, text };
-    (Some(finding), Some(tame.with_units(record.units().clone())))
+    let interpolated = interpolated.with_units(record.units().clone());
+    Some(Wild { found: Detection { samples, text }, interpolated })
 }
 
 /// True if a series has no wild values.
@@ -41,7 +59,7 @@ fn calm(x: &[f64]) -> bool {
 
 /// The range of the core; `None` if it is constant.
 fn core(x: &[f64]) -> Option<(f64, f64)> {
-    let (mut low, mut high) = (quantile(x.to_vec(), BEYOND), quantile(x.to_vec(), 1.0 - BEYOND));
+    let (mut low, mut high) = (quantile(x.to_vec(), TAIL_SHARE), quantile(x.to_vec(), 1.0 - TAIL_SHARE));
     let mut beyond: Vec<f64> = x.iter().copied().filter(|x| !(low..=high).contains(x)).collect();
     // The nearest samples first.
     beyond.sort_by(|a, b| (a - a.clamp(low, high)).abs().total_cmp(&(b - b.clamp(low, high)).abs()));

@@ -5,7 +5,7 @@
 //! computed from a tenth of the record on, from the block settled at its first input, without an offset and, if the
 //! record may drift, without a line.
 //!
-//! Not here: delays of more than [`DELAY`] samples with noise.
+//! Not here: delays of more than [`MAX_DELAY_SAMPLES`] samples with noise.
 
 use crate::linear::{self, Arx, Orders, Refinement};
 use crate::optimize::{levenberg_marquardt, swarm};
@@ -14,19 +14,19 @@ use crate::record::Record;
 use crate::system::System;
 
 /// Orders tried by least squares.
-const ORDERS: [usize; 5] = [2, 4, 6, 8, 12];
+const LEAST_SQUARES_ORDERS: [usize; 5] = [2, 4, 6, 8, 12];
 
 /// Orders tried by output error.
-const NOISY: [usize; 4] = [2, 4, 6, 8];
+const OUTPUT_ERROR_ORDERS: [usize; 4] = [2, 4, 6, 8];
 
 /// Delay that the b coefficients of output error cover [samples].
-const DELAY: usize = 8;
+const MAX_DELAY_SAMPLES: usize = 8;
 
 /// Maximum number of samples for output error.
-const ENOUGH: usize = 16_384;
+const MAX_OUTPUT_ERROR_SAMPLES: usize = 16_384;
 
 /// Steps and tolerance of a sufficient search.
-const ROUGH: levenberg_marquardt::SearchSettings =
+const OUTPUT_ERROR_SEARCH: levenberg_marquardt::SearchSettings =
     levenberg_marquardt::SearchSettings { iterations: 20, tolerance: 1e-6, damping: 1e-3 };
 
 /// A record with its usable samples.
@@ -51,17 +51,19 @@ pub(super) struct ClosestFit {
 }
 
 impl MaskedRecord {
-    /// The block with the smallest residual. Output error is tried if the residual of least squares exceeds `enough`.
-    pub(super) fn closest(&self, enough: f64) -> Option<ClosestFit> {
+    /// The block with the smallest residual. Output error is tried if the residual of least squares exceeds `tolerance`.
+    pub(super) fn closest(&self, tolerance: f64) -> Option<ClosestFit> {
         let best = |blocks: &mut dyn Iterator<Item = Arx>| {
             blocks.filter_map(|arx| self.run(&arx)).min_by(|a, b| a.rms.total_cmp(&b.rms))
         };
         let plain = Orders { na: 0, nb: 2, delay: 0 };
-        let quick = best(&mut ORDERS.map(Orders::of).into_iter().chain([plain]).filter_map(|o| self.least_squares(o)));
+        let quick = best(
+            &mut LEAST_SQUARES_ORDERS.map(Orders::of).into_iter().chain([plain]).filter_map(|o| self.least_squares(o)),
+        );
         match quick {
-            Some(quick) if quick.rms <= enough => Some(quick),
+            Some(quick) if quick.rms <= tolerance => Some(quick),
             quick => {
-                let careful = best(&mut NOISY.into_iter().filter_map(|n| self.output_error(n)));
+                let careful = best(&mut OUTPUT_ERROR_ORDERS.into_iter().filter_map(|n| self.output_error(n)));
                 quick.into_iter().chain(careful).min_by(|a, b| a.rms.total_cmp(&b.rms))
             }
         }
@@ -74,9 +76,9 @@ impl MaskedRecord {
     }
 
     fn output_error(&self, n: usize) -> Option<Arx> {
-        let part = self.record.slice(0..self.record.len().min(ENOUGH)).ok()?;
-        let orders = Orders { na: n, nb: n + 1 + DELAY, delay: 0 };
-        let settings = Refinement { search: ROUGH, ..Refinement::default() };
+        let part = self.record.slice(0..self.record.len().min(MAX_OUTPUT_ERROR_SAMPLES)).ok()?;
+        let orders = Orders { na: n, nb: n + 1 + MAX_DELAY_SAMPLES, delay: 0 };
+        let settings = Refinement { search: OUTPUT_ERROR_SEARCH, ..Refinement::default() };
         Some(linear::OutputError::fit(&[part], orders, &settings, &mut Stage::ignore).ok()?.arx)
     }
 

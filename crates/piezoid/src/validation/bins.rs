@@ -14,13 +14,13 @@ use libm::{log10, pow};
 use serde::Serialize;
 
 /// Frequency bands per decade.
-const BY_FREQUENCY: f64 = 10.0;
+const FREQUENCY_BANDS: f64 = 10.0;
 
 /// Amplitude bands per decade.
-const BY_AMPLITUDE: f64 = 5.0;
+const AMPLITUDE_BANDS: f64 = 5.0;
 
 /// Share of the input's power from which a band counts as excited.
-const EXCITED: f64 = 1e-4;
+const MIN_POWER_SHARE: f64 = 1e-4;
 
 /// Source of the figures of a bin. Different sources are never merged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -100,12 +100,12 @@ impl Bin {
     /// let model = Model::new(gain, Arx::gain(1e-3, 33.0)?, 0.0)?;
     /// let wave = |hz: f64, t: i32| 5.0 * (std::f64::consts::TAU * hz * f64::from(t) * 1e-3).sin();
     /// let sine = |hz: f64| (0..3000).map(|t| wave(hz, t)).collect::<Vec<_>>();
-    /// let seen = [4.0, 4.1, 20.0].map(|hz| {
+    /// let validations = [4.0, 4.1, 20.0].map(|hz| {
     ///     let y = sine(hz).iter().map(|u| 33.0 * u + 1.0).collect();
     ///     model.validate(&Record::new(1e-3, sine(hz), y)?)
     /// });
-    /// let seen = seen.into_iter().collect::<Result<Vec<_>, _>>()?;
-    /// let bins = Bin::merged(seen.iter().flat_map(|v| &v.by_frequency));
+    /// let validations = validations.into_iter().collect::<Result<Vec<_>, _>>()?;
+    /// let bins = Bin::merged(validations.iter().flat_map(|v| &v.by_frequency));
     /// assert_eq!(bins.len(), 2);
     /// assert!((bins[0].rmse - 1.0).abs() < 1e-9 && (bins[0].at - 4.05).abs() < 0.05 && bins[0].cycles > 20);
     /// # Ok::<(), piezoid::Error>(())
@@ -125,21 +125,21 @@ impl Bin {
 
 /// The band number n of a frequency [Hz].
 pub(super) fn band(hz: f64) -> f64 {
-    (log10(hz) * BY_FREQUENCY).round()
+    (log10(hz) * FREQUENCY_BANDS).round()
 }
 
 /// True if two cycles belong to the same bins of frequency and amplitude.
 pub(super) fn alike(a: &Cycle, b: &Cycle) -> bool {
-    let bin = |c: &Cycle| (band(c.hz), (log10(c.amplitude) * BY_AMPLITUDE).round());
+    let bin = |c: &Cycle| (band(c.hz), (log10(c.amplitude) * AMPLITUDE_BANDS).round());
     bin(a) == bin(b)
 }
 
 pub(super) fn by_frequency(run: &ComparedRun) -> Vec<Bin> {
-    if run.cycles.is_empty() { by_spectrum(run) } else { by_cycle(run, |c| c.hz, BY_FREQUENCY) }
+    if run.cycles.is_empty() { by_spectrum(run) } else { by_cycle(run, |c| c.hz, FREQUENCY_BANDS) }
 }
 
 pub(super) fn by_amplitude(run: &ComparedRun) -> Vec<Bin> {
-    by_cycle(run, |c| c.amplitude, BY_AMPLITUDE)
+    by_cycle(run, |c| c.amplitude, AMPLITUDE_BANDS)
 }
 
 fn by_cycle(run: &ComparedRun, at: fn(&Cycle) -> f64, per_decade: f64) -> Vec<Bin> {
@@ -175,7 +175,8 @@ fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
         let excited = sum(&input);
         let centre = bins.iter().map(|&k| hz(k) * input[k]).sum::<f64>() / excited;
         let figures = [sum(&error).sqrt(), sum(&output).sqrt(), high - low];
-        (excited > EXCITED * all).then(|| Bin::new(centre, BY_FREQUENCY, Source::Spectrum, record.len(), figures))
+        (excited > MIN_POWER_SHARE * all)
+            .then(|| Bin::new(centre, FREQUENCY_BANDS, Source::Spectrum, record.len(), figures))
     };
     bins.chunk_by(|a, b| band(hz(*a)) == band(hz(*b))).filter_map(within).collect()
 }
@@ -204,18 +205,22 @@ mod tests {
 
     #[test]
     fn a_relative_error_is_the_same_at_every_frequency_and_amplitude() {
-        let sweep = Chirp { amplitude: 5.0, frequency_start: 2.0, frequency_end: 60.0, ..Chirp::default() };
-        let seen = validated(sweep.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
-        assert!(seen.by_frequency.len() > 10, "{}", seen.by_frequency.len());
-        for bin in &seen.by_frequency {
+        let chirp = Chirp { amplitude: 5.0, frequency_start: 2.0, frequency_end: 60.0, ..Chirp::default() };
+        let validation = validated(chirp.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
+        assert!(validation.by_frequency.len() > 10, "{}", validation.by_frequency.len());
+        for bin in &validation.by_frequency {
             assert!((bin.low..bin.high).contains(&bin.at), "{bin:?}");
             // At 60 Hz the samples miss the exact peaks.
             assert_close(&[bin.nrmse_percent], &[1.0 / 1.01], 0.05, 0.0);
         }
         let rising = RisingSine { amplitude: 30.0, frequency: 5.0, ..RisingSine::default() };
-        let seen = validated(rising.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
-        assert!(seen.by_amplitude.len() >= 5 && seen.by_frequency.len() == 1, "{:?}", seen.by_amplitude);
-        for bin in &seen.by_amplitude {
+        let validation = validated(rising.samples(TS, 20_000).unwrap(), |_, y| 1.01 * y);
+        assert!(
+            validation.by_amplitude.len() >= 5 && validation.by_frequency.len() == 1,
+            "{:?}",
+            validation.by_amplitude
+        );
+        for bin in &validation.by_amplitude {
             assert_close(&[bin.rms_pp_percent], &[1.0 / 1.01 / 8f64.sqrt()], 0.1, 0.0);
         }
     }
@@ -225,15 +230,15 @@ mod tests {
         let wide =
             Multisine { amplitude: 5.0, frequency_low: 2.0, frequency_high: 200.0, seed: 5, ..Multisine::default() };
         let hum = |t: usize| (std::f64::consts::TAU * 50.0 * t as f64 * TS).sin();
-        let seen = validated(wide.samples(TS, 20_000).unwrap(), |t, y| y + hum(t));
-        assert!(seen.by_amplitude.is_empty() && seen.loops.is_empty());
-        let loudest = seen.by_frequency.iter().max_by(|a, b| a.rmse.total_cmp(&b.rmse)).unwrap();
+        let validation = validated(wide.samples(TS, 20_000).unwrap(), |t, y| y + hum(t));
+        assert!(validation.by_amplitude.is_empty() && validation.loops.is_empty());
+        let loudest = validation.by_frequency.iter().max_by(|a, b| a.rmse.total_cmp(&b.rmse)).unwrap();
         assert!((loudest.low..loudest.high).contains(&50.0));
         assert_close(&[loudest.rmse], &[0.5f64.sqrt()], 1e-2, 0.0);
-        let others = seen.by_frequency.iter().filter(|b| b.low != loudest.low);
-        assert!(others.clone().count() > 12 && others.clone().all(|b| b.rmse < 1e-3), "{:?}", seen.by_frequency);
-        let output: f64 = seen.by_frequency.iter().map(|b| b.std * b.std).sum::<f64>().sqrt();
-        assert_close(&[output], &[seen.metrics.std], 2e-2, 0.0);
+        let others = validation.by_frequency.iter().filter(|b| b.low != loudest.low);
+        assert!(others.clone().count() > 12 && others.clone().all(|b| b.rmse < 1e-3), "{:?}", validation.by_frequency);
+        let output: f64 = validation.by_frequency.iter().map(|b| b.std * b.std).sum::<f64>().sqrt();
+        assert_close(&[output], &[validation.metrics.std], 2e-2, 0.0);
     }
 
     #[test]

@@ -7,11 +7,11 @@ const NAMED: [f64; 2] = [0.5, 0.25];
 
 /// A drift goes on: over the whole record and over either half of it, the slope that the free run does not explain lies
 /// between these shares of the slope of the line. Creep that the model lacks slows down more.
-const STEADY: std::ops::RangeInclusive<f64> = 0.6..=1.6;
+const STEADY_SLOPE_RATIO: std::ops::RangeInclusive<f64> = 0.6..=1.6;
 
 /// Fastest drift that is named, over the peak-to-peak of the free run [1 / s]. Sensors and temperatures drift more
 /// slowly.
-const FASTEST: f64 = 0.01;
+const MAX_DRIFT_RATE: f64 = 0.01;
 
 /// The straight line through the error of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,12 +36,12 @@ impl Drift {
         let (low, high) = ends(simulated.iter().copied());
         let (mean, square) = (mean(errors), dot(errors, errors) / n);
         let large = rms > NAMED[0] * (square - mean * mean).max(0.0).sqrt() && rms > NAMED[1] * square.sqrt();
-        let is_slow = slope.abs() < FASTEST * (high - low) * ts;
+        let is_slow = slope.abs() < MAX_DRIFT_RATE * (high - low) * ts;
         let middle = errors.len() / 2;
         let goes_on = || {
             [0..errors.len(), 0..middle, middle..errors.len()].into_iter().all(|part| {
                 let own = beside(&time[part.clone()], &simulated[part.clone()], &errors[part]);
-                STEADY.contains(&(own / slope))
+                STEADY_SLOPE_RATIO.contains(&(own / slope))
             })
         };
         Drift { mean, slope, rms, is_named: large && is_slow && goes_on() }
@@ -55,7 +55,7 @@ fn beside(t: &[f64], s: &[f64], e: &[f64]) -> f64 {
     let (tt, ts, ss) = (product(t, t), product(t, s), product(s, s));
     let (te, se) = (product(t, e), product(s, e));
     let determinant = tt * ss - ts * ts;
-    // Without a response, the error alone tells the slope.
+    // Without a response, the error alone has the slope.
     if determinant > 1e-9 * tt * ss { (te * ss - ts * se) / determinant } else { te / tt }
 }
 
@@ -91,6 +91,6 @@ mod tests {
         let scan = |t: f64| 10.0 * t + sine(t);
         assert!(!of(|t| 0.01 * (scan(t) - 20.0), scan).is_named, "the gain of a slow scan");
         assert!(!of(|t| 0.1 * ((t + 0.05).ln() - 0.4), sine).is_named, "creep");
-        assert!(!of(|t| 0.3 * (t - 2.0), sine).is_named, "1.5 % of peak-to-peak per second");
+        assert!(!of(|t| 0.3 * (t - 2.0), sine).is_named, "1.5 % of stroke per second");
     }
 }

@@ -24,16 +24,16 @@ use crate::waveform::period;
 use serde::Serialize;
 
 /// Minimum number of samples per period.
-const SHORTEST: usize = 8;
+const MIN_PERIOD_SAMPLES: usize = 8;
 
 /// Smaller differences of y, relative to its range, are rounding errors and not the step of a converter.
-const DUST: f64 = 1e-9;
+const ROUNDING_SHARE: f64 = 1e-9;
 
 /// Error over noise up to which what a better model could gain is not distinguished from the uncertainty of the noise.
-const NOTHING: f64 = 0.3;
+const MIN_REDUCIBLE_RATIO: f64 = 0.3;
 
 /// Share of an error up to which its drift is not named beside others without drift.
-const SMALL: f64 = 0.1;
+const MIN_DRIFT_SHARE: f64 = 0.1;
 
 /// The noise floor of a record.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -130,11 +130,11 @@ pub(crate) fn summary(metrics: &Metrics, floor: Option<&Floor>, drift: Option<f6
     };
     let (noise, reducible) = (floor.nrmse_percent, floor.reducible_nrmse_percent);
     let drift = (all.powi(2) - noise.powi(2) - reducible.powi(2)).max(0.0).sqrt();
-    let drift = (drift > SMALL * all).then(|| format!("drift {}", percent(drift)));
+    let drift = (drift > MIN_DRIFT_SHARE * all).then(|| format!("drift {}", percent(drift)));
     let hum = floor.hum_hz.map_or(String::new(), |hz| format!(" (with hum at {} Hz)", round(hz)));
     let parts: Vec<String> = drift.into_iter().chain([format!("noise {}{hum}", percent(noise))]).collect();
     let besides = if parts.len() > 1 { "besides the drift, " } else { "" };
-    let left = match reducible > NOTHING * noise {
+    let left = match reducible > MIN_REDUCIBLE_RATIO * noise {
         true => format!("{besides}a better model could gain up to {}", percent(reducible)),
         false => format!("{besides}no model could be clearly better"),
     };
@@ -151,7 +151,7 @@ fn step(y: &[f64]) -> f64 {
     let mut sorted = y.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
     let (low, high) = ends(y.iter().copied());
-    let differences = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > DUST * (high - low));
+    let differences = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > ROUNDING_SHARE * (high - low));
     let smallest = differences.fold(f64::INFINITY, f64::min);
     if smallest.is_finite() { smallest } else { 0.0 }
 }
@@ -174,7 +174,7 @@ pub(super) struct Repeated {
 impl Repeated {
     /// From the last complete periods; with three or more, without the first, which may contain a transient.
     pub(super) fn of(u: &[f64], y: &[f64]) -> Option<Self> {
-        let p = period(u).filter(|p| *p >= SHORTEST)?;
+        let p = period(u).filter(|p| *p >= MIN_PERIOD_SAMPLES)?;
         let all = u.len() / p;
         let periods = if all >= 3 { all - 1 } else { all };
         let part = &y[u.len() - periods * p..];
@@ -243,14 +243,15 @@ mod tests {
         let whole = found.nrmse_percent.hypot(found.reducible_nrmse_percent);
         assert_close(&[whole, found.error_over_floor * found.rms], &[metrics.nrmse_percent, metrics.rmse], 1e-9, 0.0);
         assert_close(&[found.rms], &[0.03], 0.05, 0.0);
-        let told = summary(&metrics, Some(&found), None).unwrap();
-        assert_eq!(told, "0.34 % NRMSE, of which noise 0.088 %: a better model could gain up to 0.33 %");
+        let sentence = summary(&metrics, Some(&found), None).unwrap();
+        assert_eq!(sentence, "0.34 % NRMSE, of which noise 0.088 %: a better model could gain up to 0.33 %");
         let hum = Floor { hum_hz: Some(50.0), ..found };
         assert!(summary(&metrics, Some(&hum), None).unwrap().contains("noise 0.088 % (with hum at 50 Hz): "));
         let drifting = Floor { reducible_nrmse_percent: 0.2, ..found };
-        let told = summary(&metrics, Some(&drifting), None).unwrap();
+        let sentence = summary(&metrics, Some(&drifting), None).unwrap();
         assert!(
-            told.ends_with("drift 0.27 % and noise 0.088 %: besides the drift, a better model could gain up to 0.2 %")
+            sentence
+                .ends_with("drift 0.27 % and noise 0.088 %: besides the drift, a better model could gain up to 0.2 %")
         );
         let true_model: Vec<f64> = u.iter().map(|u| 3.0 * u).collect();
         let (metrics, found) = (Metrics::of(&y, &true_model), floor(u, y, &true_model).unwrap());

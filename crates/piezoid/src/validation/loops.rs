@@ -13,10 +13,10 @@ use serde::Serialize;
 use std::ops::RangeInclusive;
 
 /// Part of the input's height after a reversal from which its slope is computed.
-const AFTER_REVERSAL: f64 = 0.15;
+const SLOPE_RANGE_SHARE: f64 = 0.15;
 
 /// Share of its range by which an output must return to count as a reversal.
-const REVERSAL: f64 = 0.02;
+const MIN_REVERSAL_SHARE: f64 = 0.02;
 
 /// The shape of a loop of y over u.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
@@ -88,7 +88,7 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
     let closing = 0.5 * (y[start] + y[end]) * (u[start] - u[end]);
     let area: f64 =
         closing + x.windows(2).zip(part.windows(2)).map(|(u, y)| 0.5 * (y[0] + y[1]) * (u[1] - u[0])).sum::<f64>();
-    let after = AFTER_REVERSAL * 2.0 * cycle.amplitude;
+    let after = SLOPE_RANGE_SHARE * 2.0 * cycle.amplitude;
     let rising: Vec<usize> = (start..=peak).take_while(|&t| u[t] <= u[start] + after).collect();
     let falling: Vec<usize> = (peak..=end).take_while(|&t| u[t] >= u[peak] - after).collect();
     let slope_at = |points: &[usize]| {
@@ -106,7 +106,7 @@ fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
         closure_percent: 100.0 * (y[end] - y[start]) / height,
         slope: slope(x, part),
         slope_after_reversal: slope_at(&rising).zip(slope_at(&falling)).map(|(a, b)| 0.5 * (a + b)),
-        reversals: reversals(around, REVERSAL).len().saturating_sub(1) as f64,
+        reversals: reversals(around, MIN_REVERSAL_SHARE).len().saturating_sub(1) as f64,
     }
 }
 

@@ -14,6 +14,7 @@
 mod best_block;
 mod bins;
 mod drift;
+mod extrapolation;
 mod floor;
 mod initial_condition;
 mod loops;
@@ -22,20 +23,21 @@ mod remarks;
 mod residual_noise;
 mod small_signal;
 mod undriven;
+mod untested;
 mod whiteness;
 
 pub use bins::{Bin, Source};
+pub(crate) use extrapolation::inner_reversals;
 pub use floor::Floor;
 pub(crate) use floor::{rough, summary};
 pub use loops::{LoopComparison, LoopShape};
 pub use metrics::Metrics;
-pub(crate) use remarks::inner_reversals;
 pub use small_signal::Linearity;
 pub use whiteness::Whiteness;
 
 use self::drift::Drift;
 use crate::error::Error;
-use crate::hammerstein::{InitialCondition, Model};
+use crate::hammerstein::{Domain, InitialCondition, Model};
 use crate::options::{OptionKind, OptionRow, options};
 use crate::record::{Record, Units};
 use crate::system::System;
@@ -99,7 +101,7 @@ pub struct Validation {
     pub loops: Vec<LoopComparison>,
     /// Tests of the residuals; `None` if there are none, or the record is too short.
     pub whiteness: Option<Whiteness>,
-    /// The noise floor; `None` if neither periods of the input nor the spectrum tell it.
+    /// The noise floor; `None` if neither periods of the input nor the spectrum show it.
     pub floor: Option<Floor>,
     /// The error in one sentence: noise, drift, and what a better model could gain; `None` if y is constant.
     pub summary: Option<String>,
@@ -154,6 +156,15 @@ impl Model {
         let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
         let floor = Floor::of(&counted, &errors, run.simulated, &metrics, &drift);
         let loops = loops::loops(&run);
+        let comparison = remarks::Comparison {
+            model: self,
+            record: &counted,
+            simulated: run.simulated,
+            metrics: &metrics,
+            drift: &drift,
+            loops: &loops,
+            domains: self.identified().map(|domain| (domain, Domain::of_input(counted.u(), counted.ts()))),
+        };
         Ok(Validation {
             metrics,
             start,
@@ -167,8 +178,8 @@ impl Model {
             whiteness: Whiteness::of(counted.u(), &errors),
             floor,
             summary: summary(&metrics, floor.as_ref(), named),
-            remarks: remarks::remarks(self, &counted, run.simulated, &metrics, &drift),
-            not_covered: remarks::not_covered(self, &counted, &loops),
+            remarks: remarks::remarks(&comparison),
+            not_covered: remarks::not_covered(&comparison),
             loops,
             simulated,
         })
@@ -214,10 +225,14 @@ mod tests {
         let record = Record::new(ts, u, y).unwrap();
         let validated = |offset| model.validate_with(&record, &ValidateOptions { offset, skip: 0.5 }).unwrap();
         for offset in [Offset::Kept, Offset::Free] {
-            let seen = validated(offset);
-            assert_close(&[seen.drift_per_s], &[0.04], 0.02, 0.0);
-            assert!(seen.remarks.iter().any(|r| r.contains("a drift of 0.04 um/s makes 0.")), "{:?}", seen.remarks);
-            assert!(seen.summary.unwrap().contains("of which drift 0."));
+            let validation = validated(offset);
+            assert_close(&[validation.drift_per_s], &[0.04], 0.02, 0.0);
+            assert!(
+                validation.remarks.iter().any(|r| r.contains("a drift of 0.04 um/s makes 0.")),
+                "{:?}",
+                validation.remarks
+            );
+            assert!(validation.summary.unwrap().contains("of which drift 0."));
         }
         let (free, rest) = (validated(Offset::Free), validated(Offset::Drift));
         assert_close(&[rest.metrics.rmse, rest.floor.unwrap().rms], &[0.005; 2], 0.1, 0.0);

@@ -13,13 +13,13 @@ use super::Whiteness;
 use crate::series::mean;
 
 /// Share of the rms that must be white.
-const WHITE: f64 = 0.5;
+const MIN_WHITE_SHARE: f64 = 0.5;
 
 /// Correlation up to which residuals count as uncorrelated with a signal: a hundredth of its power.
-const APART: f64 = 0.1;
+const MAX_CORRELATION: f64 = 0.1;
 
 /// Half widths of the plays, over half of the peak-to-peak.
-const PLAYS: [f64; 2] = [0.1, 0.3];
+const PLAY_HALF_WIDTHS: [f64; 2] = [0.1, 0.3];
 
 /// Number of independent samples in `errors`, if they are noise; `u` is the input and `simulated` the free run.
 pub(super) fn independent(u: &[f64], simulated: &[f64], errors: &[f64]) -> Option<f64> {
@@ -27,8 +27,8 @@ pub(super) fn independent(u: &[f64], simulated: &[f64], errors: &[f64]) -> Optio
     let squares: f64 = errors.iter().map(|e| e * e).sum();
     let rough = errors.windows(3).map(|e| (e[0] - 2.0 * e[1] + e[2]).powi(2)).sum::<f64>() / 6.0;
     let uncorrelated =
-        |w: &Whiteness| w.cross_correlation.iter().all(|c| c.abs() <= w.cross_correlation_bound.max(APART));
-    let is_noise = rough >= WHITE * WHITE * squares
+        |w: &Whiteness| w.cross_correlation.iter().all(|c| c.abs() <= w.cross_correlation_bound.max(MAX_CORRELATION));
+    let is_noise = rough >= MIN_WHITE_SHARE * MIN_WHITE_SHARE * squares
         && uncorrelated(&own)
         && nonlinear(simulated)
             .iter()
@@ -44,7 +44,7 @@ fn nonlinear(simulated: &[f64]) -> Vec<Vec<f64>> {
     let reach = s.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
     let slope: Vec<f64> = (0..s.len()).map(|t| s[(t + 1).min(s.len() - 1)] - s[t.saturating_sub(1)]).collect();
     let powers = [2, 3].map(|n| s.iter().map(|s| s.powi(n)).collect());
-    let plays = PLAYS.map(|share| {
+    let plays = PLAY_HALF_WIDTHS.map(|share| {
         let play = |z: &mut f64, s: &f64| {
             *z = z.clamp(s - share * reach, s + share * reach);
             Some(*z)
@@ -96,8 +96,8 @@ mod tests {
     #[test]
     fn nonlinear_residuals_and_a_missing_delay_are_not_noise() {
         let (u, s, noise) = signals();
-        let late = std::iter::repeat_n(0.0, 9).chain(u.iter().copied()).take(4000).collect();
-        for structure in nonlinear(&s).into_iter().chain([late]) {
+        let delayed = std::iter::repeat_n(0.0, 9).chain(u.iter().copied()).take(4000).collect();
+        for structure in nonlinear(&s).into_iter().chain([delayed]) {
             let size = (structure.iter().map(|x| x * x).sum::<f64>() / 4000.0).sqrt();
             let e: Vec<f64> = noise.iter().zip(&structure).map(|(e, x)| e + 0.5 * x / size).collect();
             assert_eq!(independent(&u, &s, &e), None);

@@ -26,7 +26,7 @@ use super::{ComparedRun, LoopComparison};
 use crate::error::Error;
 use crate::fourier::plain_power;
 use crate::number::short;
-use crate::quality::{Need, bridged, inspect};
+use crate::quality::{bridged, inspect};
 use crate::record::Record;
 use crate::series::{mean, scatter};
 use crate::waveform::cycles;
@@ -35,13 +35,13 @@ use nalgebra::{Matrix4, Vector4};
 use serde::Serialize;
 
 /// Distortion up to which a record counts as linear [% of the output's rms].
-const LINEAR: f64 = 1.0;
+const MAX_LINEAR_PERCENT: f64 = 1.0;
 
 /// Distortion from which a record is not linear [% of the output's rms].
-const NOT_LINEAR: f64 = 3.0;
+const MIN_NONLINEAR_PERCENT: f64 = 3.0;
 
 /// Power of an input line over the strongest, up to which it is not excited.
-const UNEXCITED: f64 = 1e-6;
+const MAX_UNEXCITED_POWER_RATIO: f64 = 1e-6;
 
 /// Result of the linearity test. Percentages are of the output's rms about its mean.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -89,7 +89,7 @@ impl Linearity {
     /// [`Error::Unidentifiable`] if nothing can be identified from the record, or if no linear block fits
     /// and the input is not periodic.
     pub fn of(record: &Record) -> Result<Self, Error> {
-        let inspection = inspect(record, &Need::default());
+        let inspection = inspect(record);
         inspection.sound()?;
         let y = bridged(record.y(), &inspection.usable);
         let record = &Record::new(record.ts(), record.u().to_vec(), y)?.with_units(record.units().clone());
@@ -111,7 +111,7 @@ impl Linearity {
             },
         };
         let averaged = repeated.as_ref().map(|r| r.noise / (r.periods as f64).sqrt());
-        let closest = masked.closest(hypot(averaged.unwrap_or(0.0), 0.01 * LINEAR * std));
+        let closest = masked.closest(hypot(averaged.unwrap_or(0.0), 0.01 * MAX_LINEAR_PERCENT * std));
         let rms = closest.as_ref().map(|c| c.rms);
         // Noise of the tested record, and its number of independent samples.
         let noise = match (averaged, &closest) {
@@ -148,8 +148,8 @@ impl Linearity {
             gain_by_amplitude: gain_by_amplitude(&loops(&run)),
             even_percent,
             odd_percent,
-            is_linear: (distortion_percent > hidden || hidden <= NOT_LINEAR)
-                .then_some(distortion_percent <= hidden.max(LINEAR)),
+            is_linear: (distortion_percent > hidden || hidden <= MIN_NONLINEAR_PERCENT)
+                .then_some(distortion_percent <= hidden.max(MAX_LINEAR_PERCENT)),
             verdict: String::new(),
         };
         linearity.verdict = linearity.words(&record.units().u, repeated.is_some());
@@ -172,8 +172,8 @@ impl Linearity {
                 short(hidden)
             ),
             (Some(true), _) => format!("the record is linear: {distortion} % of the output's rms is distortion"),
-            (_, d) if d <= NOT_LINEAR => format!(
-                "the record is nearly linear: {distortion} % of the output's rms is distortion; below {LINEAR} % is \
+            (_, d) if d <= MIN_NONLINEAR_PERCENT => format!(
+                "the record is nearly linear: {distortion} % of the output's rms is distortion; below {MAX_LINEAR_PERCENT} % is \
                  recommended"
             ),
             _ => format!(
@@ -198,7 +198,7 @@ impl Linearity {
             _ => {}
         }
         if let Some((across, outward)) = self.gain_across_percent.zip(self.gain_outward_percent)
-            && across.abs().max(outward.abs()) > LINEAR
+            && across.abs().max(outward.abs()) > MAX_LINEAR_PERCENT
         {
             text += &format!(
                 "; the gain changes by {} % from one end of the range to the other, and by {} % from the middle to \
@@ -258,8 +258,9 @@ fn unexcited_lines(repeated: &Repeated) -> UnexcitedLines {
     let strongest = input.iter().copied().fold(0.0, f64::max);
     let noise_per_line = repeated.noise.powi(2) / repeated.periods as f64 / input.len() as f64;
     let rms = |parity: usize| {
-        let lines: Vec<usize> =
-            (1..input.len()).filter(|k| k % 2 == parity && input[*k] <= UNEXCITED * strongest).collect();
+        let lines: Vec<usize> = (1..input.len())
+            .filter(|k| k % 2 == parity && input[*k] <= MAX_UNEXCITED_POWER_RATIO * strongest)
+            .collect();
         let power = lines.iter().map(|&k| output[k] - noise_per_line).sum::<f64>();
         // Fewer are not significant: a PRBS may miss a single line.
         (lines.len() >= 3).then(|| power.max(0.0).sqrt())
@@ -325,10 +326,14 @@ mod tests {
     #[test]
     fn the_gain_increases_with_the_amplitude_of_loops() {
         let rising = RisingSine { amplitude: 30.0, frequency: 5.0, ..RisingSine::default() }.samples(TS, 8000).unwrap();
-        let seen = Linearity::of(&measured("pl140", rising)).unwrap();
-        let slopes: Vec<f64> = seen.gain_by_amplitude.iter().map(|[_, slope]| *slope).collect();
+        let linearity = Linearity::of(&measured("pl140", rising)).unwrap();
+        let slopes: Vec<f64> = linearity.gain_by_amplitude.iter().map(|[_, slope]| *slope).collect();
         assert!(slopes.len() > 3 && slopes.is_sorted(), "{slopes:?}");
-        assert!(seen.is_linear == Some(false) && seen.verdict.contains("the gain at"), "{}", seen.verdict);
+        assert!(
+            linearity.is_linear == Some(false) && linearity.verdict.contains("the gain at"),
+            "{}",
+            linearity.verdict
+        );
     }
 
     #[test]
@@ -336,8 +341,11 @@ mod tests {
         let prbs = Prbs { order: 9, ..Prbs::default() }.samples(TS, 6 * 511).unwrap();
         let sound = measured("pl140", prbs);
         let noisy = sound.y().iter().enumerate().map(|(t, y)| y + 3.0 * ((t * t * 7) as f64).sin()).collect();
-        let seen = Linearity::of(&Record::new(TS, sound.u().to_vec(), noisy).unwrap()).unwrap();
-        assert!(seen.noise_percent > Some(5.0 * LINEAR) && seen.is_linear == Some(true), "{seen:?}");
+        let linearity = Linearity::of(&Record::new(TS, sound.u().to_vec(), noisy).unwrap()).unwrap();
+        assert!(
+            linearity.noise_percent > Some(5.0 * MAX_LINEAR_PERCENT) && linearity.is_linear == Some(true),
+            "{linearity:?}"
+        );
     }
 
     fn with_noise(record: &Record, size: f64) -> Record {
@@ -352,14 +360,20 @@ mod tests {
         let y = block.resume(&mut block.settled(20.0), &u);
         let plain = Record::new(2e-5, u, y).unwrap();
         let std = (scatter(plain.y()) / 8000.0).sqrt();
-        let seen = Linearity::of(&with_noise(&plain, 0.04 * std)).unwrap();
-        assert!(seen.is_linear == Some(true) && seen.verdict.contains("the record is linear"), "{seen:?}");
-        assert_close(&[seen.noise_percent.unwrap()], &[4.0], 0.05, 0.0);
-        assert!(seen.detection_limit_percent < Some(LINEAR), "{seen:?}");
+        let linearity = Linearity::of(&with_noise(&plain, 0.04 * std)).unwrap();
+        assert!(
+            linearity.is_linear == Some(true) && linearity.verdict.contains("the record is linear"),
+            "{linearity:?}"
+        );
+        assert_close(&[linearity.noise_percent.unwrap()], &[4.0], 0.05, 0.0);
+        assert!(linearity.detection_limit_percent < Some(MAX_LINEAR_PERCENT), "{linearity:?}");
         let distorted = plain.y().iter().map(|y| y + 0.2 * (y - 12.0).powi(2) / std).collect();
         let distorted =
             Linearity::of(&with_noise(&Record::new(2e-5, plain.u().to_vec(), distorted).unwrap(), 0.04 * std)).unwrap();
-        assert!(distorted.is_linear == Some(false) && distorted.distortion_percent > NOT_LINEAR, "{distorted:?}");
+        assert!(
+            distorted.is_linear == Some(false) && distorted.distortion_percent > MIN_NONLINEAR_PERCENT,
+            "{distorted:?}"
+        );
     }
 
     #[test]
@@ -368,8 +382,11 @@ mod tests {
         for spikes in [vec![1900], (100..4000).step_by(430).collect()] {
             let mut y = sound.y().to_vec();
             spikes.iter().for_each(|t| y[*t] += 2000.0);
-            let seen = Linearity::of(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
-            assert!(seen.is_linear == Some(true) && seen.residual_percent < Some(LINEAR), "{seen:?}");
+            let linearity = Linearity::of(&Record::new(TS, sound.u().to_vec(), y).unwrap()).unwrap();
+            assert!(
+                linearity.is_linear == Some(true) && linearity.residual_percent < Some(MAX_LINEAR_PERCENT),
+                "{linearity:?}"
+            );
         }
     }
 
@@ -380,10 +397,13 @@ mod tests {
         for u in [once, again] {
             let sound = measured("pl140", u);
             let std = (scatter(sound.y()) / sound.len() as f64).sqrt();
-            let seen = Linearity::of(&with_noise(&sound, 2.0 * std)).unwrap();
-            assert_eq!(seen.is_linear, None, "{seen:?}");
-            assert!(seen.verdict.contains("hides distortion up to"), "{}", seen.verdict);
-            assert!(seen.noise_percent > Some(80.0) && seen.detection_limit_percent > Some(NOT_LINEAR), "{seen:?}");
+            let linearity = Linearity::of(&with_noise(&sound, 2.0 * std)).unwrap();
+            assert_eq!(linearity.is_linear, None, "{linearity:?}");
+            assert!(linearity.verdict.contains("hides distortion up to"), "{}", linearity.verdict);
+            assert!(
+                linearity.noise_percent > Some(80.0) && linearity.detection_limit_percent > Some(MIN_NONLINEAR_PERCENT),
+                "{linearity:?}"
+            );
         }
     }
 
@@ -400,8 +420,8 @@ mod tests {
         for u in [multisine.samples(TS, 4000).unwrap(), rising.samples(TS, 4000).unwrap()] {
             let sound = measured("pl140", u);
             let std = (scatter(sound.y()) / sound.len() as f64).sqrt();
-            let seen = Linearity::of(&with_noise(&sound, 0.01 * std)).unwrap();
-            assert!(seen.is_linear == Some(false) && seen.verdict.contains("not linear"), "{seen:?}");
+            let linearity = Linearity::of(&with_noise(&sound, 0.01 * std)).unwrap();
+            assert!(linearity.is_linear == Some(false) && linearity.verdict.contains("not linear"), "{linearity:?}");
         }
     }
 }

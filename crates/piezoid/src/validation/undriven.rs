@@ -14,7 +14,7 @@
 //!   tried. There the free run must have next to no power, because the error of a model is not noise.
 //! - Hum is added: lines at 50 or 60 Hz and multiples that neither the free run nor a multiple of the frequency of the
 //!   input explains.
-//! - Noise that grows towards low frequencies faster than 1 / f, and noise only at low frequencies, are not seen. Then
+//! - Noise that grows towards low frequencies faster than 1 / f, and noise only at low frequencies, are not found. Then
 //!   the figure is too low.
 //!
 //! Reference: Percival & Walden 1993, Spectral Analysis for Physical Applications, doi:10.1017/CBO9780511622762.
@@ -28,34 +28,34 @@ use std::f64::consts::LN_2;
 
 /// Bins over which the response of the error to the free run is taken as constant, and how many of them count as
 /// independent: the window widens each to two.
-const BLOCK: usize = 32;
-const INDEPENDENT: f64 = 0.5;
+const BLOCK_BINS: usize = 32;
+const INDEPENDENT_BIN_SHARE: f64 = 0.5;
 
 /// Minimum number of bins of half an octave.
-const FEWEST: usize = 24;
+const MIN_HALF_OCTAVE_BINS: usize = 24;
 
 /// Ratio of the levels of both halves of an octave up to which it is flat: noise as 1 / f has 1.4, behind a low pass of
 /// first order 2.
-const FLAT: f64 = 1.5;
+const MAX_FLAT_LEVEL_RATIO: f64 = 1.5;
 
 /// Power of the free run over that of the error, up to which a lower octave counts as not driven.
-const NOT_DRIVEN: f64 = 0.03;
+const MAX_UNDRIVEN_POWER_RATIO: f64 = 0.03;
 
 /// Windows in the upper two octaves, and the standard errors by which 1 / f noise must exceed zero there; up to
-/// `MISFIT`, exceeded once in 300 records, the squared deviations from w + c / f are random.
-const WINDOWS: usize = 8;
-const CLEAR: f64 = 4.0;
-const MISFIT: f64 = 20.0;
+/// `MAX_MISFIT`, exceeded once in 300 records, the squared deviations from w + c / f are random.
+const WINDOW_COUNT: usize = 8;
+const MIN_SLOPE_DEVIATIONS: f64 = 4.0;
+const MAX_MISFIT: f64 = 20.0;
 
 /// Mains frequencies [Hz], and the number of multiples of them.
-const MAINS: [f64; 2] = [50.0, 60.0];
-const MULTIPLES: usize = 6;
+const MAINS_HZ: [f64; 2] = [50.0, 60.0];
+const MAINS_MULTIPLES: usize = 6;
 
 /// Relative uncertainty of the mains frequency.
-const WANDERS: f64 = 0.002;
+const MAINS_UNCERTAINTY: f64 = 0.002;
 
 /// Multiples of the frequency of the input up to which a line is the model's error and not hum.
-const HARMONICS: f64 = 20.0;
+const MAX_HARMONIC: f64 = 20.0;
 
 /// Noise of a record.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,7 +67,7 @@ pub(super) struct Noise {
 }
 
 impl Noise {
-    /// The noise of a record, from the errors of a free run; `None` if no part of the spectrum tells it, or the record
+    /// The noise of a record, from the errors of a free run; `None` if no part of the spectrum shows it, or the record
     /// is too short.
     pub(super) fn of(record: &Record, errors: &[f64], simulated: &[f64]) -> Option<Self> {
         let (e, s) = (spectrum(errors), spectrum(simulated));
@@ -92,13 +92,13 @@ impl Background {
         // Blocks end at the highest bin; what is left over counts to the lowest.
         let mut rest = (e, s);
         while !rest.0.is_empty() {
-            let n = if rest.0.len() < 2 * BLOCK { rest.0.len() } else { BLOCK };
+            let n = if rest.0.len() < 2 * BLOCK_BINS { rest.0.len() } else { BLOCK_BINS };
             let (lower, e) = rest.0.split_at(rest.0.len() - n);
             let s = &rest.1[lower.len()..];
             let both: Complex<f64> = e.iter().zip(s).map(|(e, s)| e * s.conj()).sum();
             let own: f64 = s.iter().map(Complex::norm_sqr).sum();
             let gain = if own > 0.0 { both / own } else { Complex::ZERO };
-            let free = INDEPENDENT * n as f64;
+            let free = INDEPENDENT_BIN_SHARE * n as f64;
             let taken = free / (free - 1.0).max(1.0);
             error.extend(e.iter().zip(s).rev().map(|(e, s)| taken * (e - gain * s).norm_sqr()));
             rest = (lower, &rest.1[..lower.len()]);
@@ -112,12 +112,12 @@ impl Background {
         let n = self.error.len();
         let (low, high) = self.flat_octave()?;
         let plain = level(&self.error[low..high]);
-        let above: f64 = self.error[high..].chunks(BLOCK).map(|b| b.len() as f64 * level(b)).sum();
+        let above: f64 = self.error[high..].chunks(BLOCK_BINS).map(|b| b.len() as f64 * level(b)).sum();
         let Some((white, slope)) = self.coloured().filter(|_| high == n) else {
             return Some((plain * high as f64 + above) / n as f64);
         };
-        let each = self.error.chunks(BLOCK).enumerate().map(|(k, block)| {
-            let middle = (k * BLOCK) as f64 + 0.5 * block.len() as f64;
+        let each = self.error.chunks(BLOCK_BINS).enumerate().map(|(k, block)| {
+            let middle = (k * BLOCK_BINS) as f64 + 0.5 * block.len() as f64;
             block.len() as f64 * (white + slope * n as f64 / middle).min(level(block))
         });
         Some(each.sum::<f64>() / n as f64)
@@ -129,13 +129,13 @@ impl Background {
             let high = self.error.len() >> k;
             let low = high / 2;
             let middle = (high as f64 / 2f64.sqrt()) as usize;
-            if middle - low < FEWEST {
+            if middle - low < MIN_HALF_OCTAVE_BINS {
                 return None;
             }
             let of = |from: usize, to: usize| level(&self.error[from..to]);
             let spread = (0..2).map(|half| deviation([middle - low, high - middle][half]).powi(2)).sum::<f64>().sqrt();
-            let flat = log(of(low, middle) / of(middle, high)).abs() < log(FLAT) + 2.0 * spread;
-            let quiet = k == 0 || level(&self.driven[low..high]) < NOT_DRIVEN * of(low, high);
+            let flat = log(of(low, middle) / of(middle, high)).abs() < log(MAX_FLAT_LEVEL_RATIO) + 2.0 * spread;
+            let quiet = k == 0 || level(&self.driven[low..high]) < MAX_UNDRIVEN_POWER_RATIO * of(low, high);
             (flat && quiet).then_some((low, high))
         })
     }
@@ -144,19 +144,19 @@ impl Background {
     /// octaves show the latter.
     fn coloured(&self) -> Option<(f64, f64)> {
         let n = self.error.len() as f64;
-        let edge = |k: usize| (n * 0.25 * pow(4.0, k as f64 / WINDOWS as f64)) as usize;
+        let edge = |k: usize| (n * 0.25 * pow(4.0, k as f64 / WINDOW_COUNT as f64)) as usize;
         // Levels with their inverse frequencies and relative standard deviations.
-        let windows: Vec<[f64; 3]> = (0..WINDOWS)
-            .filter(|k| edge(k + 1) - edge(*k) >= FEWEST)
+        let windows: Vec<[f64; 3]> = (0..WINDOW_COUNT)
+            .filter(|k| edge(k + 1) - edge(*k) >= MIN_HALF_OCTAVE_BINS)
             .map(|k| {
                 let (low, high) = (edge(k), edge(k + 1));
                 [level(&self.error[low..high]), n / (0.5 * (low + high) as f64), deviation(high - low)]
             })
             .collect();
-        if windows.len() < WINDOWS {
+        if windows.len() < WINDOW_COUNT {
             return None;
         }
-        let (mut white, mut slope) = (windows.iter().map(|w| w[0]).sum::<f64>() / WINDOWS as f64, 0.0);
+        let (mut white, mut slope) = (windows.iter().map(|w| w[0]).sum::<f64>() / WINDOW_COUNT as f64, 0.0);
         let mut error = 0.0;
         for _ in 0..5 {
             let mut sums = [0.0; 5];
@@ -173,7 +173,7 @@ impl Background {
         }
         // All of it may be 1 / f noise.
         let misfit: f64 = windows.iter().map(|[y, g, d]| ((y / (white + slope * g) - 1.0) / d).powi(2)).sum();
-        (slope > CLEAR * error && misfit < MISFIT).then_some((white, slope))
+        (slope > MIN_SLOPE_DEVIATIONS * error && misfit < MAX_MISFIT).then_some((white, slope))
     }
 }
 
@@ -186,7 +186,7 @@ fn level(power: &[f64]) -> f64 {
 
 /// Relative standard deviation of the level from `n` bins.
 fn deviation(n: usize) -> f64 {
-    1.0 / (LN_2 * (INDEPENDENT * n as f64).sqrt())
+    1.0 / (LN_2 * (INDEPENDENT_BIN_SHARE * n as f64).sqrt())
 }
 
 /// Mean square and frequency of the hum; `hz` is the width of a bin and `drive` the frequency of the input.
@@ -194,7 +194,7 @@ fn hum(e: &[Complex<f64>], s: &[Complex<f64>], hz: f64, drive: Option<f64>) -> O
     // The power of the line at a frequency, over the median and over the largest of its surroundings, if it is no
     // response to the input.
     let line = |at: f64| {
-        let half = LINE / 2 + (WANDERS * at / hz).ceil() as usize;
+        let half = LINE / 2 + (MAINS_UNCERTAINTY * at / hz).ceil() as usize;
         let (centre, width) = ((at / hz).round() as usize, 2 * half + 1);
         let first = centre.checked_sub(half + 5 * width)?;
         let sums = |x: &[Complex<f64>]| {
@@ -209,17 +209,17 @@ fn hum(e: &[Complex<f64>], s: &[Complex<f64>], hz: f64, drive: Option<f64>) -> O
         let ((own, median, largest), (response, beside, _)) = (sums(e)?, sums(s)?);
         let is_harmonic = drive.is_some_and(|drive| {
             let order = (at / drive).round();
-            (1.0..=HARMONICS).contains(&order) && (at - order * drive).abs() < half as f64 * hz
+            (1.0..=MAX_HARMONIC).contains(&order) && (at - order * drive).abs() < half as f64 * hz
         });
         (response < 3.0 * beside && !is_harmonic).then_some((own - median, own / median, own / largest))
     };
     let of = |mains: f64| {
         let (power, ..) = line(mains).filter(|(_, over, clear)| *over > 100.0 && *clear > 10.0)?;
-        let multiples = (2..=MULTIPLES).filter_map(|k| line(k as f64 * mains));
+        let multiples = (2..=MAINS_MULTIPLES).filter_map(|k| line(k as f64 * mains));
         let more = multiples.filter(|(_, over, clear)| *over > 10.0 && *clear > 2.0).map(|l| l.0);
         Some(((power + more.sum::<f64>()) / e.len() as f64, mains))
     };
-    MAINS.iter().filter_map(|mains| of(*mains)).max_by(|a, b| a.0.total_cmp(&b.0))
+    MAINS_HZ.iter().filter_map(|mains| of(*mains)).max_by(|a, b| a.0.total_cmp(&b.0))
 }
 
 #[cfg(test)]
@@ -275,9 +275,9 @@ mod tests {
     #[test]
     fn a_broadband_input_and_a_model_with_wrong_gain_and_delay_leave_the_noise() {
         let u = Prbs { order: 13, ..Prbs::default() }.samples(TS, N).unwrap();
-        let late: Vec<f64> = std::iter::once(0.0).chain(u.iter().map(|u| 1.05 * u)).take(N).collect();
+        let delayed: Vec<f64> = std::iter::once(0.0).chain(u.iter().map(|u| 1.05 * u)).take(N).collect();
         let e: Vec<f64> = noise(3, N).iter().map(|e| 0.02 * e).collect();
-        assert_close(&[found(u, &e, &late).unwrap().rms], &[0.02], 0.15, 0.0);
+        assert_close(&[found(u, &e, &delayed).unwrap().rms], &[0.02], 0.15, 0.0);
     }
 
     #[test]
@@ -304,16 +304,16 @@ mod tests {
         let e: Vec<f64> = noise(1, N).iter().enumerate().map(|(t, e)| 0.01 * e + hum(t)).collect();
         let u = rising();
         let model = poor(&u);
-        let seen = found(u, &e, &model).unwrap();
-        assert_eq!(seen.hum_hz, Some(50.0));
-        assert_close(&[seen.rms], &[rms(&e)], 0.1, 0.0);
+        let with_hum = found(u, &e, &model).unwrap();
+        assert_eq!(with_hum.hum_hz, Some(50.0));
+        assert_close(&[with_hum.rms], &[rms(&e)], 0.1, 0.0);
         let u = RisingSine { amplitude: 10.0, frequency: 25.0, ..RisingSine::default() }.samples(TS, N).unwrap();
         let e: Vec<f64> = noise(2, N).iter().zip(&u).map(|(e, u)| 0.01 * e + 1e-3 * u * u).collect();
         assert_eq!(found(u.clone(), &e, &u).unwrap().hum_hz, None, "twice 25 Hz is the error of the model");
     }
 
     #[test]
-    fn what_no_part_of_the_spectrum_tells_is_unknown() {
+    fn noise_that_no_part_of_the_spectrum_shows_is_unknown() {
         let u = rising();
         let model = poor(&u);
         assert_eq!(found(u[..150].to_vec(), &noise(1, 150), &model[..150]), None, "too short");

@@ -20,17 +20,17 @@ use libm::exp;
 use serde::Serialize;
 
 /// Number of lags.
-const LAGS: usize = 40;
+const LAG_COUNT: usize = 40;
 
 /// Bound of the correlations in standard deviations: uncorrelated signals exceed it at any lag once in a hundred
 /// records.
-const BOUND: f64 = 3.85;
+const BOUND_DEVIATIONS: f64 = 3.85;
 
 /// Bound of the correlation with the input from which the test says nothing when no correlation exceeds it.
-const BLUNT: f64 = 0.5;
+const MAX_USEFUL_BOUND: f64 = 0.5;
 
 /// Probability below which errors are not white.
-const SELDOM: f64 = 0.01;
+const MIN_P_VALUE: f64 = 0.01;
 
 /// Correlations of the residuals, and their interpretation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -59,12 +59,12 @@ impl Whiteness {
         let (u, e) = (centred(u), centred(errors));
         let (power_u, power_e) = (dot(&u, &u), dot(&e, &e));
         let size = errors.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-        if n < 4 * LAGS || !power_e.is_finite() || power_e <= 1e-24 * n as f64 * size * size {
+        if n < 4 * LAG_COUNT || !power_e.is_finite() || power_e <= 1e-24 * n as f64 * size * size {
             return None;
         }
         let auto = |x: &[f64], power: f64, k: usize| if power > 0.0 { dot(&x[k..], &x[..n - k]) / power } else { 0.0 };
-        let autocorrelation: Vec<f64> = (1..=LAGS).map(|k| auto(&e, power_e, k)).collect();
-        let of_input = (1..=LAGS).map(|k| auto(&u, power_u, k));
+        let autocorrelation: Vec<f64> = (1..=LAG_COUNT).map(|k| auto(&e, power_e, k)).collect();
+        let of_input = (1..=LAG_COUNT).map(|k| auto(&u, power_u, k));
         let variance = 1.0 + 2.0 * autocorrelation.iter().zip(of_input).map(|(r, s)| r * s).sum::<f64>();
         let terms = autocorrelation.iter().enumerate().map(|(k, r)| r * r / (n - k - 1) as f64);
         let ljung_box = n as f64 * (n as f64 + 2.0) * terms.sum::<f64>();
@@ -74,14 +74,14 @@ impl Whiteness {
             let sum = if k >= 0 { dot(&e[lag..], &u[..n - lag]) } else { dot(&e[..n - lag], &u[lag..]) };
             if scale > 0.0 { sum / scale } else { 0.0 }
         };
-        let lags = LAGS as isize;
+        let lags = LAG_COUNT as isize;
         let mut whiteness = Whiteness {
             autocorrelation,
-            autocorrelation_bound: BOUND / (n as f64).sqrt(),
+            autocorrelation_bound: BOUND_DEVIATIONS / (n as f64).sqrt(),
             ljung_box,
-            p_value: chi_squared_tail(ljung_box, LAGS),
+            p_value: chi_squared_tail(ljung_box, LAG_COUNT),
             cross_correlation: (-lags..=lags).map(cross).collect(),
-            cross_correlation_bound: BOUND * (variance.max(1.0) / n as f64).sqrt(),
+            cross_correlation_bound: BOUND_DEVIATIONS * (variance.max(1.0) / n as f64).sqrt(),
             verdict: Vec::new(),
         };
         whiteness.verdict = vec![whiteness.noise(), whiteness.input()];
@@ -90,7 +90,7 @@ impl Whiteness {
 
     /// True if the errors are white.
     pub fn is_white(&self) -> bool {
-        self.p_value >= SELDOM
+        self.p_value >= MIN_P_VALUE
     }
 
     /// The correlation with the input that is largest in magnitude, and its lag [samples].
@@ -113,7 +113,7 @@ impl Whiteness {
             false => format!(
                 "a part of the residuals is regular, not noise: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} \
                  lags, p {p}). In a long record this test finds parts that are far too small to matter; how large they \
-                 are is told by the error beside the noise floor",
+                 are is shown by the error beside the noise floor",
                 short(self.autocorrelation[0])
             ),
         }
@@ -123,7 +123,7 @@ impl Whiteness {
         let (c, k) = self.largest_correlation();
         let (c, bound) = (short(c), short(self.cross_correlation_bound));
         match (self.correlates_with_input(), k) {
-            (false, _) if self.cross_correlation_bound > BLUNT => format!(
+            (false, _) if self.cross_correlation_bound > MAX_USEFUL_BOUND => format!(
                 "the correlation of the residuals with the input says nothing here: it is {c} at most, and only values \
                  above {bound} would be significant, because input and residuals change slowly, or there are few \
                  samples. A record with a PRBS or a multisine as input makes this test sharp; until then, judge the \
@@ -188,9 +188,9 @@ mod tests {
     #[test]
     fn noise_passes_in_99_of_100_records() {
         let u = prbs(2000);
-        let seen: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(seed, 2000)).unwrap()).collect();
-        let not_white = seen.iter().filter(|w| !w.is_white()).count();
-        let correlated = seen.iter().filter(|w| w.correlates_with_input()).count();
+        let all: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(seed, 2000)).unwrap()).collect();
+        let not_white = all.iter().filter(|w| !w.is_white()).count();
+        let correlated = all.iter().filter(|w| w.correlates_with_input()).count();
         assert!((1..=9).contains(&not_white) && correlated <= 9, "{not_white} {correlated}");
     }
 
@@ -203,11 +203,12 @@ mod tests {
             state
         };
         let e: Vec<f64> = noise(3, 4000).iter().map(colour).collect();
-        let seen = Whiteness::of(&u, &e).unwrap();
-        assert!(!seen.is_white() && !seen.correlates_with_input(), "{seen:?}");
-        assert_close(&[seen.autocorrelation[0]], &[0.9], 0.05, 0.0);
+        let whiteness = Whiteness::of(&u, &e).unwrap();
+        assert!(!whiteness.is_white() && !whiteness.correlates_with_input(), "{whiteness:?}");
+        assert_close(&[whiteness.autocorrelation[0]], &[0.9], 0.05, 0.0);
         assert!(
-            seen.verdict[0].contains("regular, not noise") && seen.verdict[1].contains("uncorrelated with the input")
+            whiteness.verdict[0].contains("regular, not noise")
+                && whiteness.verdict[1].contains("uncorrelated with the input")
         );
     }
 
@@ -215,22 +216,28 @@ mod tests {
     fn a_missing_delayed_term_shows_at_its_lag() {
         let (u, w) = (prbs(4000), noise(4, 4000));
         let e: Vec<f64> = (0..4000).map(|t| w[t] + if t >= 7 { 0.2 * u[t - 7] } else { 0.0 }).collect();
-        let seen = Whiteness::of(&u, &e).unwrap();
+        let whiteness = Whiteness::of(&u, &e).unwrap();
         assert!(
-            seen.correlates_with_input() && seen.verdict[1].contains("at a lag of 7 samples"),
+            whiteness.correlates_with_input() && whiteness.verdict[1].contains("at a lag of 7 samples"),
             "{:?}",
-            seen.verdict
+            whiteness.verdict
         );
-        assert_close(&[seen.cross_correlation[40 + 7]], &[0.2 / 1.04f64.sqrt()], 0.2, 0.0);
+        assert_close(&[whiteness.cross_correlation[40 + 7]], &[0.2 / 1.04f64.sqrt()], 0.2, 0.0);
     }
 
     /// A sine with the error of a wrong gain and phase: the bound was 1.1, and the model "covered the linear response".
     #[test]
     fn a_bound_that_nothing_could_exceed_is_no_proof_of_a_model() {
         let wave = |phase: f64| -> Vec<f64> { (0..4000).map(|t| (0.004 * f64::from(t) + phase).sin()).collect() };
-        let seen = Whiteness::of(&wave(0.0), &wave(2.0)).unwrap();
-        assert!(seen.cross_correlation_bound > BLUNT && !seen.correlates_with_input(), "{seen:?}");
-        assert!(seen.verdict[1].contains("says nothing here") && !seen.verdict[1].contains("covers"), "{seen:?}");
+        let whiteness = Whiteness::of(&wave(0.0), &wave(2.0)).unwrap();
+        assert!(
+            whiteness.cross_correlation_bound > MAX_USEFUL_BOUND && !whiteness.correlates_with_input(),
+            "{whiteness:?}"
+        );
+        assert!(
+            whiteness.verdict[1].contains("says nothing here") && !whiteness.verdict[1].contains("covers"),
+            "{whiteness:?}"
+        );
     }
 
     #[test]

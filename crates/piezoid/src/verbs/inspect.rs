@@ -3,7 +3,7 @@
 use super::File;
 use crate::error::Error;
 use crate::formats::{ColumnSelection, Format, Table};
-use crate::quality::{Finding, Need, inspect};
+use crate::quality::{Finding, inspect};
 use crate::record::Record;
 use serde_json::{Value, json};
 use std::ops::Range;
@@ -49,7 +49,7 @@ impl Table {
         let read = self.record(columns);
         let (record, history, problems, defects) = match &read {
             Ok(record) => {
-                let found = inspect(record, &Need::default()).findings;
+                let found = inspect(record).findings;
                 let defects = found.iter().map(|finding| placed(finding, record.ts())).collect();
                 let texts = found.into_iter().map(|finding| finding.text).collect();
                 (described(record), record.history().to_vec(), texts, defects)
@@ -85,5 +85,5 @@ const SPANS: usize = 100;
 fn placed(finding: &Finding, ts: f64) -> Value {
     let span = |samples: &Range<usize>| [samples.start as f64 * ts, samples.end as f64 * ts];
     let spans: Vec<_> = finding.samples.iter().take(SPANS).map(span).collect();
-    json!({"defect": finding.defect, "text": finding.text, "spans": spans})
+    json!({"defect": finding.detector.name, "text": finding.text, "spans": spans})
 }

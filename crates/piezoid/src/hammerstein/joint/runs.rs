@@ -6,7 +6,7 @@ use super::folds::fold;
 use crate::error::Error;
 use crate::hammerstein::paper::called;
 use crate::hammerstein::{InitialCondition, Model};
-use crate::quality::{Defect, Need, bridged, compare, inspect};
+use crate::quality::{DRIFT, bridged, compare, inspect};
 use crate::record::Record;
 use crate::series::{ends, scatter};
 use crate::system::System;
@@ -140,7 +140,7 @@ pub(super) fn of<'a>(
         [("small-signal record", small, false), ("large-signal record", large_signal, true)]
     {
         for (k, record) in records.iter().enumerate() {
-            let (seen, name) = (inspect(record, &Need::default()), called(kind, k, records.len()));
+            let (seen, name) = (inspect(record), called(kind, k, records.len()));
             let refused = |because: String| Error::Unidentifiable {
                 what: "a model".into(),
                 because: format!("{name}: {because}"),
@@ -150,7 +150,7 @@ pub(super) fn of<'a>(
                 sound => sound?,
             }
             notes.extend(seen.findings.iter().map(|finding| format!("{name}: {}", finding.text)));
-            let drifts = seen.findings.iter().any(|finding| finding.defect == Defect::Drift);
+            let drifts = seen.has(&DRIFT);
             let run = TrainingRecord::new(record, &name, is_large, seen.usable);
             let still = || refused("the valid samples of the output are constant: measure again".into());
             runs.push(TrainingRecord { drifts, ..run.ok_or_else(still)? });
