@@ -3,8 +3,7 @@
 //! Errors are relative to the rms of y about its mean: at 1 a constant is as good. A model with such a held-out error
 //! is an error. A large error of one record gives a note: its cause may be noise.
 
-use super::refine::Fitted;
-use super::runs::TrainingRecord;
+use super::fit::{Fitted, TrainingRecord};
 use crate::error::Error;
 use crate::linear::Arx;
 use crate::number::{round, short};
@@ -13,23 +12,23 @@ use crate::system::System;
 use crate::waveform::reversals;
 
 /// Residual share from which a record gets a note, and held-out share from which there is no model.
-const MUCH: f64 = 0.3;
-const ALL: f64 = 0.98;
+const NOTED_RESIDUAL_SHARE: f64 = 0.3;
+const MAX_HELD_OUT_SHARE: f64 = 0.98;
 
 /// Samples per hysteresis parameter below which there is a note.
-pub(crate) const FEW: usize = 5;
+pub(crate) const MIN_SAMPLES_PER_PARAMETER: usize = 5;
 
 /// Distance of an input after a reversal, over its range, from which it starts a loop.
-const BACK: f64 = 0.05;
+const MIN_REVERSAL_DISTANCE: f64 = 0.05;
 
 /// Delay beyond the lags of the poles from which there is a note [samples].
-const LONG: f64 = 4.0;
+const NOTED_DELAY: f64 = 4.0;
 
 /// The note on a long delay: [`crate::quality`] finds one only where the input is sharp.
 pub(super) fn long_delay(linear: &Arx) -> Option<String> {
     let delay_s = linear.modal_form().delay;
     let samples = delay_s / linear.ts();
-    (samples > LONG).then(|| {
+    (samples > NOTED_DELAY).then(|| {
         format!(
             "the output follows the input {} samples ({} s) later than the poles of the linear block explain: the \
              sensor has this delay, or a lag of driver or sensor is missing in the block, or the channels are shifted: \
@@ -50,7 +49,7 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     let large_signal: Vec<&TrainingRecord> = runs.iter().filter(|run| run.large_signal).collect();
     let power = mean(&large_signal.iter().map(|run| run.power()).collect::<Vec<_>>());
     let held_out = fitted.held_out.rms_pp() / power.sqrt();
-    if held_out.is_nan() || held_out > ALL {
+    if held_out.is_nan() || held_out > MAX_HELD_OUT_SHARE {
         let each = runs.iter().zip(&shares).map(|(run, share)| format!("{} {} %", run.name, short(*share)));
         let because = format!(
             "the model predicts the held-out data no better than a constant does (residual in % of the output's rms: \
@@ -60,7 +59,7 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
         return Err(Error::Unidentifiable { what: "a model".into(), because });
     }
     let mut notes = Vec::new();
-    for (run, share) in runs.iter().zip(&shares).filter(|(_, share)| **share > 100.0 * MUCH) {
+    for (run, share) in runs.iter().zip(&shares).filter(|(_, share)| **share > 100.0 * NOTED_RESIDUAL_SHARE) {
         let (name, share) = (&run.name, short(*share));
         notes.push(format!(
             "{name}: the residual is {share} % of the output's rms: check for noise, missing rows, and the same sign, \
@@ -70,15 +69,16 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     let estimate = &fitted.estimate;
     let parameters = estimate.weights.len() + estimate.basis.shape().len();
     let samples = large_signal.iter().flat_map(|run| &run.usable).filter(|usable| **usable).count();
-    if samples < FEW * parameters {
+    if samples < MIN_SAMPLES_PER_PARAMETER * parameters {
         notes.push(format!(
             "{samples} large-signal samples are few for {parameters} hysteresis parameters: record longer, or use \
              fewer elements"
         ));
     }
     // The ends of a record are not reversals.
-    let inner =
-        |run: &&TrainingRecord| reversals(run.record.u(), BACK).into_iter().any(|t| t > 0 && t + 1 < run.record.len());
+    let inner = |run: &&TrainingRecord| {
+        reversals(run.record.u(), MIN_REVERSAL_DISTANCE).into_iter().any(|t| t > 0 && t + 1 < run.record.len())
+    };
     if !large_signal.iter().any(inner) {
         let note = "no large-signal input has a reversal, so the hysteresis is not determined: take records of full \
                     loops";
@@ -98,18 +98,18 @@ pub(super) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::pair;
+    use super::super::fit::pair;
     use super::*;
 
     #[test]
-    fn a_delay_of_several_samples_is_named_and_the_lag_of_a_mode_is_not() {
+    fn a_delay_of_several_samples_is_noted_and_the_lag_of_a_mode_is_not() {
         let mode = pair(5e-4, 120.0, 0.7);
-        let later = |n: usize| {
+        let delayed = |n: usize| {
             let b = [vec![0.0; n], mode.b().to_vec()].concat();
             long_delay(&Arx::new(5e-4, mode.a().to_vec(), b).unwrap())
         };
-        assert_eq!((long_delay(&mode), later(3)), (None, None));
-        let note = later(6).unwrap();
+        assert_eq!((long_delay(&mode), delayed(3)), (None, None));
+        let note = delayed(6).unwrap();
         assert!(note.starts_with("the output follows the input 4.") && note.contains("align"), "{note}");
     }
 }

@@ -6,6 +6,7 @@ use crate::hammerstein::Model;
 use crate::hysteresis::Operator;
 use crate::linear::Arx;
 use crate::progress::Stage;
+use crate::series::ends;
 use crate::system::System;
 use piezoid_testing::{assert_close, noise};
 use std::f64::consts::TAU;

@@ -1,24 +1,26 @@
 //! How close a fit is to its minimum: the decrease that the linearised equations still promise, and the parameters at a
 //! limit.
 
-use super::refine::{Fitted, Iterate};
+use super::fitted::Fitted;
+use super::iterate::Iterate;
 use super::runs::TrainingRecord;
 use super::solve::{FreeParameters, Prior};
 use crate::number::short;
 
 /// Decrease of the sum of squares from which a fit is not at its minimum, and one that is next to nothing [%].
-const UNFINISHED: f64 = 1.0;
-const NEXT_TO_NOTHING: f64 = 0.01;
+const UNFINISHED_PERCENT: f64 = 1.0;
+const NEGLIGIBLE_PERCENT: f64 = 0.01;
 
 /// How a search ended.
-pub(super) struct Optimality {
+pub(crate) struct Optimality {
     /// Decrease of the sum of squares that another step promises, if the fit is not at its minimum [%].
-    pub(super) left_percent: Option<f64>,
+    pub(crate) left_percent: Option<f64>,
     /// The end of the search in words.
-    pub(super) note: String,
+    pub(crate) note: String,
 }
 
-pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<Optimality> {
+/// The optimality of a fit; the runs start as in the fit.
+pub(crate) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Optimality {
     let (estimate, lambda) = (&fitted.estimate, fitted.held_out.lambda);
     let signed: Vec<f64> = Prior::of(estimate).signed().collect();
     let zeros = signed.iter().filter(|value| **value == 0.0).count();
@@ -27,7 +29,7 @@ pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<Opt
         .filter(|p| p.value <= p.low || p.value >= p.high)
         .map(|p| format!("{} = {}", p.name, short(p.value)))
         .collect();
-    let point = Iterate::at(estimate.with_linear(estimate.linear.clone())?, runs, &fitted.own, FreeParameters::All);
+    let point = Iterate::at(estimate.clone(), runs, &fitted.own, FreeParameters::All);
     let (cost, predicted) = (point.cost(lambda), point.predicted(lambda));
     let left = match cost {
         0.0 => 0.0,
@@ -35,9 +37,9 @@ pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<Opt
         _ if !(predicted / cost).is_finite() => 100.0,
         cost => 100.0 * (1.0 - predicted / cost),
     };
-    let left_percent = Some(left).filter(|left| *left >= UNFINISHED);
+    let left_percent = Some(left).filter(|left| *left >= UNFINISHED_PERCENT);
     let promised = match left {
-        least if least < NEXT_TO_NOTHING => format!("by less than {NEXT_TO_NOTHING} %"),
+        least if least < NEGLIGIBLE_PERCENT => format!("by less than {NEGLIGIBLE_PERCENT} %"),
         more => format!("by {} %", short(more)),
     };
     let ends = match left_percent {
@@ -50,14 +52,14 @@ pub(super) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Option<Opt
     if !limits.is_empty() {
         note += &format!("; at the limit of what is allowed: {}", limits.join(", "));
     }
-    Some(Optimality { left_percent, note })
+    Optimality { left_percent, note }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::held_out::Smoothness;
     use super::super::refine::refine_from;
-    use super::super::{runs::of, testing::estimate};
+    use super::super::{runs::training_records, testing::estimate};
     use super::*;
     use crate::linear::Arx;
     use crate::record::Record;
@@ -70,10 +72,10 @@ mod tests {
         let rough = |(t, y): (usize, f64)| y + 0.1 * ((t * t) as f64 * 0.618_034).fract();
         let y = block.simulate(&u).into_iter().enumerate().map(rough).collect();
         let records = [Record::new(5e-4, u, y).unwrap()];
-        let mut runs = of(&[], &records, &mut Vec::new()).unwrap();
-        let start = estimate("prandtl-ishlinskii", 6).with_linear(block).unwrap();
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("prandtl-ishlinskii", 6).with_linear(block);
         let mut fit = refine_from(start, Smoothness::Any, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
-        let Optimality { left_percent, note } = optimality(&fit, &runs).unwrap();
+        let Optimality { left_percent, note } = optimality(&fit, &runs);
         assert!(
             left_percent.is_none()
                 && note.starts_with("search: the fit is at its minimum (another step would lower")
@@ -81,10 +83,10 @@ mod tests {
             "{note}"
         );
         assert!(note.contains(" of 7 weights and creep gains are zero"), "{note}");
-        fit.estimate = fit.estimate.with_linear(Arx::new(5e-4, vec![0.8], vec![0.2]).unwrap()).unwrap();
-        let Optimality { left_percent, note } = optimality(&fit, &runs).unwrap();
+        fit.estimate = fit.estimate.with_linear(Arx::new(5e-4, vec![0.8], vec![0.2]).unwrap());
+        let Optimality { left_percent, note } = optimality(&fit, &runs);
         assert!(
-            left_percent.is_some_and(|left| left > UNFINISHED)
+            left_percent.is_some_and(|left| left > UNFINISHED_PERCENT)
                 && note.starts_with("search: the fit ended before its minimum"),
             "{note}"
         );

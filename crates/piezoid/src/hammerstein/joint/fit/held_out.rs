@@ -4,7 +4,6 @@ use super::equations::{RecordEquations, ReducedEquations, equations};
 use super::estimate::Estimate;
 use super::folds::FOLDS;
 use super::products::Segment;
-use super::refine::ROUNDING;
 use super::solve::{FreeParameters, Prior};
 use crate::series::{mean, scatter};
 use libm::log;
@@ -12,49 +11,52 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 /// Smoothness weights, from rough to smooth.
-const LAMBDAS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
+const SMOOTHNESS_WEIGHTS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
 
 /// Number of fits in a row, each worse than the best, after which no rougher one is tried.
-const TOO_ROUGH: usize = 2;
+const MAX_WORSE_FITS: usize = 2;
 
 /// Ratio of rms up to which a simpler model is accepted, even if the difference is uncertain.
-pub(super) const WORSE: f64 = 1.05;
+pub(crate) const ACCEPTED_RMS_RATIO: f64 = 1.05;
+
+/// Mean squared error over squared peak-to-peak that is rounding, for records without noise.
+pub(crate) const ROUNDING_ERROR: f64 = 1e-14;
 
 /// Difference of ln(rms) up to which two models are equal, even if the difference is certain.
-const EQUAL: f64 = 0.005;
+const EQUAL_LOG_RMS: f64 = 0.005;
 
 /// Held-out errors of the folds, each predicted by a fit to all others.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct HeldOut {
+pub(crate) struct HeldOut {
     /// Smoothness weight.
-    pub(super) lambda: f64,
+    pub(crate) lambda: f64,
     /// For each fold, the mean squared error over the squared peak-to-peak of its records.
-    pub(super) folds: Vec<f64>,
+    pub(crate) folds: Vec<f64>,
     /// The parameters fitted without each fold.
-    pub(super) without: Vec<DVector<f64>>,
+    pub(crate) without: Vec<DVector<f64>>,
 }
 
 impl HeldOut {
     /// Root of the mean over all folds: rms over peak-to-peak.
-    pub(super) fn rms_pp(&self) -> f64 {
+    pub(crate) fn rms_pp(&self) -> f64 {
         mean(&self.folds).sqrt()
     }
 
     /// True if this is as good as `best`: equal, or worse by at most one standard error over the folds, as a ratio, and
     /// by at most the factor accepted for a simpler model.
-    pub(super) fn is_as_good_as(&self, best: &HeldOut) -> bool {
-        let ratio = |(e, best): (&f64, &f64)| 0.5 * log((e + ROUNDING) / (best + ROUNDING));
+    pub(crate) fn is_as_good_as(&self, best: &HeldOut) -> bool {
+        let ratio = |(e, best): (&f64, &f64)| 0.5 * log((e + ROUNDING_ERROR) / (best + ROUNDING_ERROR));
         let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(ratio).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
-        let ratio = ((self.rms_pp().powi(2) + ROUNDING) / (best.rms_pp().powi(2) + ROUNDING)).sqrt();
-        mean(&ratios) <= error.max(EQUAL) && ratio <= WORSE
+        let ratio = ((self.rms_pp().powi(2) + ROUNDING_ERROR) / (best.rms_pp().powi(2) + ROUNDING_ERROR)).sqrt();
+        mean(&ratios) <= error.max(EQUAL_LOG_RMS) && ratio <= ACCEPTED_RMS_RATIO
     }
 }
 
 /// The smoothness weights to try.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Smoothness {
+pub(crate) enum Smoothness {
     /// All, from smooth to rough.
     Any,
     /// The next smoother than this one, this one, and all rougher ones.
@@ -65,21 +67,21 @@ pub(super) enum Smoothness {
 
 impl Smoothness {
     /// The one known.
-    pub(super) fn lambda(self) -> f64 {
+    pub(crate) fn lambda(self) -> f64 {
         match self {
-            Smoothness::Any => LAMBDAS[0],
+            Smoothness::Any => SMOOTHNESS_WEIGHTS[0],
             Smoothness::Near(lambda) | Smoothness::Fixed(lambda) => lambda,
         }
     }
 
     /// From smooth to rough.
     fn lambdas(self) -> Vec<f64> {
-        let all = LAMBDAS.into_iter().rev();
+        let all = SMOOTHNESS_WEIGHTS.into_iter().rev();
         match self {
             Smoothness::Any => all.collect(),
             Smoothness::Near(lambda) => {
-                let smoother = LAMBDAS.iter().position(|l| *l > lambda);
-                all.filter(|l| smoother.is_none_or(|k| *l <= LAMBDAS[k])).collect()
+                let smoother = SMOOTHNESS_WEIGHTS.iter().position(|l| *l > lambda);
+                all.filter(|l| smoother.is_none_or(|k| *l <= SMOOTHNESS_WEIGHTS[k])).collect()
             }
             Smoothness::Fixed(lambda) => vec![lambda],
         }
@@ -88,7 +90,7 @@ impl Smoothness {
 
 /// The held-out errors of the smoothest fit that is as good as the best. Without a fold only the `free` parameters are
 /// fitted again.
-pub(super) fn cross_validate(
+pub(crate) fn cross_validate(
     estimate: &Estimate,
     prior: &Prior,
     segments: &[Segment],
@@ -97,7 +99,7 @@ pub(super) fn cross_validate(
     smoothness: Smoothness,
 ) -> HeldOut {
     let lambdas = match smoothness {
-        Smoothness::Any | Smoothness::Near(_) if estimate.basis.roughness().is_empty() => vec![LAMBDAS[0]],
+        Smoothness::Any | Smoothness::Near(_) if estimate.basis.roughness().is_empty() => vec![SMOOTHNESS_WEIGHTS[0]],
         _ => smoothness.lambdas(),
     };
     let folds: Vec<usize> = (0..FOLDS)
@@ -105,48 +107,50 @@ pub(super) fn cross_validate(
         .collect();
     // Each smoothness starts from the signs of the one before.
     let signs = vec![true; prior.current().len()];
-    let mut left_out: Vec<_> =
-        folds.iter().map(|&fold| LeftOut::new(estimate, segments, fold, signs.clone())).collect();
+    let mut held_out: Vec<_> =
+        folds.iter().map(|&fold| HeldOutFold::new(estimate, segments, fold, signs.clone())).collect();
     let mut tried: Vec<HeldOut> = Vec::new();
     for lambda in lambdas {
         let each: Vec<_> =
-            left_out.par_iter_mut().map(|fold| fold.error(estimate, prior, lambda, damping, free)).collect();
+            held_out.par_iter_mut().map(|fold| fold.error(estimate, prior, lambda, damping, free)).collect();
         let (folds, without) = each.into_iter().unzip();
         tried.push(HeldOut { lambda, folds, without });
         let errors = tried.iter().map(HeldOut::rms_pp).collect::<Vec<_>>();
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
-        if errors.iter().rev().take(TOO_ROUGH).filter(|error| **error > WORSE * least).count() == TOO_ROUGH {
+        if errors.iter().rev().take(MAX_WORSE_FITS).filter(|error| **error > ACCEPTED_RMS_RATIO * least).count()
+            == MAX_WORSE_FITS
+        {
             break;
         }
     }
     let best = tried.iter().min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp()));
     let smoothest = tried.iter().find(|one| best.is_none_or(|best| one.is_as_good_as(best))).or(best);
-    smoothest.cloned().unwrap_or(HeldOut { lambda: LAMBDAS[0], folds: Vec::new(), without: Vec::new() })
+    smoothest.cloned().unwrap_or(HeldOut { lambda: SMOOTHNESS_WEIGHTS[0], folds: Vec::new(), without: Vec::new() })
 }
 
 /// A fold: the equations of all other segments, and its own segments.
-struct LeftOut<'s> {
+struct HeldOutFold<'s> {
     train: ReducedEquations,
     each: Vec<RecordEquations>,
     tests: Vec<&'s Segment>,
     positive: Vec<bool>,
 }
 
-impl<'s> LeftOut<'s> {
+impl<'s> HeldOutFold<'s> {
     fn new(estimate: &Estimate, segments: &'s [Segment], fold: usize, positive: Vec<bool>) -> Self {
-        let is_left = |s: &Segment| s.fold != Some(fold);
-        let (train, mut each) = equations(estimate, segments, is_left);
+        let is_training = |s: &Segment| s.fold != Some(fold);
+        let (train, mut each) = equations(estimate, segments, is_training);
         // Where less than half of a run is left, its own coefficients are fitted to all of it: offset and initial
         // states are no knowledge of the path.
-        let samples = |run: usize, taken: &dyn Fn(&Segment) -> bool| -> f64 {
-            segments.iter().filter(|s| s.run == run && taken(s)).map(|s| s.samples).sum()
+        let samples = |run: usize, selected: &dyn Fn(&Segment) -> bool| -> f64 {
+            segments.iter().filter(|s| s.run == run && selected(s)).map(|s| s.samples).sum()
         };
-        let is_little = |s: &Segment| samples(s.run, &is_left) < 0.5 * samples(s.run, &|_| true);
+        let is_little = |s: &Segment| samples(s.run, &is_training) < 0.5 * samples(s.run, &|_| true);
         if segments.iter().any(is_little) {
-            each = equations(estimate, segments, |s| is_left(s) || is_little(s)).1;
+            each = equations(estimate, segments, |s| is_training(s) || is_little(s)).1;
         }
         let tests = segments.iter().filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0).collect();
-        LeftOut { train, each, tests, positive }
+        HeldOutFold { train, each, tests, positive }
     }
 
     /// The mean squared error of the fit without the fold, and its parameters.
@@ -173,7 +177,7 @@ impl<'s> LeftOut<'s> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{products::products, runs::of, testing::estimate};
+    use super::super::{products::products, runs::training_records, testing::estimate};
     use super::*;
     use crate::record::Record;
     use crate::system::System;
@@ -195,7 +199,7 @@ mod tests {
             })
             .collect();
         let estimate = estimate("proportional", 1);
-        let runs = of(&[], &records, &mut Vec::new()).unwrap();
+        let runs = training_records(&[], &records, &mut Vec::new()).unwrap();
         let segments = products(&estimate, &runs, &[], FreeParameters::All);
         let prior = Prior::of(&estimate);
         let found = cross_validate(&estimate, &prior, &segments, 1e-6, FreeParameters::Weights, Smoothness::Fixed(0.0));

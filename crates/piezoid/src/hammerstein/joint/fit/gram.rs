@@ -4,7 +4,7 @@
 //! the bit on every machine. Tiles of eight by eight columns stay in registers; for WebAssembly, of four by four.
 
 #[cfg(not(target_arch = "wasm32"))]
-pub(super) use native::add;
+pub(crate) use native::add;
 
 #[cfg(not(target_arch = "wasm32"))]
 mod native {
@@ -17,7 +17,7 @@ mod native {
     const GROUP: usize = 8;
 
     /// Adds the products of `rows`, one sample after the other, to the lower triangle of `gram`.
-    pub(in super::super) fn add(gram: &mut DMatrix<f64>, rows: &[f64]) {
+    pub(crate) fn add(gram: &mut DMatrix<f64>, rows: &[f64]) {
         let size = gram.nrows();
         // Eight columns beside each other, filled up by zeros.
         let panel = |from: usize| -> Vec<[f64; TILE]> {
@@ -86,7 +86,7 @@ mod native {
 }
 
 #[cfg(target_arch = "wasm32")]
-pub(super) use tiles::add;
+pub(crate) use tiles::add;
 
 #[cfg(target_arch = "wasm32")]
 mod tiles {
@@ -97,7 +97,7 @@ mod tiles {
     const TILE: usize = 4;
 
     /// Adds the products of `rows`, one sample after the other, to the lower triangle of `gram`.
-    pub(in super::super) fn add(gram: &mut DMatrix<f64>, rows: &[f64]) {
+    pub(crate) fn add(gram: &mut DMatrix<f64>, rows: &[f64]) {
         let size = gram.nrows();
         // Four columns beside each other, filled up by zeros.
         let panel = |from: usize| -> Vec<[v128; 2]> {

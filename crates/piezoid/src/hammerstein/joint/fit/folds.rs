@@ -1,8 +1,8 @@
 //! Folds: the parts of the large-signal records that are held out together.
 //!
-//! A part that is held out tests a fit only if no other part shows the same path. For inputs that wander, and for one
-//! that rises, segments of time do so. If the inputs turn at a few levels again and again, the branches between two
-//! levels are held out together, in every record and at every rate, so that the error is that of an unknown path.
+//! A held-out segment is no test if the same path occurs in the training segments. For inputs that wander, and for one
+//! that rises, segments of time are a test. If the inputs turn at a few levels again and again, the branches between
+//! two levels are held out together, in every record and at every rate, so that the error is that of an unknown path.
 //!
 //! Why: docs/decisions/identification.md, "Paths are held out".
 
@@ -15,24 +15,24 @@ use std::collections::BTreeMap;
 const SEGMENTS: usize = 11;
 
 /// Number of folds.
-pub(super) const FOLDS: usize = 5;
+pub(crate) const FOLDS: usize = 5;
 
 /// Least movement between two reversals, over the range of all inputs.
-const MOVEMENT: f64 = 0.03;
+const MIN_MOVEMENT: f64 = 0.03;
 
 /// Range of levels that are the same, over the range of all inputs.
-const SAME: f64 = 0.02;
+const SAME_LEVEL_RANGE: f64 = 0.02;
 
 /// Least number of loops that are held out in turn, and of branches of each on average.
-const LOOPS: usize = 3;
-const REPEATED: usize = 2;
+const MIN_LOOPS: usize = 3;
+const MIN_BRANCHES_PER_LOOP: usize = 2;
 
 /// Largest share of the samples in one fold.
-const MOST: f64 = 0.5;
+const MAX_FOLD_SHARE: f64 = 0.5;
 
 /// Assigns the folds of the large-signal records. Each fold also has a segment of each small-signal record: its error
 /// does not count, but the parameters determined by these records alone get an uncertainty too.
-pub(super) fn fold(runs: &mut [TrainingRecord]) {
+pub(crate) fn fold(runs: &mut [TrainingRecord]) {
     if by_path(runs).is_none() {
         for run in runs.iter_mut().filter(|run| run.large_signal) {
             let n = run.record.len();
@@ -77,12 +77,12 @@ fn branches(u: &[f64], movement: f64) -> Vec<Branch> {
 fn by_path(runs: &mut [TrainingRecord]) -> Option<()> {
     let inputs: Vec<&[f64]> = runs.iter().filter(|run| run.large_signal).map(|run| run.record.u()).collect();
     let (low, high) = ends(inputs.iter().flat_map(|u| u.iter()).copied());
-    let of_all: Vec<Vec<Branch>> = inputs.iter().map(|u| branches(u, MOVEMENT * (high - low))).collect();
+    let of_all: Vec<Vec<Branch>> = inputs.iter().map(|u| branches(u, MIN_MOVEMENT * (high - low))).collect();
     // Those from one reversal to the next.
     let whole = || of_all.iter().flat_map(|of_one| &of_one[1..of_one.len().max(2) - 1]);
     let mut levels: Vec<f64> = whole().flat_map(|branch| [branch.low, branch.high]).collect();
     levels.sort_by(f64::total_cmp);
-    let same = SAME * (high - low);
+    let same = SAME_LEVEL_RANGE * (high - low);
     let groups: Vec<&[f64]> = levels.chunk_by(|p, q| q - p <= same).collect();
     if groups.iter().any(|group| group[group.len() - 1] - group[0] > same) {
         return None;
@@ -102,7 +102,7 @@ fn by_path(runs: &mut [TrainingRecord]) -> Option<()> {
     };
     let mut inner: Vec<(usize, usize)> = loops.keys().copied().filter(|one| is_inside(*one)).collect();
     let branches: usize = inner.iter().map(|one| loops[one].0).sum();
-    if inner.len() < LOOPS || branches < REPEATED * inner.len() {
+    if inner.len() < MIN_LOOPS || branches < MIN_BRANCHES_PER_LOOP * inner.len() {
         return None;
     }
     // The longest loops first, each into the smallest fold.
@@ -115,7 +115,7 @@ fn by_path(runs: &mut [TrainingRecord]) -> Option<()> {
         folds.insert(one, smallest);
     }
     let samples: usize = inputs.iter().map(|u| u.len()).sum();
-    if sizes.iter().any(|size| *size as f64 > MOST * samples as f64) {
+    if sizes.iter().any(|size| *size as f64 > MAX_FOLD_SHARE * samples as f64) {
         return None;
     }
     for (run, branches) in runs.iter_mut().filter(|run| run.large_signal).zip(&of_all) {
@@ -143,7 +143,7 @@ mod tests {
 
     fn segments(inputs: &[Vec<f64>]) -> Vec<Vec<(usize, Option<usize>)>> {
         let records: Vec<Record> = inputs.iter().map(|u| Record::new(1e-3, u.clone(), u.clone()).unwrap()).collect();
-        let runs = runs::of(&[], &records, &mut Vec::new()).unwrap();
+        let runs = runs::training_records(&[], &records, &mut Vec::new()).unwrap();
         runs.into_iter().map(|run| run.segments).collect()
     }
 

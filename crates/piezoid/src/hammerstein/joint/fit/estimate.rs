@@ -11,52 +11,50 @@ use crate::hysteresis::{Basis, ShapeParameter};
 use crate::linear::Arx;
 use crate::system::System;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Gain up to which a lag of creep is left out of the model.
-const NO_CREEP: f64 = 1e-7;
+const NEGLIGIBLE_CREEP_GAIN: f64 = 1e-7;
 
 /// Least lag of a driver that is sought [samples].
-const LEAST_LAG: f64 = 0.05;
+const MIN_DRIVER_LAG: f64 = 0.05;
 
 /// y = G C sum_k w_k phi_k: the parameters of each part.
-#[derive(Debug)]
-pub(super) struct Estimate {
-    pub(super) driver: Option<DriverModel>,
+#[derive(Debug, Clone)]
+pub(crate) struct Estimate {
+    pub(crate) driver: Option<DriverModel>,
     /// True if the lag of the driver is a parameter.
-    pub(super) seeks_lag: bool,
-    pub(super) basis: Box<dyn Basis>,
-    pub(super) weights: Vec<f64>,
-    pub(super) lags: Vec<Lag>,
-    pub(super) linear: Arx,
+    pub(crate) seeks_lag: bool,
+    pub(crate) basis: Arc<dyn Basis>,
+    pub(crate) weights: Vec<f64>,
+    pub(crate) lags: Vec<Lag>,
+    pub(crate) linear: Arx,
 }
 
 impl Estimate {
     /// An estimate with unknown weights.
-    pub(super) fn new(driver: Option<DriverModel>, basis: Box<dyn Basis>, lags: Vec<Lag>, linear: Arx) -> Self {
-        Estimate { driver, seeks_lag: false, weights: vec![0.0; basis.len()], basis, lags, linear }
+    pub(crate) fn new(driver: Option<DriverModel>, basis: Box<dyn Basis>, lags: Vec<Lag>, linear: Arx) -> Self {
+        Estimate { driver, seeks_lag: false, weights: vec![0.0; basis.len()], basis: basis.into(), lags, linear }
     }
 
     /// The same driver, creep and linear block behind another hysteresis, with unknown weights.
-    pub(super) fn with_basis(&self, basis: Box<dyn Basis>) -> Self {
+    pub(crate) fn with_basis(&self, basis: Box<dyn Basis>) -> Self {
         let (lags, linear) = (self.lags.clone(), self.linear.clone());
         Estimate { seeks_lag: self.seeks_lag, ..Estimate::new(self.driver, basis, lags, linear) }
     }
 
-    /// The same estimate with another linear block; `None` if its basis does not take its own shape.
-    pub(super) fn with_linear(&self, linear: Arx) -> Option<Self> {
-        let shape: Vec<f64> = self.basis.shape().iter().map(|shape| shape.value).collect();
-        let basis = self.basis.reshaped(&shape).ok()?;
-        let (weights, lags) = (self.weights.clone(), self.lags.clone());
-        Some(Estimate { driver: self.driver, seeks_lag: self.seeks_lag, basis, weights, lags, linear })
+    /// The same estimate with another linear block.
+    pub(crate) fn with_linear(&self, linear: Arx) -> Self {
+        Estimate { linear, ..self.clone() }
     }
 
-    pub(super) fn ts(&self) -> f64 {
+    pub(crate) fn ts(&self) -> f64 {
         self.linear.ts()
     }
 
     /// The estimate with the parameters `x`, in the order of [`ColumnLayout`]; `None` if G is unstable or they are not
     /// valid.
-    pub(super) fn moved(&self, x: &[f64]) -> Option<Self> {
+    pub(crate) fn moved(&self, x: &[f64]) -> Option<Self> {
         let layout = ColumnLayout::of(self);
         let coefficients = |range: Range<usize>| of_differences(&x[range]);
         let lags = self.lags.iter().zip(&x[layout.gains]).map(|(lag, &gain)| Lag { gain, ..*lag }).collect();
@@ -67,10 +65,10 @@ impl Estimate {
         if !linear.is_stable() {
             return None;
         }
-        let basis = self.basis.reshaped(&shape).ok()?;
+        let basis = self.basis.reshaped(&shape).ok()?.into();
         let lag = x[layout.shape].last().filter(|_| self.seeks_lag);
         let driver = match lag {
-            Some(lag) => Some(DriverModel { lag_s: lag.max(LEAST_LAG * self.ts()), ..self.driver? }),
+            Some(lag) => Some(DriverModel { lag_s: lag.max(MIN_DRIVER_LAG * self.ts()), ..self.driver? }),
             None => self.driver,
         };
         let weights = x[layout.weights].to_vec();
@@ -78,15 +76,15 @@ impl Estimate {
     }
 
     /// The model, with this output offset.
-    pub(super) fn model(&self, offset: f64) -> Result<Model, Error> {
+    pub(crate) fn model(&self, offset: f64) -> Result<Model, Error> {
         let hysteresis = self.basis.operator(&self.weights)?;
-        let lags = self.lags.iter().copied().filter(|lag| lag.gain > NO_CREEP).collect();
+        let lags = self.lags.iter().copied().filter(|lag| lag.gain > NEGLIGIBLE_CREEP_GAIN).collect();
         Model::driven(self.driver, hysteresis, self.linear.clone(), offset)?.with_creep(Creep::new(self.ts(), lags)?)
     }
 }
 
 /// The differences of `v` of order 0, 1, 2 ... at its first element: v_0, v_0 - v_1, v_0 - 2 v_1 + v_2 ...
-pub(super) fn differences(v: &mut [f64]) {
+pub(crate) fn differences(v: &mut [f64]) {
     for order in 1..v.len() {
         for k in (order..v.len()).rev() {
             v[k] = v[k - 1] - v[k];
@@ -96,7 +94,7 @@ pub(super) fn differences(v: &mut [f64]) {
 
 /// The coefficients of the elements from those of the differences, and the reverse: the matrix is its own inverse.
 /// Slow inputs determine the coefficients of the differences, but not those of single elements, which are nearly equal.
-pub(super) fn of_differences(c: &[f64]) -> Vec<f64> {
+pub(crate) fn of_differences(c: &[f64]) -> Vec<f64> {
     let mut c = c.to_vec();
     for order in (1..c.len()).rev() {
         for k in order..c.len() {
@@ -108,7 +106,7 @@ pub(super) fn of_differences(c: &[f64]) -> Vec<f64> {
 }
 
 /// The responses phi of a basis behind a driver, sample by sample.
-pub(super) struct Responses<'a> {
+pub(crate) struct Responses<'a> {
     basis: &'a dyn Basis,
     driver: Option<DriverModel>,
     ts: f64,
@@ -123,7 +121,7 @@ pub(super) struct Responses<'a> {
 impl<'a> Responses<'a> {
     /// The responses about which creep and linear block are settled before a run: zero at rest, the mean over the
     /// inputs that pass them before the record, or the last responses.
-    pub(super) fn level(estimate: &'a Estimate, run: &TrainingRecord) -> Vec<f64> {
+    pub(crate) fn level(estimate: &'a Estimate, run: &TrainingRecord) -> Vec<f64> {
         let mut responses = Responses::from_rest(estimate, run);
         let mut mean = vec![0.0; estimate.basis.len()];
         let moving = run.moving();
@@ -142,7 +140,7 @@ impl<'a> Responses<'a> {
     }
 
     /// The responses at the first of the inputs before a run.
-    pub(super) fn from_rest(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
+    pub(crate) fn from_rest(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
         let is_first = run.initial == InitialCondition::Settled;
         Responses { is_first, ..Responses::settled(estimate, run.before[0]) }
     }
@@ -165,7 +163,7 @@ impl<'a> Responses<'a> {
     }
 
     /// Advances by one sample.
-    pub(super) fn next(&mut self, u: f64) -> &[f64] {
+    pub(crate) fn next(&mut self, u: f64) -> &[f64] {
         if std::mem::take(&mut self.is_first) {
             return &self.phi;
         }
@@ -188,6 +186,7 @@ impl<'a> Responses<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::hysteresis::{BasisDesign, OPERATORS};
     use crate::series::dot;
     use piezoid_testing::assert_close;
 
@@ -202,5 +201,26 @@ mod tests {
         let mut line = [1.0, 2.0, 3.0, 4.0];
         differences(&mut line);
         assert_eq!(line[2..], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_basis_of_its_own_shape_is_the_same_to_the_bit() {
+        for row in OPERATORS {
+            let design = BasisDesign { ts: 5e-4, range: (-8.0, 32.0), elements: Some(5), frequencies: vec![5.0, 16.0] };
+            let basis = (row.basis)(&design).unwrap();
+            let shape: Vec<f64> = basis.shape().iter().map(|shape| shape.value).collect();
+            let same = basis.reshaped(&shape).unwrap();
+            let weights: Vec<f64> = (0..basis.len()).map(|k| 1.0 + 0.5 * (1.7 * k as f64).sin()).collect();
+            let u: Vec<f64> = (0..300).map(|t| 12.0 + 20.0 * (0.05 * f64::from(t)).sin()).collect();
+            let [z, again] = [&basis, &same].map(|basis| basis.operator(&weights).unwrap().simulate(&u));
+            assert_eq!(z, again, "{}", row.name);
+            let (mut x, mut phi, mut other) = (basis.initial(), vec![0.0; basis.len()], vec![0.0; basis.len()]);
+            let mut y = x.clone();
+            for u in u {
+                basis.step(&mut x, u, &mut phi);
+                same.step(&mut y, u, &mut other);
+                assert_eq!(phi, other, "{}", row.name);
+            }
+        }
     }
 }

@@ -4,19 +4,19 @@ use crate::fourier::plain_power;
 use crate::record::Record;
 
 /// Share of its power below the lowest frequency of an input, and above the highest.
-const EDGE: f64 = 0.02;
+const EDGE_POWER_SHARE: f64 = 0.02;
 
 /// Where the power of an input lies.
-pub(super) struct Spread {
+pub(crate) struct Spread {
     /// The number of lines of equal power with the same spread.
-    pub(super) lines: f64,
+    pub(crate) lines: f64,
     /// The frequencies below and above which it has next to no power [Hz].
-    pub(super) low: f64,
-    pub(super) high: f64,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
 }
 
 impl Spread {
-    pub(super) fn of(record: &Record) -> Self {
+    pub(crate) fn of(record: &Record) -> Self {
         let power = &plain_power(record.u())[1..];
         let total: f64 = power.iter().sum();
         let below = |share: f64| {
@@ -28,6 +28,6 @@ impl Spread {
             (lines.count() + 1) as f64 / record.duration()
         };
         let lines = total * total / power.iter().map(|p| p * p).sum::<f64>();
-        Spread { lines, low: below(EDGE), high: below(1.0 - EDGE) }
+        Spread { lines, low: below(EDGE_POWER_SHARE), high: below(1.0 - EDGE_POWER_SHARE) }
     }
 }

@@ -2,7 +2,6 @@
 //!
 //! Why: docs/decisions/structure-and-operator-selection.md, "Slow real poles are creep".
 
-use super::JointOptions;
 use crate::creep::Lag;
 use crate::error::Error;
 use crate::linear::{Arx, Pole};
@@ -11,31 +10,32 @@ use crate::system::System;
 use libm::exp;
 use std::f64::consts::TAU;
 
-/// Increase of the sum of squares up to which a longer delay is accepted.
-pub(super) const SAME_COST: f64 = 1.01;
+/// Damping ratio above which a pair of poles is not a mode.
+pub(crate) const MAX_MODE_DAMPING: f64 = 0.5;
 
-/// Damping above which a pair of poles is not a mode.
-pub(super) const RINGS: f64 = 0.5;
+/// Smallest damping ratio of the mode of an actuator.
+pub(crate) const MIN_MODE_DAMPING: f64 = 2e-3;
 
-/// The frequency below which a pole that does not ring counts as creep, which has its own block [Hz].
-pub(super) fn slowest_pole(settings: &JointOptions, lags: &[Lag]) -> f64 {
-    lags.first().filter(|_| settings.creep).map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s))
+/// The frequency below which a pole that does not ring counts as creep, which has its own block [Hz]; 0 without lags of
+/// creep.
+pub(crate) fn slowest_pole(lags: &[Lag]) -> f64 {
+    lags.first().map_or(0.0, |lag| 1.0 / (TAU * lag.tau_s))
 }
 
 /// A pole of the block that counts as creep.
-pub(super) fn creep_pole(arx: &Arx, slowest: f64) -> Option<Pole> {
-    let rings = |pole: &Pole| pole.damping < RINGS || pole.z.re < 0.0;
+pub(crate) fn creep_pole(arx: &Arx, slowest: f64) -> Option<Pole> {
+    let rings = |pole: &Pole| pole.damping < MAX_MODE_DAMPING || pole.z.re < 0.0;
     arx.poles().into_iter().find(|pole| !rings(pole) && pole.hz < slowest)
 }
 
 /// The frequency of a lag as long as the longest record [Hz]. A slower lag is a constant to the records, with
 /// undetermined gain.
-pub(super) fn slowest_observable<'r>(records: impl Iterator<Item = &'r Record>) -> f64 {
+pub(crate) fn slowest_observable<'r>(records: impl Iterator<Item = &'r Record>) -> f64 {
     1.0 / (TAU * records.map(Record::duration).fold(f64::MIN_POSITIVE, f64::max))
 }
 
 /// The block with lags slower than `slowest` [Hz] replaced by lags of that frequency, which changes its static gain.
-pub(super) fn with_slow_lags_limited(arx: Arx, slowest: f64) -> Result<Arx, Error> {
+pub(crate) fn with_slow_lags_limited(arx: Arx, slowest: f64) -> Result<Arx, Error> {
     let ts = arx.ts();
     let mut denominator = arx.denominator();
     for pole in arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.hz < slowest) {
@@ -47,20 +47,17 @@ pub(super) fn with_slow_lags_limited(arx: Arx, slowest: f64) -> Result<Arx, Erro
     Arx::new(ts, denominator[1..].iter().map(|a| -a).collect(), arx.b().to_vec())
 }
 
-/// Smallest damping of the mode of an actuator.
-pub(super) const LEAST_DAMPING: f64 = 2e-3;
-
 /// True if every mode is damped. One that is not would be a sine of any size in each record.
-pub(super) fn is_damped(arx: &Arx) -> bool {
-    arx.poles().iter().all(|pole| pole.damping >= LEAST_DAMPING)
+pub(crate) fn is_damped(arx: &Arx) -> bool {
+    arx.poles().iter().all(|pole| pole.damping >= MIN_MODE_DAMPING)
 }
 
-pub(super) fn is_lag(pole: &Pole) -> bool {
+pub(crate) fn is_lag(pole: &Pole) -> bool {
     pole.z.im == 0.0 && pole.z.re > 0.0
 }
 
 /// The polynomial c in q^-1 divided by its factor 1 - p q^-1.
-pub(super) fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
+pub(crate) fn without_factor(c: &[f64], p: f64) -> Vec<f64> {
     let mut last = 0.0;
     c[..c.len() - 1]
         .iter()

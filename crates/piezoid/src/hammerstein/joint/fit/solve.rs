@@ -16,19 +16,19 @@ use crate::optimize::non_negative;
 use nalgebra::{DMatrix, DVector};
 
 /// Weight that keeps undetermined weights at their values.
-const RIDGE: f64 = 1e-12;
+const WEIGHT_RIDGE: f64 = 1e-12;
 
 /// Weight that draws the gain of a lag to that of the next faster one, over the mean size of their columns, up to the
 /// usual gain: by the logarithmic law they are equal, and records are too short for the slowest.
-const ALIKE: f64 = 0.03;
-const USUAL: f64 = 0.015;
+const EQUAL_GAIN_WEIGHT: f64 = 0.03;
+const USUAL_CREEP_GAIN: f64 = 0.015;
 
 /// Largest gain of a creep lag in ceramics.
-pub(super) const CREEPS: f64 = 0.1;
+pub(crate) const MAX_CREEP_GAIN: f64 = 0.1;
 
 /// The free parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum FreeParameters {
+pub(crate) enum FreeParameters {
     /// The weights.
     Weights,
     /// The weights and the gains of creep.
@@ -47,7 +47,7 @@ enum Target {
 
 /// Knowledge about the parameters in addition to the data.
 #[derive(Debug)]
-pub(super) struct Prior {
+pub(crate) struct Prior {
     layout: ColumnLayout,
     /// The current parameters.
     current: DVector<f64>,
@@ -60,7 +60,7 @@ pub(super) struct Prior {
 }
 
 impl Prior {
-    pub(super) fn of(estimate: &Estimate) -> Self {
+    pub(crate) fn of(estimate: &Estimate) -> Self {
         let layout = ColumnLayout::of(estimate);
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let gains = estimate.lags.iter().map(|lag| lag.gain);
@@ -88,28 +88,28 @@ impl Prior {
     }
 
     /// The current parameters.
-    pub(super) fn current(&self) -> &DVector<f64> {
+    pub(crate) fn current(&self) -> &DVector<f64> {
         &self.current
     }
 
     /// The current values that must not be negative.
-    pub(super) fn signed(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn signed(&self) -> impl Iterator<Item = f64> {
         self.current.iter().zip(&self.signed).filter(|(_, signed)| **signed).map(|(value, _)| *value)
     }
 
     /// `x` as unknowns of the equations: the weights, and the steps of the others.
-    pub(super) fn steps(&self, x: &DVector<f64>) -> DVector<f64> {
+    pub(crate) fn steps(&self, x: &DVector<f64>) -> DVector<f64> {
         let mut steps = x - &self.current;
         steps.rows_range_mut(self.layout.weights.clone()).copy_from(&x.rows_range(self.layout.weights.clone()));
         steps
     }
 
     /// The penalties of roughness and of unlike gains of creep at `x`.
-    pub(super) fn penalty(&self, normal: &ReducedEquations, lambda: f64, x: &DVector<f64>) -> f64 {
+    pub(crate) fn penalty(&self, normal: &ReducedEquations, lambda: f64, x: &DVector<f64>) -> f64 {
         let w = x.rows_range(self.layout.weights.clone());
         let unlike = |k: usize| match self.target(k, x) {
             Target::Faster => (x[k] - x[k - 1]).powi(2),
-            Target::Usual => (x[k] - USUAL).powi(2),
+            Target::Usual => (x[k] - USUAL_CREEP_GAIN).powi(2),
             Target::None => 0.0,
         };
         let unlike: f64 = self.layout.gains.clone().map(unlike).sum();
@@ -119,8 +119,8 @@ impl Prior {
     /// What the gain `k` is drawn to at `x`.
     fn target(&self, k: usize, x: &DVector<f64>) -> Target {
         match k > self.layout.gains.start {
-            true if x[k - 1] < USUAL => Target::Faster,
-            false if x[k] < USUAL => Target::None,
+            true if x[k - 1] < USUAL_CREEP_GAIN => Target::Faster,
+            false if x[k] < USUAL_CREEP_GAIN => Target::None,
             _ => Target::Usual,
         }
     }
@@ -128,13 +128,13 @@ impl Prior {
     /// The weight of the penalty of unlike gains.
     fn alike(&self, normal: &ReducedEquations) -> f64 {
         let gains = self.layout.gains.clone();
-        ALIKE * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64
+        EQUAL_GAIN_WEIGHT * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64
     }
 
     /// The solution of `normal`, with only the `free` parameters moving. `damping` limits the steps of all but the
     /// weights. `positive` guesses which parameters are positive, and is updated. `None` if the equations have no
     /// solution.
-    pub(super) fn solve(
+    pub(crate) fn solve(
         &self,
         normal: &ReducedEquations,
         lambda: f64,
@@ -148,7 +148,7 @@ impl Prior {
         let mut w = h.view_mut((0, 0), (weights, weights));
         w += &self.smooth * (size * lambda);
         for k in 0..layout.parameters() {
-            let stiff = if k < weights { size * RIDGE + 1e-14 * h[(k, k)] } else { damping * h[(k, k)] };
+            let stiff = if k < weights { size * WEIGHT_RIDGE + 1e-14 * h[(k, k)] } else { damping * h[(k, k)] };
             h[(k, k)] += stiff + f64::MIN_POSITIVE;
             // Unknowns are the weights themselves and the steps of the others.
             g[k] += if k < weights { stiff * self.current[k] } else { 0.0 };
@@ -162,7 +162,7 @@ impl Prior {
         for k in layout.gains.clone() {
             match self.target(k, &self.current) {
                 Target::None => continue,
-                Target::Usual => g[k] += alike * USUAL,
+                Target::Usual => g[k] += alike * USUAL_CREEP_GAIN,
                 Target::Faster => {
                     h[(k - 1, k - 1)] += alike;
                     h[(k - 1, k)] -= alike;
@@ -190,7 +190,7 @@ impl Prior {
         let signed: Vec<bool> = moving.iter().map(|&k| self.signed[k]).collect();
         let mut solved = non_negative(&scaled, &target, &signed, &mut positive[..n])?;
         // Lags with more than creep of ceramics have the largest gain of creep: they are something else.
-        let top = |j: usize| CREEPS / unit[j];
+        let top = |j: usize| MAX_CREEP_GAIN / unit[j];
         let mut held_at: Vec<usize> = Vec::new();
         let over = |solved: &DVector<f64>, held_at: &[usize]| {
             (0..n).find(|j| self.layout.gains.contains(&moving[*j]) && !held_at.contains(j) && solved[*j] > top(*j))

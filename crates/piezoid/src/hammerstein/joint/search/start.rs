@@ -1,4 +1,4 @@
-//! The initial linear block and its number of parameters.
+//! The first candidate: a linear block and initial conditions, with a coarse hysteresis.
 //!
 //! Small-signal records determine order and delay directly. With large-signal records alone, a coarse Preisach grid
 //! represents the hysteresis, its z replaces the input, and each structure, from a pure gain on, is refined together
@@ -7,84 +7,87 @@
 //!
 //! Why: docs/decisions/structure-and-operator-selection.md, "A grown block has limits, a specified order has none".
 
-use super::JointOptions;
-use super::beginnings::{COARSE, begin_all, coarse};
-use super::dynamics::{SAME_COST, creep_pole, slowest_observable, slowest_pole, with_slow_lags_limited};
-use super::growth::{Growth, ORDER, Structure};
-use super::hidden::Hidden;
-use super::refine::{StepCallback, refine};
-use super::runs::TrainingRecord;
-use super::solve::FreeParameters;
+use super::candidate::SelectedStructure;
+use super::fit::{
+    Estimate, FreeParameters, Hidden, creep_pole, refine, slowest_observable, slowest_pole, with_slow_lags_limited,
+};
+use super::initial_conditions::fit_with_initial_conditions;
+use super::structure::{Structure, rescaled, select};
+use super::{Candidate, JointOptions, LINEAR_BLOCK, POLICY, Search};
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::error::Error;
 use crate::hammerstein::Model;
 use crate::hammerstein::large_signal::{affine, lines, require_excitation};
 use crate::hysteresis::{BasisDesign, Operator, Proportional};
-use crate::linear::{Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, refine as refine_alone, select};
+use crate::linear::{
+    Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, refine as refine_alone, select as select_order,
+};
 use crate::optimize::swarm;
 use crate::progress::Stage;
 use crate::record::Record;
-use crate::series::scatter;
+use crate::series::{mean, scatter};
 use crate::system::System;
 use crate::waveform::dominant_frequency;
+use std::cmp::Reverse;
 use std::sync::Arc;
 
-/// Longest delay of small-signal records [samples].
-const DELAY: usize = 3;
+/// The first candidate.
+///
+/// # Errors
+/// Returns an error if the records do not excite the linear block; [`Error::Cancelled`].
+pub(super) fn first_candidate(search: &mut Search) -> Result<Candidate, Error> {
+    if search.records.is_large_signal_alone() { from_large_signal(search) } else { from_small_signal(search) }
+}
 
-/// Ratio of delayed to direct gain from which the output counts as delayed.
-const CLEARLY: f64 = 1.5;
+/// An estimate with a coarse hysteresis and this linear block.
+fn coarse(linear: Arx, settings: &JointOptions, design: &BasisDesign, lags: &[Lag]) -> Result<Estimate, Error> {
+    let design = BasisDesign { elements: Some(POLICY.coarse_rows), ..design.clone() };
+    let basis = (Operator::find("preisach")?.basis)(&design)?;
+    Ok(Estimate::new(settings.driver, basis, lags.to_vec(), linear))
+}
 
-/// The linear block from small-signal records, and the reason. Its gain has the sign of the large-signal records:
-/// hysteresis with jumps at reversals may invert small signals.
-pub(super) fn from_small_signal(
-    small: &[Record],
-    large_signal: &[Record],
-    settings: &JointOptions,
-    lags: &[Lag],
-) -> Result<(Arx, String), Error> {
+/// The linear block from small-signal records. Its gain has the sign of the large-signal records: hysteresis with jumps
+/// at reversals may invert small signals.
+fn from_small_signal(search: &mut Search) -> Result<Candidate, Error> {
+    let Search { settings, records, runs, bridged, lags, design, reporter, .. } = search;
+    let (small, large_signal) = (&bridged[..records.small.len()], &bridged[records.beside().len()..]);
     let (linear, reason) = select_on_small_signal(small, settings, lags)?;
     let linear = with_slow_lags_limited(linear, slowest_observable(small.iter().chain(large_signal)))?;
     let inverted = linear.proportional(0.0, large_signal)?.0 < 0.0;
-    Ok((if inverted { rescaled(&linear, -linear.dc_gain())? } else { linear }, reason))
+    let linear = if inverted { rescaled(&linear, -linear.dc_gain())? } else { linear };
+    let start = || coarse(linear.clone(), settings, design, lags);
+    let watch = &mut reporter.stage(LINEAR_BLOCK, 0);
+    let fitted = fit_with_initial_conditions(&start, runs, design.range, watch)?;
+    Ok(Candidate { structure: SelectedStructure { reason, simpler: Vec::new() }, operator: None, fitted })
 }
 
 fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag]) -> Result<(Arx, String), Error> {
-    let slowest = slowest_pole(settings, lags);
+    let slowest = slowest_pole(lags);
     require_excitation(small, 1)?;
     let driven: Vec<Record> = small.iter().map(|record| behind_driver(record, settings)).collect::<Result<_, _>>()?;
-    let most = lines(small).len().saturating_sub(1).clamp(1, ORDER);
+    let max_order = lines(small).len().saturating_sub(1).clamp(1, POLICY.max_order);
     if let Some(n) = settings.order {
         require_excitation(small, n)?;
         return of_order(&driven, n);
     }
-    let found = select(
-        &driven,
-        &OrderSearch { order: most, delay: DELAY, parallel: true, ..OrderSearch::default() },
-        &mut Stage::ignore,
-    )?;
+    let limits = OrderSearch { order: max_order, delay: POLICY.max_delay, parallel: true, ..OrderSearch::default() };
+    let found = select_order(&driven, &limits, &mut Stage::ignore)?;
     let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
     if !creeps(&found.fit.arx) {
         return Ok((found.fit.arx, found.reason));
     }
     // A slow lag of the linear block is creep, which has its own block.
-    let chosen = &found.candidates[found.chosen];
-    let near = found.candidates.iter().filter(|c| !creeps(&c.arx) && c.held_out <= 1.1 * chosen.held_out);
-    match near.min_by_key(|c| (c.orders.na, std::cmp::Reverse(c.orders.delay))) {
-        None => Ok((found.fit.arx, found.reason)),
-        Some(near) => {
-            let fit = refine_alone(&driven, &near.arx, &Refinement::default(), &mut Stage::ignore)?;
-            let (n, delay) = (near.orders.na, near.orders.delay);
-            Ok((
-                fit.arx,
-                format!(
-                    "order {n} with delay {delay}, because the better block has a lag as slow as creep ({})",
-                    found.reason
-                ),
-            ))
-        }
-    }
+    let most = POLICY.block_without_creep_ratio * found.candidates[found.chosen].held_out;
+    let near = found.candidates.iter().filter(|c| !creeps(&c.arx) && c.held_out <= most);
+    let Some(near) = near.min_by_key(|c| (c.orders.na, Reverse(c.orders.delay))) else {
+        return Ok((found.fit.arx, found.reason));
+    };
+    let fit = refine_alone(&driven, &near.arx, &Refinement::default(), &mut Stage::ignore)?;
+    let (n, delay) = (near.orders.na, near.orders.delay);
+    let reason =
+        format!("order {n} with delay {delay}, because the better block has a lag as slow as creep ({})", found.reason);
+    Ok((fit.arx, reason))
 }
 
 /// The block of order `n`, with the best delay.
@@ -92,10 +95,10 @@ fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
     let of = |delay| {
         OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut Stage::ignore)
     };
-    let tried: Vec<_> = (0..=DELAY).map(of).collect::<Result<_, _>>()?;
+    let tried: Vec<_> = (0..=POLICY.max_delay).map(of).collect::<Result<_, _>>()?;
     let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
     // The longest delay at the same cost.
-    let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= SAME_COST * least);
+    let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= POLICY.longer_delay_ratio * least);
     let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
     let delay = chosen.orders.delay;
     let reason = format!("order {n} as specified, with delay {delay}, which gives the smallest residual");
@@ -121,25 +124,19 @@ fn behind_driver(record: &Record, settings: &JointOptions) -> Result<Record, Err
     Ok(Record::new(ts, u, record.y().to_vec())?.with_units(record.units().clone()))
 }
 
-/// The structures of the linear block that large-signal records alone show, from the simplest on, with a coarse
-/// hysteresis.
-pub(super) fn from_large_signal(
-    large_signal: &[Record],
-    runs: &mut [TrainingRecord],
-    settings: &JointOptions,
-    design: &BasisDesign,
-    lags: &[Lag],
-    growth: &Growth,
-    watch: StepCallback,
-) -> Result<Vec<Structure>, Error> {
+/// The simplest structure of the linear block that large-signal records alone show, and that is as good as the best.
+fn from_large_signal(search: &mut Search) -> Result<Candidate, Error> {
+    let Search { settings, runs, bridged, lags, design, structures, reporter, .. } = search;
+    let large_signal = &bridged[..];
     let ts = large_signal[0].ts();
+    let watch = &mut reporter.stage(LINEAR_BLOCK, 0);
     let start = |linear: Arx| coarse(linear, settings, design, lags);
     let (gain, first) = start_gain(large_signal)?;
     let delayed_gain = |d: usize, next: f64| {
         let b = [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat();
         Arx::new(ts, Vec::new(), b)
     };
-    let plain = begin_all(&|| start(delayed_gain(first, 0.0)?), runs, design.range, watch)?;
+    let plain = fit_with_initial_conditions(&|| start(delayed_gain(first, 0.0)?), runs, design.range, watch)?;
     let hidden: Vec<Record> = Hidden::crept(&plain, runs)?.into_iter().map(|z| z.record).collect();
     let best_delay = delay(&hidden);
     let mut tried = vec![Structure::new(String::new(), plain)];
@@ -156,12 +153,14 @@ pub(super) fn from_large_signal(
         }
     }
     // The best of these is the last.
-    let best = tried.iter().enumerate().min_by(|p, q| Structure::better(&p.1, &q.1)).map_or(0, |(k, _)| k);
+    let best = tried.iter().enumerate().min_by(|p, q| Structure::by_error(&p.1, &q.1)).map_or(0, |(k, _)| k);
     tried.truncate(best + 1);
     let preisach = Operator::find("preisach")?;
-    let basis = |ts: f64| (preisach.basis)(&BasisDesign { ts, elements: Some(COARSE), ..design.clone() });
-    growth.grow(&mut tried, &basis, runs, watch)?;
-    Ok(tried)
+    let basis = |ts: f64| (preisach.basis)(&BasisDesign { ts, elements: Some(POLICY.coarse_rows), ..design.clone() });
+    structures.extend(&mut tried, &basis, runs, watch)?;
+    let selected = select(tried, settings.order);
+    let structure = SelectedStructure { reason: selected.reason, simpler: selected.simpler };
+    Ok(Candidate { structure, operator: None, fitted: selected.fitted })
 }
 
 /// The initial gain and its delay [samples]. The sign is that of the slowest record, because near a resonance the
@@ -174,21 +173,24 @@ fn start_gain(large_signal: &[Record]) -> Result<(f64, usize), Error> {
         Ok(affine(&[Record::new(slowest.ts(), u.to_vec(), y.to_vec())?])?.0)
     };
     let direct = lagged(0)?;
-    let later = (1..=DELAY.min(slowest.len() / 4)).map(|d| Ok((lagged(d)?, d))).collect::<Result<Vec<_>, Error>>()?;
-    let strongest = later.into_iter().max_by(|p, q| p.0.abs().total_cmp(&q.0.abs()));
-    match strongest.filter(|(gain, _)| gain.abs() > CLEARLY * direct.abs()) {
-        Some(late) => Ok(late),
+    let delayed = (1..=POLICY.max_delay.min(slowest.len() / 4))
+        .map(|d| Ok((lagged(d)?, d)))
+        .collect::<Result<Vec<_>, Error>>()?;
+    let strongest = delayed.into_iter().max_by(|p, q| p.0.abs().total_cmp(&q.0.abs()));
+    match strongest.filter(|(gain, _)| gain.abs() > POLICY.delayed_gain_ratio * direct.abs()) {
+        Some(delayed) => Ok(delayed),
         None => Ok((affine(large_signal)?.0.copysign(direct), 0)),
     }
 }
 
-/// The delay [samples] with the smallest residual of a gain, up to a tenth of the shortest record.
+/// The delay [samples] with the smallest residual of a gain, within limits.
 fn delay(hidden: &[Record]) -> usize {
-    let longest = hidden.iter().map(|r| r.len() / 10).min().unwrap_or(0).min(256);
+    let longest = hidden.iter().map(|r| r.len() / POLICY.hidden_delays_in_record).min();
+    let longest = longest.unwrap_or(0).min(POLICY.max_hidden_delay);
     let residual = |d: usize| -> f64 {
         let of = |r: &Record| {
             let (z, y) = (&r.u()[..r.len() - d], &r.y()[d..]);
-            let (mz, my) = (crate::series::mean(z), crate::series::mean(y));
+            let (mz, my) = (mean(z), mean(y));
             let crossed: f64 = z.iter().zip(y).map(|(z, y)| (z - mz) * (y - my)).sum();
             1.0 - crossed * crossed / (scatter(z) * scatter(y))
         };
@@ -201,10 +203,4 @@ fn delay(hidden: &[Record]) -> usize {
         least = residual(best);
     }
     best
-}
-
-/// The block with another static gain.
-pub(super) fn rescaled(arx: &Arx, gain: f64) -> Result<Arx, Error> {
-    let k = gain / arx.dc_gain();
-    Arx::new(arx.ts(), arx.a().to_vec(), arx.b().iter().map(|b| b * k).collect())
 }

@@ -3,11 +3,8 @@
 //! For each shape the weights are optimal, so the swarm has one dimension per shape parameter. Its result is only the
 //! start of the refinement.
 
-use super::equations::equations;
-use super::estimate::Estimate;
-use super::products::products;
-use super::runs::TrainingRecord;
-use super::solve::{FreeParameters, Prior};
+use super::POLICY;
+use super::fit::{Estimate, FreeParameters, Prior, TrainingRecord, equations, products};
 use crate::error::Error;
 use crate::hammerstein::InitialCondition;
 use crate::hysteresis::ShapeParameter;
@@ -16,31 +13,25 @@ use crate::progress::Stage;
 use crate::record::Record;
 use libm::pow;
 
-/// Number of samples for the swarm, of all runs together.
-const SAMPLES: usize = 10_000;
-
-/// Maximum number of shape parameters for a swarm.
-const MOST: usize = 6;
-
-/// Particles and iterations.
-const PARTICLES: usize = 12;
-const ITERATIONS: usize = 12;
+/// Smoothness weight and damping of the fits: only the order of the shapes matters.
+const SMOOTHNESS_WEIGHT: f64 = 1e-6;
+const DAMPING: f64 = 1e-6;
 
 /// The estimate with the best shape of a swarm and unknown weights; `None` if there is nothing to search.
-pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) -> Result<Option<Estimate>, Error> {
+pub(super) fn best_shape(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) -> Result<Option<Estimate>, Error> {
     let shape = estimate.basis.shape();
-    if shape.is_empty() || shape.len() > MOST {
+    if shape.is_empty() || shape.len() > POLICY.swarm_parameters {
         return Ok(None);
     }
     let large_signal: Vec<&TrainingRecord> = runs.iter().filter(|run| run.large_signal).collect();
-    let each = SAMPLES / large_signal.len().max(1);
+    let each = POLICY.swarm_samples / large_signal.len().max(1);
     // The ends, where rising amplitudes are largest.
     let from = |run: &TrainingRecord| run.record.len().saturating_sub(each);
     let end = |run: &&TrainingRecord| run.record.slice(from(run)..run.record.len());
     let parts: Vec<Record> = large_signal.iter().map(end).collect::<Result<_, _>>()?;
     let part = |(part, run): (_, &&TrainingRecord)| {
         let end = TrainingRecord::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;
-        // The largest of rising amplitudes wipe out what was long before.
+        // The largest of rising amplitudes wipe out the memory of the inputs long before.
         let before = [&run.before, &run.record.u()[..from(run)]].concat();
         let before = before[before.len().saturating_sub(each.max(1))..].to_vec();
         let initial = if from(run) > 0 { InitialCondition::Motion } else { run.initial };
@@ -59,14 +50,14 @@ pub(super) fn search(estimate: &Estimate, runs: &[TrainingRecord], seed: u64) ->
         let (normal, _) = equations(&estimate, &segments, |_| true);
         let prior = Prior::of(&estimate);
         let mut positive = vec![true; prior.current().len()];
-        match prior.solve(&normal, 1e-6, 1e-6, FreeParameters::Weights, &mut positive) {
+        match prior.solve(&normal, SMOOTHNESS_WEIGHT, DAMPING, FreeParameters::Weights, &mut positive) {
             Some(x) => normal.residual(&prior.steps(&x)),
             None => f64::INFINITY,
         }
     };
     let settings = swarm::SwarmSettings {
-        particles: PARTICLES,
-        iterations: ITERATIONS,
+        particles: POLICY.swarm_particles,
+        iterations: POLICY.swarm_iterations,
         seed,
         parallel: true,
         ..swarm::SwarmSettings::default()

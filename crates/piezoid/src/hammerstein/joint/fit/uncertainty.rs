@@ -9,14 +9,15 @@
 //!
 //! B. Efron & C. Stein, Ann. Statist. 9, 586 (1981), DOI 10.1214/aos/1176345462.
 
-use super::refine::Fitted;
+use super::estimate::Estimate;
+use super::fitted::Fitted;
 use crate::linear::{Pole, PoleShare};
 use crate::series::scatter;
 use libm::log;
 use serde::Serialize;
 
 /// Error over value from which a parameter counts as not identified.
-const UNKNOWN: f64 = 0.5;
+const UNKNOWN_RELATIVE_ERROR: f64 = 0.5;
 
 /// A physical parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -32,15 +33,15 @@ pub struct FittedParameter {
 impl FittedParameter {
     /// True if its standard error exceeds half of its value.
     pub fn is_unknown(&self) -> bool {
-        self.error.is_nan() || self.error > UNKNOWN * self.value.abs()
+        self.error.is_nan() || self.error > UNKNOWN_RELATIVE_ERROR * self.value.abs()
     }
 }
 
 /// Shape of the hysteresis, lag of the driver, creep, and modes of the linear block, if there are any.
-pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
+pub(crate) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
     let estimate = &fitted.estimate;
     let others: Vec<_> = fitted.held_out.without.iter().filter_map(|x| estimate.moved(x.as_slice())).collect();
-    let parameter = |name: String, value: f64, of: &dyn Fn(&super::Estimate) -> f64| {
+    let parameter = |name: String, value: f64, of: &dyn Fn(&Estimate) -> f64| {
         let values: Vec<f64> = others.iter().map(of).collect();
         let n = values.len() as f64;
         let error = if n > 1.0 { ((n - 1.0) / n * scatter(&values)).sqrt() } else { f64::INFINITY };
@@ -51,7 +52,7 @@ pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
         parameters.push(parameter(shape.name.into(), shape.value, &|e| e.basis.shape()[k].value));
     }
     if let Some(driver) = estimate.driver.filter(|_| estimate.seeks_lag) {
-        let lag_of = |e: &super::Estimate| e.driver.map_or(f64::NAN, |driver| driver.lag_s);
+        let lag_of = |e: &Estimate| e.driver.map_or(f64::NAN, |driver| driver.lag_s);
         parameters.push(parameter("driver lag [s]".into(), driver.lag_s, &lag_of));
     }
     for (k, lag) in estimate.lags.iter().enumerate().filter(|(_, lag)| lag.gain > 0.0) {
@@ -60,13 +61,13 @@ pub(super) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
     }
     for (k, mode) in estimate.linear.modal_form().modes().into_iter().enumerate() {
         // The nearest by frequency: their order may change.
-        let nearest = |e: &super::Estimate| {
+        let nearest = |e: &Estimate| {
             let near = |p: &PoleShare| log(p.pole.hz / mode.pole.hz).abs();
             let modes = e.linear.modal_form().modes().into_iter();
             modes.min_by(|p, q| near(p).total_cmp(&near(q))).map(|p| p.pole)
         };
         let (k, Pole { hz, damping, .. }) = (k + 1, mode.pole);
-        let of_nearest = |e: &super::Estimate, of: fn(Pole) -> f64| nearest(e).map_or(f64::NAN, of);
+        let of_nearest = |e: &Estimate, of: fn(Pole) -> f64| nearest(e).map_or(f64::NAN, of);
         parameters.push(parameter(format!("mode {k} frequency [Hz]"), hz, &|e| of_nearest(e, |p| p.hz)));
         parameters.push(parameter(format!("mode {k} damping"), damping, &|e| of_nearest(e, |p| p.damping)));
     }

@@ -19,18 +19,18 @@ use rayon::prelude::*;
 
 /// Expected distance of creep from settled at the start, over the peak-to-peak of y, and the error it is weighted
 /// against.
-const CREPT: f64 = 0.01;
-const ERROR: f64 = 0.003;
+const EXPECTED_CREEP: f64 = 0.01;
+const EXPECTED_ERROR: f64 = 0.003;
 
 /// Expected drift over a record, over the peak-to-peak of y: of any, and of one whose output drifts.
-const DRIFT: f64 = 0.01;
-const MUCH: f64 = 1.0;
+const EXPECTED_DRIFT: f64 = 0.01;
+const DETECTED_DRIFT: f64 = 1.0;
 
 /// Expected distance of G from its state at the start, over the peak-to-peak of y.
-const RUNG: f64 = 0.03;
+const EXPECTED_RINGING: f64 = 0.03;
 
 /// Independent errors in a record: those of a model are alike from sample to sample.
-const ALONE: f64 = 100.0;
+const SAMPLES_PER_ERROR: f64 = 100.0;
 
 /// The weight that draws each of a run's own coefficients to zero: what is expected of them. `own` are their products.
 fn expected(
@@ -43,11 +43,11 @@ fn expected(
     let p = layout.parameters();
     // The square of one sample of the constant's column.
     let one = own[(layout.constant - p, layout.constant - p)] / samples.max(1.0);
-    let error = ERROR.powi(2) * (samples / ALONE).max(1.0);
-    let creep = one * error * (estimate.linear.dc_gain() / CREPT).powi(2);
-    let drift = one * error / if drifts { MUCH } else { DRIFT }.powi(2);
+    let error = EXPECTED_ERROR.powi(2) * (samples / SAMPLES_PER_ERROR).max(1.0);
+    let creep = one * error * (estimate.linear.dc_gain() / EXPECTED_CREEP).powi(2);
+    let drift = one * error / if drifts { DETECTED_DRIFT } else { EXPECTED_DRIFT }.powi(2);
     // The state of G rings for as long as its slowest pole.
-    let rings = error / RUNG.powi(2) / longest_decay(&estimate.linear).clamp(1.0, samples.max(1.0));
+    let rings = error / EXPECTED_RINGING.powi(2) / longest_decay(&estimate.linear).clamp(1.0, samples.max(1.0));
     DVector::from_fn(own.nrows(), |k, _| {
         let weight = match p + k {
             column if layout.crept.contains(&column) => creep,
@@ -66,16 +66,16 @@ fn longest_decay(linear: &Arx) -> f64 {
 
 /// Sums of squares as functions of the weights and of the steps of the other parameters.
 #[derive(Debug, Clone)]
-pub(super) struct ReducedEquations {
-    pub(super) h: DMatrix<f64>,
-    pub(super) g: DVector<f64>,
-    pub(super) yy: f64,
-    pub(super) samples: f64,
+pub(crate) struct ReducedEquations {
+    pub(crate) h: DMatrix<f64>,
+    pub(crate) g: DVector<f64>,
+    pub(crate) yy: f64,
+    pub(crate) samples: f64,
 }
 
 impl ReducedEquations {
     /// The sum of squares at `x`.
-    pub(super) fn residual(&self, x: &DVector<f64>) -> f64 {
+    pub(crate) fn residual(&self, x: &DVector<f64>) -> f64 {
         (self.yy + x.dot(&(&self.h * x - &self.g * 2.0))).max(0.0)
     }
 
@@ -93,9 +93,9 @@ impl ReducedEquations {
 
 /// The equations of a run, and its own coefficients: v = v0 - V x.
 #[derive(Debug, Clone)]
-pub(super) struct RecordEquations {
-    pub(super) run: usize,
-    pub(super) normal: ReducedEquations,
+pub(crate) struct RecordEquations {
+    pub(crate) run: usize,
+    pub(crate) normal: ReducedEquations,
     carried: DMatrix<f64>,
     carried_y: DVector<f64>,
 }
@@ -125,21 +125,21 @@ impl RecordEquations {
     }
 
     /// The run's own coefficients for the parameters `x`.
-    pub(super) fn own(&self, x: &DVector<f64>) -> Vec<f64> {
+    pub(crate) fn own(&self, x: &DVector<f64>) -> Vec<f64> {
         (&self.carried_y - &self.carried * x).iter().copied().collect()
     }
 }
 
-/// The equations of each run over the `taken` segments, and their sum.
-pub(super) fn equations(
+/// The equations of each run over the `selected` segments, and their sum.
+pub(crate) fn equations(
     estimate: &Estimate,
     segments: &[Segment],
-    taken: impl Fn(&Segment) -> bool + Sync,
+    selected: impl Fn(&Segment) -> bool + Sync,
 ) -> (ReducedEquations, Vec<RecordEquations>) {
     let layout = ColumnLayout::of(estimate);
     let runs = segments.chunk_by(|p, q| p.run == q.run).collect::<Vec<_>>();
     let of = |run: &&[Segment]| {
-        let parts: Vec<&Segment> = run.iter().filter(|s| s.samples > 0.0 && taken(s)).collect();
+        let parts: Vec<&Segment> = run.iter().filter(|s| s.samples > 0.0 && selected(s)).collect();
         (!parts.is_empty()).then(|| RecordEquations::of(estimate, &layout, &parts))
     };
     let each: Vec<RecordEquations> = runs.par_iter().filter_map(of).collect();
@@ -186,12 +186,12 @@ mod tests {
     }
 
     #[test]
-    fn only_the_taken_segments_count() {
+    fn only_the_selected_segments_count() {
         let estimate = estimate("prandtl-ishlinskii", 3);
         let layout = ColumnLayout::of(&estimate);
         let [one, other] = [segment(&layout, 0, Some(0), 1), segment(&layout, 0, Some(1), 2)];
-        let (taken, _) = equations(&estimate, &[one.clone(), other], |part| part.fold == Some(0));
+        let (selected, _) = equations(&estimate, &[one.clone(), other], |part| part.fold == Some(0));
         let (alone, _) = equations(&estimate, &[one], |_| true);
-        assert_eq!((taken.h, taken.g, taken.samples), (alone.h, alone.g, alone.samples));
+        assert_eq!((selected.h, selected.g, selected.samples), (alone.h, alone.g, alone.samples));
     }
 }

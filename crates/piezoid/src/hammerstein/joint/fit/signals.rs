@@ -4,13 +4,13 @@ use multiversion::multiversion;
 
 /// Signals that are filtered together: several vectors of a vector unit. With fewer, the compiler unrolls the loops
 /// over them, and makes vectors of the coefficients instead, which is slow.
-pub(super) const LANES: usize = 32;
+pub(crate) const LANES: usize = 32;
 
 /// What has decayed to this is zero: processors are slow with numbers next to the smallest ones.
-pub(super) const DECAYED: f64 = 1e-100;
+pub(crate) const DECAYED_SIGNAL: f64 = 1e-100;
 
 /// Creep, then G = B/A, on [`LANES`] signals.
-pub(super) struct Filter {
+pub(crate) struct Filter {
     /// 1 - exp(-Ts / tau), and gain, of the lags that have one.
     lags: Vec<(f64, f64)>,
     /// b_j and a_j of each delay.
@@ -22,7 +22,7 @@ pub(super) struct Filter {
 
 impl Filter {
     /// The filter at rest; `lags` are (1 - exp(-Ts / tau), gain).
-    pub(super) fn new(lags: &[(f64, f64)], a: &[f64], b: &[f64]) -> Self {
+    pub(crate) fn new(lags: &[(f64, f64)], a: &[f64], b: &[f64]) -> Self {
         let lags: Vec<_> = lags.iter().copied().filter(|lag| lag.1 != 0.0).collect();
         let at = |c: &[f64], k: usize| c.get(k).copied().unwrap_or_default();
         let delays = b.len().max(a.len() + 1);
@@ -32,9 +32,9 @@ impl Filter {
     }
 
     /// Filters the signals `from..from + LANES` of `rows`, which have `width` signals each.
-    pub(super) fn pass(&mut self, rows: &mut [f64], width: usize, from: usize) {
+    pub(crate) fn pass(&mut self, rows: &mut [f64], width: usize, from: usize) {
         pass(rows, width, from, &self.lags, &self.coefficients, &mut self.lagging, &mut self.carried);
-        for x in self.lagging.iter_mut().chain(&mut self.carried).flatten().filter(|x| x.abs() < DECAYED) {
+        for x in self.lagging.iter_mut().chain(&mut self.carried).flatten().filter(|x| x.abs() < DECAYED_SIGNAL) {
             *x = 0.0;
         }
     }
@@ -75,33 +75,33 @@ fn pass(
 }
 
 /// 1/A on one signal, with its last outputs.
-pub(super) struct AllPole<'a> {
+pub(crate) struct AllPole<'a> {
     a: &'a [f64],
     past: Vec<f64>,
 }
 
 impl<'a> AllPole<'a> {
     /// Stores the last `length` outputs.
-    pub(super) fn new(a: &'a [f64], length: usize) -> Self {
+    pub(crate) fn new(a: &'a [f64], length: usize) -> Self {
         AllPole { a, past: vec![0.0; length.max(a.len()).max(1)] }
     }
 
-    pub(super) fn step(&mut self, v: f64) {
+    pub(crate) fn step(&mut self, v: f64) {
         let y = v + self.a.iter().zip(&self.past).map(|(a, y)| a * y).sum::<f64>();
         let kept = self.past.len() - 1;
         self.past.copy_within(..kept, 1);
-        self.past[0] = if y.abs() < DECAYED { 0.0 } else { y };
+        self.past[0] = if y.abs() < DECAYED_SIGNAL { 0.0 } else { y };
     }
 
     /// The last outputs, newest first.
-    pub(super) fn past(&self) -> &[f64] {
+    pub(crate) fn past(&self) -> &[f64] {
         &self.past
     }
 }
 
 /// y += k x.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
-pub(super) fn add(y: &mut [f64], k: f64, x: &[f64]) {
+pub(crate) fn add(y: &mut [f64], k: f64, x: &[f64]) {
     for t in 0..y.len().min(x.len()) {
         y[t] += k * x[t];
     }

@@ -1,133 +1,37 @@
-//! The free-run error, linearised in all parameters, and the products of its columns.
+//! The columns of the free-run error, linearised in all parameters.
 //!
 //! With zc the hidden variable after creep, L_i the lags of creep and G = B/A:
 //!
 //! ```text
-//! y = G zc + response to the past + c
+//! y = G zc + response to the initial states + c
 //! dy/dw_k = G C phi_k   dy/dg_i = G L_i z   dy/dp_j = G C dz/dp_j   dy/da_i = q^-i y/A   dy/db_j = q^-j zc/A
 //! ```
-//! All are exact. The response to a record's past is linear as well: q^-i/A for the state of G, G exp(-t/tau_i) for
-//! that of creep. Columns are computed and multiplied in blocks of samples, so records may have any length.
+//! All are exact. The response to a record's initial states is linear as well: q^-i/A for the state of G, G
+//! exp(-t/tau_i) for that of creep. Columns are computed in blocks of samples, so records may have any length.
 
 use super::estimate::{Estimate, Responses, differences, of_differences};
-use super::gram;
 use super::hidden::Inputs;
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
-use super::signals::{AllPole, DECAYED, Filter, LANES};
+use super::signals::{AllPole, DECAYED_SIGNAL, Filter, LANES};
 use super::solve::FreeParameters;
 use crate::creep::Lag;
 use crate::driver::DriverModel;
 use crate::series::{dot, dot_wide};
 use libm::expm1;
-use nalgebra::{DMatrix, DVector};
-use rayon::prelude::*;
-use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// Samples that are filtered at a time, and rows per block.
-const SAMPLES: usize = 64;
-const BLOCK: usize = 256;
-
-/// Maximum number of large-signal rows kept of all runs: neighbouring rows have similar information.
-const ROWS: usize = 20_000;
+/// Samples that are filtered at a time.
+pub(super) const FILTERED_SAMPLES: usize = 64;
 
 /// Step of the difference quotient for the lag of the driver, over the lag.
-const LAG_STEP: f64 = 1e-3;
-
-/// Products of the columns with each other and with y, over all samples of a run in one fold.
-#[derive(Debug, Clone)]
-pub(super) struct Segment {
-    /// Index of the run.
-    pub(super) run: usize,
-    /// The fold it is held out in; `None` is never held out.
-    pub(super) fold: Option<usize>,
-    /// True if its held-out error counts, as for large-signal records.
-    pub(super) judged: bool,
-    /// True if its output drifts.
-    pub(super) drifts: bool,
-    /// All columns, then y.
-    pub(super) gram: DMatrix<f64>,
-    /// Number of usable samples, kept or not.
-    pub(super) samples: f64,
-}
-
-impl Segment {
-    /// The sum of squares for the parameters `x` and the run's own coefficients.
-    pub(super) fn residual(&self, x: &DVector<f64>, own: &[f64]) -> f64 {
-        let n = self.gram.nrows() - 1;
-        let all = DVector::from_iterator(n, x.iter().chain(own).copied());
-        let (h, g) = (self.gram.view((0, 0), (n, n)), self.gram.view((0, n), (n, 1)));
-        (self.gram[(n, n)] + all.dot(&(h * &all - g * 2.0).column(0))).max(0.0)
-    }
-}
-
-/// The products of each fold of each run. `own` are the last own coefficients of the runs; empty at first. The
-/// columns of the shape are zero if it is not among the `free` parameters.
-pub(super) fn products(
-    estimate: &Estimate,
-    runs: &[TrainingRecord],
-    own: &[Vec<f64>],
-    free: FreeParameters,
-) -> Vec<Segment> {
-    let large_signal: usize = runs.iter().filter(|r| r.large_signal).map(|r| r.record.len()).sum();
-    let thin = large_signal.div_ceil(ROWS).max(1);
-    let layout = ColumnLayout::of(estimate);
-    let of = |(k, run): (usize, &TrainingRecord)| {
-        let own = own.get(k).map_or(&[] as &[f64], Vec::as_slice);
-        let columns = RunColumns::new(estimate, run, &layout, own, free);
-        of_run(columns, k, if run.large_signal { thin } else { 1 })
-    };
-    runs.par_iter().enumerate().flat_map_iter(of).collect()
-}
-
-fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
-    let run = columns.run;
-    columns.begin();
-    let size = columns.layout.columns() + 1;
-    let weight = run.scale * run.heavier * (thin as f64).sqrt();
-    let wanted = |t: usize| run.usable[t] && kept(t, thin);
-    // Per fold: its products, and rows that are not in them yet.
-    let mut parts: BTreeMap<Option<usize>, (Segment, Vec<f64>)> = BTreeMap::new();
-    let mut rows = vec![0.0; size * SAMPLES];
-    let mut begin = 0;
-    for &(end, fold) in &run.segments {
-        let (segment, waiting) = parts.entry(fold).or_insert_with(|| {
-            let gram = DMatrix::zeros(size, size);
-            let segment =
-                Segment { run: index, fold, judged: run.large_signal, drifts: run.drifts, gram, samples: 0.0 };
-            (segment, Vec::with_capacity(size * BLOCK))
-        });
-        for from in (begin..end).step_by(SAMPLES) {
-            let added = columns.advance(from..end.min(from + SAMPLES), wanted, &mut rows);
-            waiting.extend(rows[..added * size].iter().map(|v| v * weight));
-            if waiting.len() > size * (BLOCK - SAMPLES) {
-                gram::add(&mut segment.gram, waiting);
-                waiting.clear();
-            }
-        }
-        segment.samples += run.usable[begin..end].iter().filter(|usable| **usable).count() as f64;
-        begin = end;
-    }
-    let whole = |(mut segment, waiting): (Segment, Vec<f64>)| {
-        gram::add(&mut segment.gram, &waiting);
-        segment.gram.fill_upper_triangle_with_lower_triangle();
-        segment
-    };
-    parts.into_values().map(whole).collect()
-}
-
-/// True if row `t` is kept: one of every `thin` rows, at non-periodic places.
-fn kept(t: usize, thin: usize) -> bool {
-    let golden = ((t / thin) as f64 * 0.618_033_988_749_895).fract();
-    t % thin == (golden * thin as f64) as usize
-}
+const RELATIVE_LAG_STEP: f64 = 1e-3;
 
 /// The columns of a run, block by block.
-struct RunColumns<'a> {
+pub(super) struct RunColumns<'a> {
     estimate: &'a Estimate,
-    run: &'a TrainingRecord<'a>,
-    layout: &'a ColumnLayout,
+    pub(super) run: &'a TrainingRecord<'a>,
+    pub(super) layout: &'a ColumnLayout,
     /// The initial state of creep, and that of G as the coefficients of single samples.
     crept: &'a [f64],
     state: Vec<f64>,
@@ -149,7 +53,7 @@ struct RunColumns<'a> {
 }
 
 impl<'a> RunColumns<'a> {
-    fn new(
+    pub(super) fn new(
         estimate: &'a Estimate,
         run: &'a TrainingRecord<'a>,
         layout: &'a ColumnLayout,
@@ -183,7 +87,7 @@ impl<'a> RunColumns<'a> {
             crept,
             state,
             level,
-            entering: vec![0.0; SAMPLES * filters.len() * LANES],
+            entering: vec![0.0; FILTERED_SAMPLES * filters.len() * LANES],
             filters,
             behind_creep,
             y_by_a: AllPole::new(a, past),
@@ -201,23 +105,29 @@ impl<'a> RunColumns<'a> {
     }
 
     /// Advances over the inputs before the record that pass creep and linear block.
-    fn begin(&mut self) {
+    pub(super) fn pass_earlier_inputs(&mut self) {
         let moving = &self.run.before[self.run.before.len() - self.run.moving()..];
-        for inputs in moving.chunks(SAMPLES) {
+        for inputs in moving.chunks(FILTERED_SAMPLES) {
             inputs.iter().enumerate().for_each(|(k, &u)| self.enter(k, u, false));
             self.filter(inputs.len());
         }
         self.decaying.fill(1.0);
     }
 
-    /// Advances over at most [`SAMPLES`] samples, and writes the rows of those wanted, y last. Returns their number.
-    fn advance(&mut self, samples: Range<usize>, wanted: impl Fn(usize) -> bool, rows: &mut [f64]) -> usize {
+    /// Advances over at most [`FILTERED_SAMPLES`] samples, and writes the rows of those selected, y last. Returns their
+    /// number.
+    pub(super) fn advance(
+        &mut self,
+        samples: Range<usize>,
+        selected: impl Fn(usize) -> bool,
+        rows: &mut [f64],
+    ) -> usize {
         let (layout, size) = (self.layout, self.layout.columns() + 1);
         let delay = self.estimate.linear.delay();
-        let mut added = Vec::with_capacity(SAMPLES);
+        let mut added = Vec::with_capacity(FILTERED_SAMPLES);
         for (k, t) in samples.clone().enumerate() {
             self.enter(k, self.run.record.u()[t], t == 0);
-            if wanted(t) {
+            if selected(t) {
                 let row = &mut rows[added.len() * size..][..size];
                 row[layout.b.clone()].copy_from_slice(&self.zc_by_a.past()[delay..delay + layout.b.len()]);
                 row[layout.state.clone()].copy_from_slice(&self.impulse_by_a.past()[..layout.state.len()]);
@@ -268,7 +178,7 @@ impl<'a> RunColumns<'a> {
         let lags = self.lags.iter_mut().zip(&mut self.decaying).zip(&self.rates).zip(&self.estimate.lags);
         for (((lag, decaying), rate), Lag { gain, .. }) in lags {
             *lag += rate * (z - *lag);
-            *decaying *= if *decaying < DECAYED { 0.0 } else { 1.0 - rate };
+            *decaying *= if *decaying < DECAYED_SIGNAL { 0.0 } else { 1.0 - rate };
             zc += gain * *lag;
         }
         let n = self.rates.len();
@@ -296,7 +206,7 @@ fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
     };
     let lag = estimate.driver.filter(|_| estimate.seeks_lag).map(|driver| {
         let Ok(block) = estimate.basis.operator(&estimate.weights) else { return Vec::new() };
-        let step = LAG_STEP * driver.lag_s;
+        let step = RELATIVE_LAG_STEP * driver.lag_s;
         let z = |lag_s: f64| {
             let inputs = Inputs::of(run, Some(DriverModel { lag_s, ..driver }));
             inputs.by_sample(&block.simulate(&inputs.v), run)
@@ -309,28 +219,12 @@ fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::estimate::of_differences;
+    use super::super::solve::Prior;
+    use super::super::testing::{TS, full_estimate};
     use super::*;
-    use crate::creep::Lag;
-    use crate::driver::DriverModel;
-    use crate::hysteresis::{BasisDesign, OPERATORS, Operator};
-    use crate::linear::Arx;
+    use crate::hysteresis::OPERATORS;
     use crate::record::Record;
-
-    const TS: f64 = 5e-4;
-
-    /// A full estimate: weights, shapes off their kinks, creep, dynamics with a delay.
-    fn estimate(row: &Operator, driver: Option<DriverModel>) -> Estimate {
-        let ts = if driver.is_some() { TS / DriverModel::SUBSTEPS as f64 } else { TS };
-        let design = BasisDesign { ts, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![5.0, 20.0] };
-        let basis = (row.basis)(&design).unwrap();
-        let off = |s: &crate::hysteresis::ShapeParameter| s.value + 0.07 * s.value.abs() + 0.003 * (s.high - s.low);
-        let basis = basis.reshaped(&basis.shape().iter().map(off).collect::<Vec<_>>()).unwrap();
-        let lags = vec![Lag { tau_s: 5e-3, gain: 0.08 }, Lag { tau_s: 5e-2, gain: 0.03 }];
-        let linear = Arx::new(TS, vec![1.1, -0.5], vec![0.0, 0.3, 0.2]).unwrap();
-        let weights = (0..basis.len()).map(|k| 1.0 + 0.5 * (1.7 * k as f64).sin()).collect();
-        Estimate { weights, seeks_lag: driver.is_some(), ..Estimate::new(driver, basis, lags, linear) }
-    }
+    use nalgebra::DMatrix;
 
     /// The free run by the law, sample by sample.
     fn free_run(estimate: &Estimate, run: &TrainingRecord, own: &[f64]) -> Vec<f64> {
@@ -344,7 +238,7 @@ mod tests {
         let (earlier, later) = run.before[1..].split_at(run.before.len() - 1 - moving);
         earlier.iter().for_each(|&u| _ = responses.next(u));
         let mut lags: Vec<f64> = vec![0.0; estimate.lags.len()];
-        let mut began: Vec<f64> = layout.crept.clone().map(own_of).collect();
+        let mut initial: Vec<f64> = layout.crept.clone().map(own_of).collect();
         let state = of_differences(&layout.state.clone().map(own_of).collect::<Vec<_>>());
         let (mut zc, mut y): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
         for (t, &u) in later.iter().chain(run.record.u()).enumerate() {
@@ -356,9 +250,9 @@ mod tests {
                 crept += of.gain * *lag;
             }
             if t >= moving {
-                for (began, of) in began.iter_mut().zip(&estimate.lags) {
-                    *began *= (-TS / of.tau_s).exp();
-                    crept += *began;
+                for (initial, of) in initial.iter_mut().zip(&estimate.lags) {
+                    *initial *= (-TS / of.tau_s).exp();
+                    crept += *initial;
                 }
             }
             zc.push(crept);
@@ -384,9 +278,9 @@ mod tests {
         });
         let driver = DriverModel::new(3e-4, Some(4e3)).unwrap();
         for (row, driver) in OPERATORS.iter().flat_map(|row| [(row, None), (row, Some(driver))]) {
-            let estimate = estimate(row, driver);
+            let estimate = full_estimate(row, driver);
             let layout = ColumnLayout::of(&estimate);
-            let x = super::super::solve::Prior::of(&estimate).current().as_slice().to_vec();
+            let x = Prior::of(&estimate).current().as_slice().to_vec();
             let own: Vec<f64> = (0..layout.own()).map(|k| 3.0 + k as f64).collect();
             for (record, moving) in records.iter().zip([false, true]) {
                 let run = TrainingRecord::new(record, "record", true, vec![true; record.len()]).unwrap();
@@ -395,9 +289,9 @@ mod tests {
                 let mut columns = RunColumns::new(&estimate, &run, &layout, &own, FreeParameters::All);
                 let size = layout.columns() + 1;
                 let mut rows = DMatrix::zeros(size, record.len());
-                columns.begin();
-                for from in (0..record.len()).step_by(SAMPLES) {
-                    let to = record.len().min(from + SAMPLES);
+                columns.pass_earlier_inputs();
+                for from in (0..record.len()).step_by(FILTERED_SAMPLES) {
+                    let to = record.len().min(from + FILTERED_SAMPLES);
                     columns.advance(from..to, |_| true, &mut rows.as_mut_slice()[from * size..]);
                 }
                 for k in 0..layout.columns() {
@@ -428,21 +322,5 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn products_are_relative_to_the_level_and_exclude_unusable_samples() {
-        let estimate = estimate(OPERATORS[0], None);
-        let u: Vec<f64> = (0..600).map(|t| 20.0 * (0.1 * f64::from(t)).sin()).collect();
-        let sums = |offset: f64, spike: f64| {
-            let y = u.iter().enumerate().map(|(t, u)| u + offset + if t == 300 { spike } else { 0.0 }).collect();
-            let record = Record::new(TS, u.clone(), y).unwrap();
-            let usable = (0..600).map(|t| t != 300).collect();
-            let run = TrainingRecord::new(&record, "record", true, usable).unwrap();
-            products(&estimate, &[run], &[], FreeParameters::All)[0].gram.clone()
-        };
-        let plain = sums(0.0, 0.0);
-        assert_eq!(plain, sums(0.0, 1e9));
-        assert!((&plain - sums(1e6, 0.0)).amax() < 1e-9 * plain.amax());
     }
 }

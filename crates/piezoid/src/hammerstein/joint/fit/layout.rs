@@ -5,29 +5,29 @@ use std::ops::Range;
 
 /// The columns: first the parameters, then the record's own coefficients.
 #[derive(Debug, Clone)]
-pub(super) struct ColumnLayout {
+pub(crate) struct ColumnLayout {
     /// Weights of the hysteresis.
-    pub(super) weights: Range<usize>,
+    pub(crate) weights: Range<usize>,
     /// Gains of creep.
-    pub(super) gains: Range<usize>,
+    pub(crate) gains: Range<usize>,
     /// Shape parameters of the hysteresis, then the lag of the driver if it is sought.
-    pub(super) shape: Range<usize>,
+    pub(crate) shape: Range<usize>,
     /// a1, a2, ..., as coefficients of the differences of the outputs.
-    pub(super) a: Range<usize>,
+    pub(crate) a: Range<usize>,
     /// b after the delay, as coefficients of the differences of the inputs.
-    pub(super) b: Range<usize>,
+    pub(crate) b: Range<usize>,
     /// A record's own: the initial state of creep.
-    pub(super) crept: Range<usize>,
+    pub(crate) crept: Range<usize>,
     /// The initial state of G, likewise.
-    pub(super) state: Range<usize>,
+    pub(crate) state: Range<usize>,
     /// The offset of its output.
-    pub(super) constant: usize,
+    pub(crate) constant: usize,
     /// The trend of its output.
-    pub(super) trend: usize,
+    pub(crate) trend: usize,
 }
 
 impl ColumnLayout {
-    pub(super) fn of(estimate: &Estimate) -> Self {
+    pub(crate) fn of(estimate: &Estimate) -> Self {
         let mut end = 0;
         let mut next = |n: usize| {
             end += n;
@@ -49,17 +49,17 @@ impl ColumnLayout {
     }
 
     /// Number of parameters.
-    pub(super) fn parameters(&self) -> usize {
+    pub(crate) fn parameters(&self) -> usize {
         self.b.end
     }
 
     /// Number of a record's own coefficients.
-    pub(super) fn own(&self) -> usize {
+    pub(crate) fn own(&self) -> usize {
         self.columns() - self.parameters()
     }
 
     /// Number of columns; y follows the last.
-    pub(super) fn columns(&self) -> usize {
+    pub(crate) fn columns(&self) -> usize {
         self.trend + 1
     }
 }

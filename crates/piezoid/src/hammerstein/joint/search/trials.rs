@@ -1,10 +1,11 @@
-//! The operators tried, and the choice among them.
+//! The operators to try, their results, and the selection of one.
 //!
 //! Why: docs/decisions/structure-and-operator-selection.md, "The larger of two errors decides between operators".
 //! Why: docs/decisions/structure-and-operator-selection.md, "Without minor loops, auto tries fewer operators".
 
-use super::held_out::WORSE;
-use super::refine::Fitted;
+use super::super::records::Records;
+use super::POLICY;
+use super::fit::{ACCEPTED_RMS_RATIO, Fitted};
 use crate::error::Error;
 use crate::hysteresis::{Operator, is_auto};
 use crate::number::short;
@@ -14,17 +15,11 @@ use crate::waveform::reversals;
 use libm::hypot;
 use serde::Serialize;
 
-/// Distance from the ends of the range, as its share, from which a reversal starts a minor loop; and the number of such
-/// reversals that show minor loops.
-const INSIDE: f64 = 0.1;
-const ENOUGH: usize = 8;
-
-/// Ratio of held-out errors up to which free runs decide between two operators. What all have in common, as a linear
-/// block that is not settled yet, would hide in the free run how they differ.
-const NEAR: f64 = 1.5;
-
 /// Error that is rounding [%].
-const ROUNDED: f64 = 1e-5;
+const ROUNDING_PERCENT: f64 = 1e-5;
+
+/// The verdict on the operator that is selected.
+const SELECTED: &str = "taken";
 
 /// The result of one operator.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -54,31 +49,31 @@ pub struct OperatorTrial {
 
 /// The operators to try: those listed, and with `auto` only those that suit the records. Without minor loops in the
 /// records, operators that differ only there cannot be distinguished. Then only those are tried that follow and wipe
-/// out minor loops, as measured ceramics do, and whose minor loops the major loops determine. If large-signal records
-/// stand `alone`, rate-dependent operators are left out: their dynamics cannot be separated from the linear block.
-pub(super) fn candidates(
+/// out minor loops, as measured ceramics do, and whose minor loops the major loops determine. If there are only
+/// large-signal records, rate-dependent operators are left out: their dynamics cannot be separated from the linear
+/// block.
+pub(crate) fn suitable_operators(
     name: &str,
-    large_signal: &[Record],
-    alone: bool,
+    records: &Records,
     notes: &mut Vec<String>,
 ) -> Result<Vec<&'static Operator>, Error> {
     let listed = Operator::list(name)?;
     if !is_auto(name) {
         return Ok(listed);
     }
-    let all = || listed.iter().copied().filter(|o| o.rate_independent || !alone);
-    let (low, high) = ends(large_signal.iter().flat_map(|record| record.u()).copied());
-    let margin = INSIDE * (high - low);
+    let all = || listed.iter().copied().filter(|o| o.rate_independent || !records.is_large_signal_alone());
+    let (low, high) = ends(records.large_signal.iter().flat_map(|record| record.u()).copied());
+    let margin = POLICY.minor_loop_margin * (high - low);
     let inner = |record: &Record| {
         let inside = |&&t: &&usize| (low + margin..high - margin).contains(&record.u()[t]);
-        reversals(record.u(), 0.5 * INSIDE).iter().filter(inside).count()
+        reversals(record.u(), 0.5 * POLICY.minor_loop_margin).iter().filter(inside).count()
     };
     let any = |suited: Vec<&'static Operator>| match suited.is_empty() {
         true => Err(Error::parameter("operator", name, "leaves out every operator that suits the records: name one")),
         false => Ok(suited),
     };
-    let inside = large_signal.iter().map(inner).sum::<usize>();
-    if inside >= ENOUGH {
+    let inside = records.large_signal.iter().map(inner).sum::<usize>();
+    if inside >= POLICY.min_minor_loops {
         return any(all().collect());
     }
     let times = match inside {
@@ -94,48 +89,57 @@ pub(super) fn candidates(
     any(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())
 }
 
-/// Selects the operator with the fewest parameters of those as good as the best; returns its number, and takes its fit
-/// out of the trials. Of those with nearly the smallest error, the best has the smallest held-out error.
-pub(super) fn choose(trials: &mut [(OperatorTrial, Option<Fitted>)]) -> Result<(usize, Fitted), Error> {
-    let found = || trials.iter().filter_map(|(trial, fitted)| Some((trial, &fitted.as_ref()?.held_out)));
-    let most = NEAR * found().map(|(trial, _)| hypot(trial.held_out_percent, ROUNDED)).fold(f64::INFINITY, f64::min);
-    let near = || found().filter(|(trial, _)| trial.held_out_percent <= most);
-    let most_error = WORSE * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
+/// An operator that was compared, with its fit if there is one.
+#[derive(Debug)]
+pub(super) struct Trial {
+    pub(super) result: OperatorTrial,
+    pub(super) fitted: Option<Fitted>,
+}
+
+/// Selects the operator with the fewest parameters of those as good as the best; returns its number, and its fit. Of
+/// those with nearly the smallest error, the best has the smallest held-out error.
+pub(super) fn select(trials: &mut [Trial]) -> Result<(usize, Fitted), Error> {
+    let fitted = || trials.iter().filter_map(|trial| Some((&trial.result, &trial.fitted.as_ref()?.held_out)));
+    let least =
+        fitted().map(|(trial, _)| hypot(trial.held_out_percent, ROUNDING_PERCENT)).fold(f64::INFINITY, f64::min);
+    let most = POLICY.free_run_decides_ratio * least;
+    let near = || fitted().filter(|(trial, _)| trial.held_out_percent <= most);
+    let most_error = ACCEPTED_RMS_RATIO * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
     let good = near().filter(|(trial, _)| trial.error() <= most_error);
     let best = good.min_by(|p, q| p.0.held_out_percent.total_cmp(&q.0.held_out_percent)).map(|(_, best)| best.clone());
-    for (trial, fitted) in trials.iter_mut() {
+    for Trial { result, fitted } in trials.iter_mut() {
         let is_as_good = |fitted: &Fitted| best.as_ref().is_some_and(|best| fitted.held_out.is_as_good_as(best));
-        trial.as_good = trial.error() <= most_error && fitted.as_ref().is_some_and(is_as_good);
-        trial.verdict = match (trial.as_good, trial.refused.is_some()) {
+        result.as_good = result.error() <= most_error && fitted.as_ref().is_some_and(is_as_good);
+        result.verdict = match (result.as_good, result.refused.is_some()) {
             (true, _) => "as good",
             (_, true) => "refused",
             _ => "",
         };
     }
-    let good = (0..trials.len()).filter(|&k| trials[k].0.as_good);
-    let chosen = good.min_by_key(|&k| trials[k].0.parameters).and_then(|k| Some((k, trials[k].1.take()?)));
-    let Some((k, fitted)) = chosen else {
-        let each = trials.iter().map(|(trial, _)| {
-            let why = trial.refused.as_deref();
+    let good = (0..trials.len()).filter(|&k| trials[k].result.as_good);
+    let selected = good.min_by_key(|&k| trials[k].result.parameters);
+    let Some((k, fitted)) = selected.and_then(|k| Some((k, trials[k].fitted.clone()?))) else {
+        let each = trials.iter().map(|trial| {
+            let why = trial.result.refused.as_deref();
             let why = why.unwrap_or("its equations have no solution: check units and columns");
-            format!("{}: {why}", trial.operator)
+            format!("{}: {why}", trial.result.operator)
         });
         let because = each.collect::<Vec<_>>().join("; ");
         return Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because });
     };
-    trials[k].0.verdict = "taken";
+    trials[k].result.verdict = SELECTED;
     Ok((k, fitted))
 }
 
 /// The reason for the selected operator; `None` if only one was tried.
-pub(super) fn why(trials: &[OperatorTrial]) -> Option<String> {
+pub(crate) fn reason_for_operator(trials: &[OperatorTrial]) -> Option<String> {
     let by =
         |error: fn(&OperatorTrial) -> f64| move |p: &&OperatorTrial, q: &&OperatorTrial| error(p).total_cmp(&error(q));
     let good = || trials.iter().filter(|t| t.as_good);
-    let (best, taken) = (good().min_by(by(|t| t.held_out_percent))?, trials.iter().find(|t| t.verdict == "taken")?);
+    let (best, selected) = (good().min_by(by(|t| t.held_out_percent))?, trials.iter().find(|t| t.is_selected())?);
     let others = trials.iter().filter(|t| !t.as_good && t.refused.is_none() && t.error() >= best.error());
     let next = others.min_by(by(OperatorTrial::error));
-    let (name, error) = (taken.operator, short(taken.error()));
+    let (name, error) = (selected.operator, short(selected.error()));
     let simplest = match (best.operator == name, good().count()) {
         (true, 1) => format!("{name} predicts best: {error} % rms/pp, held out or in free run"),
         (true, _) => format!(
@@ -180,11 +184,17 @@ impl OperatorTrial {
         ]
     }
 
-    /// The larger of the two errors, with rounding [%].
-    pub(super) fn error(&self) -> f64 {
-        hypot(self.error_percent, ROUNDED)
+    /// True if this operator is selected.
+    pub(super) fn is_selected(&self) -> bool {
+        self.verdict == SELECTED
     }
 
+    /// The larger of the two errors, with rounding [%].
+    pub(super) fn error(&self) -> f64 {
+        hypot(self.error_percent, ROUNDING_PERCENT)
+    }
+
+    /// The result of an operator that could not be fitted.
     pub(super) fn refused(row: &Operator, why: String) -> Self {
         OperatorTrial {
             operator: row.name,
@@ -208,9 +218,9 @@ mod tests {
     #[test]
     fn auto_tries_what_suits_the_records_and_is_not_left_out() {
         let u: Vec<f64> = (0..4000).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.07 * f64::from(t)).sin()).collect();
-        let records = [Record::new(5e-4, u.clone(), u).unwrap()];
+        let records = Records::of(&[], &[Record::new(5e-4, u.clone(), u).unwrap()]).unwrap();
         let tried = |list: &str| {
-            let found = candidates(list, &records, true, &mut Vec::new());
+            let found = suitable_operators(list, &records, &mut Vec::new());
             found.map(|tried| tried.iter().map(|o| o.name).collect::<Vec<_>>()).map_err(|error| error.to_string())
         };
         let mut without = tried("auto").unwrap();

@@ -3,7 +3,7 @@
 //! With z held, an estimate has few columns, so its equations cost little.
 
 use super::estimate::Estimate;
-use super::refine::Fitted;
+use super::fitted::Fitted;
 use super::runs::TrainingRecord;
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
@@ -18,13 +18,13 @@ use rayon::prelude::*;
 
 /// The inputs of the hysteresis block in a run, behind the driver, substep by substep. The first is the one at which it
 /// settles from rest: the first of those before the record.
-pub(super) struct Inputs {
-    pub(super) v: Vec<f64>,
+pub(crate) struct Inputs {
+    pub(crate) v: Vec<f64>,
     steps: usize,
 }
 
 impl Inputs {
-    pub(super) fn of(run: &TrainingRecord, driver: Option<DriverModel>) -> Self {
+    pub(crate) fn of(run: &TrainingRecord, driver: Option<DriverModel>) -> Self {
         let steps = if driver.is_some() { DriverModel::SUBSTEPS } else { 1 };
         let substep = run.record.ts() / steps as f64;
         let mut v = run.before[0];
@@ -42,7 +42,7 @@ impl Inputs {
     /// The responses to these inputs in each sample, about the level at which creep and linear block are settled: the
     /// mean over the substeps, by the trapezoidal rule. They begin with the inputs before the record that pass these
     /// blocks.
-    pub(super) fn by_sample(&self, responses: &[f64], run: &TrainingRecord) -> Vec<f64> {
+    pub(crate) fn by_sample(&self, responses: &[f64], run: &TrainingRecord) -> Vec<f64> {
         let steps = self.steps;
         let at = |t: usize| match t.saturating_sub(settled(run)) * steps {
             0 => responses[0],
@@ -65,16 +65,16 @@ fn settled(run: &TrainingRecord) -> usize {
 }
 
 /// z in a run.
-pub(super) struct Hidden {
+pub(crate) struct Hidden {
     /// z about the level at which the block is settled, and y.
-    pub(super) record: Record,
+    pub(crate) record: Record,
     /// z before the record, for one in motion.
     before: Vec<f64>,
 }
 
 impl Hidden {
     /// z of each run.
-    pub(super) fn of_all(estimate: &Estimate, runs: &[TrainingRecord]) -> Result<Vec<Self>, Error> {
+    pub(crate) fn of_all(estimate: &Estimate, runs: &[TrainingRecord]) -> Result<Vec<Self>, Error> {
         let of = |run: &TrainingRecord| {
             let inputs = Inputs::of(run, estimate.driver);
             let z = estimate.basis.operator(&estimate.weights)?.simulate(&inputs.v);
@@ -86,19 +86,19 @@ impl Hidden {
     }
 
     /// z with its creep, and y without drift, for each run of a fit.
-    pub(super) fn crept(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<Self>, Error> {
+    pub(crate) fn crept(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<Self>, Error> {
         let estimate = &fitted.estimate;
         let of = |((Hidden { record, before }, run), own): ((Hidden, &TrainingRecord), &Vec<f64>)| {
             let creep = Creep::new(estimate.ts(), estimate.lags.clone())?;
             let mut crept = creep.simulate(&[&before, record.u()].concat());
             let before: Vec<f64> = crept.drain(..before.len()).collect();
             // The state of creep comes first in a run's own coefficients, the drift last.
-            for (lag, began) in estimate.lags.iter().zip(own) {
+            for (lag, initial) in estimate.lags.iter().zip(own) {
                 let stays = exp(-estimate.ts() / lag.tau_s);
-                let mut began = *began;
+                let mut initial = *initial;
                 for z in &mut crept {
-                    began *= stays;
-                    *z += began;
+                    initial *= stays;
+                    *z += initial;
                 }
             }
             let rise = own.last().map_or(0.0, |trend| trend / crept.len() as f64);
@@ -109,7 +109,7 @@ impl Hidden {
     }
 
     /// The run with z in place of u.
-    pub(super) fn run<'a>(&'a self, run: &TrainingRecord) -> TrainingRecord<'a> {
+    pub(crate) fn run<'a>(&'a self, run: &TrainingRecord) -> TrainingRecord<'a> {
         let moving = run.moving() > 0;
         TrainingRecord {
             record: &self.record,
@@ -124,7 +124,7 @@ impl Hidden {
     }
 
     /// The estimate of these blocks behind z.
-    pub(super) fn alone(lags: Vec<Lag>, linear: Arx) -> Result<Estimate, Error> {
+    pub(crate) fn alone(lags: Vec<Lag>, linear: Arx) -> Result<Estimate, Error> {
         let basis = Box::new(Proportional::new(linear.ts(), 1.0)?);
         Ok(Estimate { weights: vec![1.0], ..Estimate::new(None, basis, lags, linear) })
     }
@@ -139,7 +139,7 @@ mod tests {
     use crate::series::dot;
 
     #[test]
-    fn z_is_the_weighted_sum_of_the_responses_from_every_beginning() {
+    fn z_is_the_weighted_sum_of_the_responses_from_every_initial_condition() {
         let u: Vec<f64> = (0..300).map(|t| 12.0 + 20.0 * (0.05 * f64::from(t)).sin()).collect();
         let records = [Record::new(5e-4, u.clone(), u).unwrap()];
         let range = (-8.0, 32.0);
@@ -151,9 +151,9 @@ mod tests {
                 let weights = (0..basis.len()).map(|k| 1.0 + 0.5 * (1.7 * k as f64).sin()).collect();
                 let gain = Arx::gain(5e-4, 1.0).unwrap();
                 let estimate = Estimate { weights, ..Estimate::new(driver, basis, Vec::new(), gain) };
-                let mut runs = runs::of(&[], &records, &mut Vec::new()).unwrap();
+                let mut runs = runs::training_records(&[], &records, &mut Vec::new()).unwrap();
                 for initial in InitialCondition::of(records[0].u()) {
-                    runs[0].begin_from(initial, range);
+                    runs[0].start_from(initial, range);
                     let hidden = Hidden::of_all(&estimate, &runs).unwrap();
                     let run = &runs[0];
                     let level = dot(&Responses::level(&estimate, run), &estimate.weights);
