@@ -43,23 +43,30 @@ def read(name: str, path: Path) -> Record:
     return Record(name, float((t[-1] - t[0]) / (len(t) - 1)), u, y)
 
 
-def plants(data: Path, seeds: list[int]) -> Iterator[Record]:
+def wanted(only: list[str], name: str) -> bool:
+    """Whether records of a plant of this name may be among those asked for."""
+    return any(part.split("/")[0] in name for part in only)
+
+
+def plants(data: Path, seeds: list[int], only: list[str]) -> Iterator[Record]:
     """The records of the simulated plants, made if they are not there."""
     for script in sorted((HERE / "plants").glob("p[0-9]*.py")):
-        for seed in seeds:
+        for seed in (one for one in seeds if wanted(only, f"{script.stem}-{one}")):
             folder = recorded(script.stem, seed, data)
             for path in sorted(folder.glob("*.csv")):
                 if path.name.startswith(("train", "test", "small")):
                     yield read(f"{folder.name}/{path.stem}", path)
 
 
-def twins(piezoid: str, folder: Path) -> Iterator[Record]:
+def twins(piezoid: str, folder: Path, only: list[str]) -> Iterator[Record]:
     """Records of the simulated actuators of the library."""
 
     def run(words: str) -> str:
         return subprocess.run([piezoid, *words.split(), "--quiet"], check=True, capture_output=True, text=True).stdout
 
     for plant, hz in [("paper", 147), ("pl140", 145), ("pl128", 360), ("pl122", 600), ("pl112", 1800)]:
+        if not wanted(only, plant):
+            continue
         ts = min(5e-4, 0.1 / hz) if plant != "pl140" else 5e-4
         drives = {
             "prbs": f"prbs --amplitude 1 --duration {2000 * ts}",
@@ -191,8 +198,8 @@ MISTAKES = {
 GROSS = {words for _, words in MISTAKES.values()} - {"saturated"}
 
 
-def said(piezoid: str, record: Record) -> list[str]:
-    """What the command says about a record."""
+def remarks(piezoid: str, record: Record) -> list[str]:
+    """The remarks of the command on a record."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         np.savetxt(folder / "r.csv", np.c_[record.u, record.y], "%.9g", ",", header=f"u_V,y_{record.unit}", comments="")
@@ -207,7 +214,7 @@ def said(piezoid: str, record: Record) -> list[str]:
 
 def named(piezoid: str, record: Record) -> set[str]:
     """The gross mistakes that the command names."""
-    text = " ".join(said(piezoid, record))
+    text = " ".join(remarks(piezoid, record))
     return {words for words in GROSS | {"saturated"} if words in text}
 
 
@@ -218,21 +225,21 @@ def right(record: Record) -> set[str]:
 
 def main() -> None:
     """Makes the mistakes, and prints a table."""
-    words = arguments(__doc__)
-    words.add_argument("--stage", type=Path, nargs="*", default=[])
-    words.add_argument("--measured", type=Path)
-    given = words.parse_args()
+    parser = arguments(__doc__)
+    parser.add_argument("--stage", type=Path, nargs="*", default=[])
+    parser.add_argument("--measured", type=Path)
+    args = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        records = [*plants(given.data, given.seeds), *twins(given.piezoid, Path(folder))]
-    for folder in given.stage:
+        records = [*plants(args.data, args.seeds, args.only), *twins(args.piezoid, Path(folder), args.only)]
+    for folder in args.stage:
         paths = sorted(folder.glob("[tl]*_*.csv"))
         records += [read(f"{folder.name}/{path.stem}", path) for path in paths]
-    records += measured(given.measured) if given.measured else []
-    records = [r for r in records if any(part in r.name for part in given.only) and np.ptp(r.u) > 0]
+    records += measured(args.measured) if args.measured else []
+    records = [r for r in records if any(part in r.name for part in args.only) and np.ptp(r.u) > 0]
 
     def every(jobs: list[Record]) -> list[set[str]]:
         with ThreadPoolExecutor() as pool:
-            return list(pool.map(lambda record: named(given.piezoid, record), jobs))
+            return list(pool.map(lambda record: named(args.piezoid, record), jobs))
 
     sound = [cut for record in records for cut in cuts(record) if np.ptp(cut.u) > 0]
     alarms = [(r, found & GROSS - right(r)) for r, found in zip(sound, every(sound), strict=True)]

@@ -12,13 +12,12 @@ use piezoid::driver::DriverModel;
 use piezoid::excitation::{Prbs, RisingSine, Sine};
 use piezoid::hammerstein::Model;
 use piezoid::hysteresis::{Basis, BasisDesign, Branches, HeldInput, Hysteresis, OPERATORS, Operator, TwoBranch};
-use piezoid::linear::{AbsoluteError, Arx, Estimator, Orders, Regression};
-use piezoid::optimize::swarm::{Cost, SwarmSettings};
+use piezoid::linear::{AbsoluteError, Arx, Orders, Regression};
+use piezoid::optimize::swarm::Cost;
 use piezoid::plant::{Plant, Preset};
 use piezoid::progress::Stage;
 use piezoid::{Error, IdentifyOptions, Record, System};
 use piezoid_report::study::Study;
-use serde_json::{Map, Value};
 use std::hint::black_box;
 use std::sync::Arc;
 
