@@ -80,7 +80,7 @@ impl<'a> Context<'a> {
     }
 
     /// The same without the search for wild values, which takes time.
-    pub(super) fn as_measured(self) -> Self {
+    pub(super) fn into_measured(self) -> Self {
         Context { wild: OnceCell::from(None), ..self }
     }
 

@@ -83,7 +83,7 @@ pub(crate) fn inspect(record: &Record) -> Inspection {
 /// Defects of a record that make its loop wrong, and what to do, one sentence each. Drawing a loop must be quick, so
 /// only these are looked for.
 pub(crate) fn loop_defects(record: &Record) -> Vec<String> {
-    let context = Context::new(record).as_measured();
+    let context = Context::new(record).into_measured();
     let is_unusable = |detector: &&&Detector| detector.consequence == Consequence::Unusable;
     if DETECTORS.iter().filter(is_unusable).any(|detector| (detector.run)(&context).is_some()) {
         return Vec::new();
