@@ -20,8 +20,8 @@ mod summary;
 
 pub use domain::Domain;
 pub use initial_condition::InitialCondition;
-pub(crate) use joint::{FEW, JointOptions, identify_joint};
 pub use joint::{FittedParameter, OperatorTrial};
+pub(crate) use joint::{JointOptions, MIN_SAMPLES_PER_PARAMETER, identify_joint};
 pub use large_signal::LinearPart;
 pub use loops::HiddenLoop;
 pub use paper::Identified;

@@ -1,7 +1,7 @@
 //! How good a model is, and where, in one sentence.
 
 use super::{Compared, Validated};
-use crate::hammerstein::{Domain, FEW, Identified, Model};
+use crate::hammerstein::{Domain, Identified, MIN_SAMPLES_PER_PARAMETER, Model};
 use crate::quality::{around, excites};
 use crate::record::Record;
 use crate::series::{ends, mean};
@@ -92,7 +92,7 @@ impl Verdict {
         let large: Vec<&Compared> = training.iter().filter(|c| is_large(&c.record, verdict.u)).collect();
         let mut unproven = Vec::new();
         let samples: usize = records().map(Record::len).sum();
-        if let Some(trial) = taken.filter(|trial| samples < FEW * trial.parameters) {
+        if let Some(trial) = taken.filter(|trial| samples < MIN_SAMPLES_PER_PARAMETER * trial.parameters) {
             let few = format!("the hysteresis ({samples} samples are few for its {} parameters)", trial.parameters);
             unproven.push(few);
         }

@@ -28,7 +28,7 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-pub(crate) use check::MIN_SAMPLES_PER_PARAMETER as FEW;
+pub(crate) use check::MIN_SAMPLES_PER_PARAMETER;
 pub use fit::FittedParameter;
 pub use search::OperatorTrial;
 

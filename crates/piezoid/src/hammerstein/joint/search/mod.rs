@@ -77,7 +77,7 @@ impl<'a> Search<'a> {
         let lags = if settings.creep { creep_lags(ts, longest) } else { Vec::new() };
         let large_signal = records.large_signal.iter();
         let design = BasisDesign {
-            ts: if settings.driver.is_some() { ts / DriverModel::SUBSTEPS as f64 } else { ts },
+            ts: basis_ts(ts, settings.driver.is_some()),
             range: ends(runs.iter().flat_map(|run| run.record.u()).copied()),
             elements: settings.elements,
             frequencies: large_signal.filter_map(|record| dominant_frequency(record.u(), ts)).collect(),
