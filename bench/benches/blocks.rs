@@ -49,8 +49,8 @@ fn chains(factor: f64, rounds: usize) -> f64 {
     lanes.iter().sum()
 }
 
-/// The cost function of the swarm: all particles together in the lanes of the vector unit, and one after another; beside
-/// them, as many multiply-adds at the peak rate of the core.
+/// The cost function of the swarm: all particles together in the lanes of the vector unit, and one after another;
+/// beside them, as many multiply-adds at the peak rate of the core.
 fn cost(c: &mut Criterion) {
     let Ok(regression) = prbs_record().and_then(|r| Regression::new(&[r], Orders::of(2))) else { return };
     let cost = AbsoluteError::from(&regression);

@@ -1,5 +1,5 @@
-//! docs/operators.md: every operator identified as every operator, followed by a resonance. How well does one hysteresis
-//! law describe another?
+//! docs/operators.md: every operator identified as every operator, followed by a resonance. How well does one
+//! hysteresis law describe another?
 
 use crate::page::{self, cell};
 use piezoid::excitation::{Prbs, RisingSine, Staircase};

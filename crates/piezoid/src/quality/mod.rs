@@ -1,5 +1,5 @@
-//! Defects of a record, found before identification. Each is found by a detector, a row of [`DETECTORS`]: its criterion,
-//! and what it means for the record.
+//! Defects of a record, found before identification. Each is found by a detector, a row of [`DETECTORS`]: its
+//! criterion, and what it means for the record.
 //!
 //! Samples that must not be fitted are masked in [`Inspection::usable`]; nothing is repaired. It does not detect:
 //! spikes below 1 % of stroke, drift as small as creep, a clipped square wave. [`compare`] finds records with

@@ -45,9 +45,9 @@ const MIN_LEAD_SAMPLES: isize = 2;
 const MAX_EARLIER_SHARE: f64 = 0.9;
 const MIN_EXPLAINED_SHARE: f64 = 0.1;
 
-/// The longest delay without a finding [samples]. Inputs up to it may not explain more than `MAX_DEAD_TIME_SHARE` of what all
-/// explain, and those of the next `ONSET_SAMPLES` samples must explain more than `MIN_ONSET_SHARE`: lags begin to answer earlier, and
-/// smooth drives do not date their answer.
+/// The longest delay without a finding [samples]. Inputs up to it may not explain more than `MAX_DEAD_TIME_SHARE` of
+/// what all explain, and those of the next `ONSET_SAMPLES` samples must explain more than `MIN_ONSET_SHARE`: lags begin
+/// to answer earlier, and smooth drives do not date their answer.
 const MAX_DELAY_SAMPLES: isize = 12;
 const MAX_DEAD_TIME_SHARE: f64 = 0.01;
 const ONSET_SAMPLES: isize = 8;

@@ -51,7 +51,8 @@ pub(super) struct ClosestFit {
 }
 
 impl MaskedRecord {
-    /// The block with the smallest residual. Output error is tried if the residual of least squares exceeds `tolerance`.
+    /// The block with the smallest residual. Output error is tried if the residual of least squares exceeds
+    /// `tolerance`.
     pub(super) fn closest(&self, tolerance: f64) -> Option<ClosestFit> {
         let best = |blocks: &mut dyn Iterator<Item = Arx>| {
             blocks.filter_map(|arx| self.run(&arx)).min_by(|a, b| a.rms.total_cmp(&b.rms))
