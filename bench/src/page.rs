@@ -43,7 +43,8 @@ pub fn wrapped(text: &str) -> String {
 
 /// Replaces the text in `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.
 pub fn write(page: &Path, name: &str, table: &str) -> Result<(), Box<dyn Error>> {
-    let (from, to) = (format!("<!-- {name}: written by `cargo xtask docs` -->"), format!("<!-- end of {name} -->"));
+    let (from, to) =
+        (format!("<!-- {name}: written by `cargo xtask generate docs` -->"), format!("<!-- end of {name} -->"));
     let absent = |line: &str| format!("{} has no line {line}", page.display());
     let text = std::fs::read_to_string(page)?;
     let (before, rest) = text.split_once(&from).ok_or_else(|| absent(&from))?;
@@ -72,5 +73,5 @@ pub fn same(now: f64, printed: &str) -> Result<(), String> {
     let kept: f64 = printed.parse().map_err(|e| format!("{printed}: {e}"))?;
     let decimals = printed.split_once('.').map_or(0, |(_, decimals)| decimals.len() as i32);
     let alike = (now - kept).abs() <= 0.501 * 0.1f64.powi(decimals);
-    if alike { Ok(()) } else { Err(format!("{now}, the page says {kept}: run `cargo xtask docs`")) }
+    if alike { Ok(()) } else { Err(format!("{now}, the page says {kept}: run `cargo xtask generate docs`")) }
 }

@@ -1,14 +1,15 @@
-//! The project's own automation: `cargo xtask test|tidy|python|web|bench|fuzz|golden|docs`.
+//! The project's own automation: `cargo xtask test|tidy|generate|python|web|bench|fuzz`.
 //!
-//! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `docs` use Python 3 too. Messages name what is
+//! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `generate` use Python 3 too. Messages name what is
 //! missing.
 
+mod generate;
 mod skipped;
 mod tidy;
 mod web;
 
 use skipped::Skipped;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, ExitCode, ExitStatus};
 use std::time::Instant;
 
@@ -16,7 +17,7 @@ use std::time::Instant;
 type Work = fn() -> Result<(), String>;
 
 /// The verbs with their descriptions.
-const VERBS: [(&str, &str, Work); 8] = [
+const VERBS: [(&str, &str, Work); 7] = [
     (
         "test",
         "format, clippy with warnings denied, all tests, documentation, `tidy`, then the page and `python` at once",
@@ -31,15 +32,14 @@ const VERBS: [(&str, &str, Work); 8] = [
     ),
     ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
     ("fuzz", "damaged files of every format, and models, for a minute each (cargo-fuzz)", fuzz),
-    ("golden", "write the golden numbers of the tests anew (Python with numpy and scipy)", golden),
-    ("docs", "build the documentation, and draw the pictures and the tables in docs/ anew (minutes)", docs),
+    ("generate", "write what is generated: bindings, vectors; by name page, golden, docs; --check", generate::generate),
 ];
 
 fn main() -> ExitCode {
     let wanted = std::env::args().nth(1).unwrap_or_default();
     let Some((_, _, run)) = VERBS.iter().find(|(name, ..)| *name == wanted) else {
         eprintln!("usage: cargo xtask VERB");
-        VERBS.iter().for_each(|(name, what, _)| eprintln!("  {name:8}{what}"));
+        VERBS.iter().for_each(|(name, what, _)| eprintln!("  {name:10}{what}"));
         return ExitCode::from(2);
     };
     let start = Instant::now();
@@ -182,24 +182,6 @@ fn python_tests(skipped: &mut Skipped) -> Result<(), String> {
 fn bench() -> Result<(), String> {
     step(&mut cargo(&["bench", "--package", "piezoid-bench"]))?;
     step(python().arg(root().join("bench/side_by_side.py")))
-}
-
-fn golden() -> Result<(), String> {
-    let folder = root().join("crates/piezoid/tests/golden");
-    let entries = std::fs::read_dir(&folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
-    let mut scripts: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
-    scripts.retain(|path| path.extension().is_some_and(|e| e == "py"));
-    scripts.sort();
-    scripts.iter().try_for_each(|script| step(python().arg(script)))
-}
-
-fn docs() -> Result<(), String> {
-    for page in ["paper", "operators", "accuracy", "control"] {
-        step(&mut cargo(&["run", "--release", "--package", "piezoid-bench", "--", page, "docs"]))?;
-    }
-    step(&mut cargo(&["doc", "--workspace", "--no-deps"]))?;
-    eprintln!("open {}", root().join("target/doc/piezoid/index.html").display());
-    Ok(())
 }
 
 /// Runs a command in the workspace, and shows its output.

@@ -70,6 +70,7 @@ pub(crate) fn tidy() -> Result<(), String> {
         broken.extend(miscounted(page, phrase, file, list)?);
     }
     broken.extend(public_items()?);
+    broken.extend(crate::generate::check_bindings().err());
     if broken.is_empty() { Ok(()) } else { Err(format!("tidy:\n  {}", broken.join("\n  "))) }
 }
 

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 const MODULES: [&str; 4] = ["files", "models", "reports", "exports"];
 
 /// What `npm run build` writes outside of web/dist: committed, so that cargo alone builds.
-const COMMITTED: [&str; 5] = [
+pub(super) const COMMITTED: [&str; 5] = [
     "crates/piezoid-serve/page/icon.svg",
     "crates/piezoid-serve/page/index.html",
     "crates/piezoid-serve/page/main.js",
@@ -41,7 +41,7 @@ pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
     for (name, committed) in COMMITTED.iter().zip(committed) {
         if read(name)? != committed {
             return Err(format!(
-                "{name} was not built from web/src as it is: commit it as `npm run build` wrote it now"
+                "{name} was not built from web/src as it is: commit it as `cargo xtask generate page` wrote it now"
             ));
         }
     }
@@ -61,7 +61,8 @@ pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
     skipped.step(&mut node)
 }
 
-fn scripts() -> Result<(), String> {
+/// Types, and what `npm run build` writes.
+pub(super) fn scripts() -> Result<(), String> {
     run(&["ci", "--no-audit", "--no-fund"])?;
     ["check", "build"].into_iter().try_for_each(|script| run(&["run", script]))
 }

@@ -289,7 +289,7 @@ fn the_figures_in_the_documentation_are_those_of_the_study() {
         let (kept, drawn) = (places(kept), places(&drawn.svg()));
         // The last digits of the search may differ between machines, and move a point by a tenth.
         let alike = kept.iter().zip(&drawn).all(|(k, d)| (k - d).abs() <= 0.2 + 1e-2 * d.abs());
-        assert!(kept.len() == drawn.len() && alike, "{name}: draw docs/ again with `cargo xtask docs`");
+        assert!(kept.len() == drawn.len() && alike, "{name}: draw docs/ again with `cargo xtask generate docs`");
     }
 }
 

@@ -1,0 +1,460 @@
+"""The options of the library as keywords of functions. Written by `cargo xtask generate bindings`."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, TypedDict
+
+if TYPE_CHECKING:
+    from typing_extensions import Required
+
+
+class ColumnOptions(TypedDict, total=False):
+    """Keywords of `read` and `inspect`.
+
+    ts: Sampling period, for files without a time column [s]
+    fs: Sampling rate, in place of the sampling period [Hz]
+    time_unit: Unit of the time column: s, ms, us, ns, min or h; default: the one in its name
+    time_col: Name or number of the time column; default: t_s, or the one named like a time
+    input_col: Name or number of the input column; default: u_V, or the one named like a voltage
+    output_col: Name or number of the output column; default: y_*, or the one named like a displacement
+    input_unit: Unit of the input; default: the one in its name
+    output_unit: Unit of the output; default: the one in its name
+    input_scale: Factor of the input, such as 20 for an amplifier of gain 20 whose input was recorded; default: 1
+    output_scale: Factor of the output, such as 5um/V for a sensor; default: 1
+    """
+
+    ts: float | str | None
+    fs: float | str | None
+    time_unit: str | None
+    time_col: str | int | None
+    input_col: str | int | None
+    output_col: str | int | None
+    input_unit: str | None
+    output_unit: str | None
+    input_scale: float | str | None
+    output_scale: float | str | None
+
+
+class CompensateOptions(TypedDict, total=False):
+    """Keywords of `Model.compensate`.
+
+    clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
+    sweeps: Largest number of iterations that correct the error left in the model's free run; default: 0
+    smooth: Smooth steps and corners to minimum-jerk moves of this length [s]
+    notch: Filter the reference with a notch at the model's resonance
+    zvd: Shape the reference (ZVD) so that the resonance is not excited
+
+    Driver:
+
+    driver: The driver whose limits the voltage must keep (see `pz.drivers`)
+    capacitance: Capacitance of the load, for the current limit [F]
+    low: Lowest voltage [V]
+    high: Highest voltage [V]
+    slew: Largest slew rate of the voltage [V/s]
+    current: Largest current, in both directions; needs capacitance [A]
+    """
+
+    clip: bool
+    sweeps: int
+    driver: str | None
+    capacitance: float | str | None
+    low: float | str | None
+    high: float | str | None
+    slew: float | str | None
+    current: float | str | None
+    smooth: float | str | None
+    notch: bool
+    zvd: bool
+
+
+class ControlOptions(TypedDict, total=False):
+    """Keywords of `control`.
+
+    preview: Number of future samples of the reference that controllers may use; default: all
+    clip: Clip the feed-forward to the limits, instead of refusing a reference that exceeds them
+    seed: Seed of the noise and of the draws; default: 1
+    late: Sensor delay in samples; controllers are tuned for it; default: 0
+    gain_margin: Gain margin to tune to [dB] [dB]; default: 6
+    phase_margin: Phase margin to tune to [degrees] [degrees]; default: 45
+
+    Driver:
+
+    driver: The driver whose limits the voltage must keep (see `pz.drivers`)
+    capacitance: Capacitance of the load, for the current limit [F]
+    low: Lowest voltage [V]
+    high: Highest voltage [V]
+    slew: Largest slew rate of the voltage [V/s]
+    current: Largest current, in both directions; needs capacitance [A]
+    """
+
+    preview: int | None
+    clip: bool
+    seed: int
+    driver: str | None
+    capacitance: float | str | None
+    low: float | str | None
+    high: float | str | None
+    slew: float | str | None
+    current: float | str | None
+    late: int
+    gain_margin: float | str
+    phase_margin: float | str
+
+
+class ExportOptions(TypedDict, total=False):
+    """Keywords of `export`.
+
+    name: Name prefix of the exported functions, types and files; default: piezo_model
+    float: Use single precision
+    preview: Number of future samples of the reference that the feed-forward may use; default: 0
+    controller: A feedback controller to export with the model, tuned to it: any feedback of `pz.controllers` except
+        predictive
+    late: Sensor delay in samples; controllers are tuned for it; default: 0
+    gain_margin: Gain margin to tune to [dB] [dB]; default: 6
+    phase_margin: Phase margin to tune to [degrees] [degrees]; default: 45
+
+    Waveforms:
+
+    clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
+    servo_cycle: Servo cycle of the GCS controller [s]; default: 5e-5
+    range: Voltages [V] at 0 % and at 100 % of the NV200 amplifier, as its commands avmin and avmax report them
+
+    Driver:
+
+    driver: The driver whose limits the voltage must keep (see `pz.drivers`)
+    capacitance: Capacitance of the load, for the current limit [F]
+    low: Lowest voltage [V]
+    high: Highest voltage [V]
+    slew: Largest slew rate of the voltage [V/s]
+    current: Largest current, in both directions; needs capacitance [A]
+    """
+
+    name: str
+    float: bool
+    preview: int
+    controller: str | None
+    clip: bool
+    servo_cycle: float | str
+    range: Sequence[float] | None
+    driver: str | None
+    capacitance: float | str | None
+    low: float | str | None
+    high: float | str | None
+    slew: float | str | None
+    current: float | str | None
+    late: int
+    gain_margin: float | str
+    phase_margin: float | str
+
+
+class IdentifyOptions(TypedDict, total=False):
+    """Keywords of `identify`.
+
+    method: How to identify ["joint" or "paper"]; default: joint
+    operator: The hysteresis operator (see `pz.operators`), or several separated by commas; auto tries all, and
+        auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The paper's
+        method has its own branches; default: auto
+    order: Order of the linear block; default: chosen; 2 by the paper's method
+    seed: Seed of the swarm; default: 1
+
+    Joint method:
+
+    elements: Number of thresholds, levels or knots of the operator; default: default of the operator
+    creep: Identify creep; default: true
+    driver: The driver used for the records; give it if its current or slew limit was reached (see `pz.drivers`)
+    capacitance: Capacitance of the load, for the driver's current limit [F]
+    driver_lag: Time constant of the driver, where it is known [s]
+    driver_slew: Slew rate of the driver, if known [V/s]
+
+    Paper's method:
+
+    estimator: The estimator of the linear block (see `pz.estimators`); default: swarm
+    split: How the points of a loop are divided between the ascending and the descending branch ["line" or "direction"];
+        default: line
+    bins: Number of averaged points on each branch, between the reversals; default: 16
+    reading: Which branch is read while the input is held ["held" or "printed"]; default: held
+    particles: Particles of the swarm; default: 50
+    iterations: Iterations of the swarm; default: 500
+    global_best: The position that attracts all particles, g_best in equation (2) of the paper ["ever" or "current"];
+        default: ever
+    """
+
+    method: Literal["joint", "paper"]
+    operator: str
+    order: int | None
+    seed: int
+    elements: int | None
+    creep: bool
+    driver: str | None
+    capacitance: float | str | None
+    driver_lag: float | str | None
+    driver_slew: float | str | None
+    estimator: str | None
+    split: Literal["line", "direction"] | None
+    bins: int | None
+    reading: Literal["held", "printed"] | None
+    particles: int | None
+    iterations: int | None
+    global_best: Literal["ever", "current"] | None
+
+
+class InverseOptions(TypedDict, total=False):
+    """Keywords of `Model.inverse`.
+
+    clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
+
+    Driver:
+
+    driver: The driver whose limits the voltage must keep (see `pz.drivers`)
+    capacitance: Capacitance of the load, for the current limit [F]
+    low: Lowest voltage [V]
+    high: Highest voltage [V]
+    slew: Largest slew rate of the voltage [V/s]
+    current: Largest current, in both directions; needs capacitance [A]
+    """
+
+    clip: bool
+    driver: str | None
+    capacitance: float | str | None
+    low: float | str | None
+    high: float | str | None
+    slew: float | str | None
+    current: float | str | None
+
+
+class PlanOptions(TypedDict, total=False):
+    """Keywords of `plan`.
+
+    range: Lowest and highest voltage of the application [V]; default: those of the actuator
+    bandwidth: Highest frequency of the application [Hz]
+    actuator: The actuator, for its range, capacitance and resonance (see `pz.actuators`)
+    ts: Sampling period of all drives [s]; default: from bandwidth and resonance
+
+    Driver:
+
+    driver: The driver whose limits the voltage must keep (see `pz.drivers`)
+    capacitance: Capacitance of the load, for the current limit [F]
+    low: Lowest voltage [V]
+    high: Highest voltage [V]
+    slew: Largest slew rate of the voltage [V/s]
+    current: Largest current, in both directions; needs capacitance [A]
+    """
+
+    range: Sequence[float] | None
+    bandwidth: Required[float | str]
+    actuator: str | None
+    ts: float | str | None
+    driver: str | None
+    capacitance: float | str | None
+    low: float | str | None
+    high: float | str | None
+    slew: float | str | None
+    current: float | str | None
+
+
+class PrepareOptions(TypedDict, total=False):
+    """Keywords of `Record.prepare`.
+
+    input_offset: Add this to the input, after its scale, in its unit; default: 0
+    output_offset: Add this to the output, after its scale, in its unit; default: 0
+    outliers: Replace single spikes of the output by interpolation
+    detrend: Subtract the mean or a straight line from the output ["mean" or "line"]
+    average: Average all periods: the result is one period long
+    period: Period of the input [s]; default: found in the input
+    delay: Delay of the output: it is shifted earlier by this time against the input, later if it is negative [s]
+    decimate: Keep one of this many samples, after an anti-alias filter
+    resample: New sampling period, by band-limited interpolation; uneven times of a file are made even first [s]
+    """
+
+    input_offset: float
+    output_offset: float
+    outliers: bool
+    detrend: Literal["mean", "line"] | None
+    average: bool
+    period: float | str | None
+    delay: float | str | None
+    decimate: int | None
+    resample: float | str | None
+
+
+class SimulateOptions(TypedDict, total=False):
+    """Keywords of `Plant.simulate`.
+
+    begin: Initial condition: rest; settled at the first input, without a past or after cycles over the whole range; or
+        already in the motion of the record ["rest" or "settled" or "from-above" or "from-below" or "motion"]; default:
+        rest
+    seed: Seed of the plant's noise; default: 1
+    """
+
+    begin: Literal["rest", "settled", "from-above", "from-below", "motion"]
+    seed: int
+
+
+class StudyOptions(TypedDict, total=False):
+    """Keywords of `study`.
+
+    seed: Seed of the swarm and of the plant's noise; default: 1
+    """
+
+    seed: int
+
+
+class SwarmOptions(TypedDict, total=False):
+    """Keywords of `linear.fit`.
+
+    seed: Seed of the swarm; default: 1
+
+    Paper's method:
+
+    particles: Particles of the swarm; default: 50
+    iterations: Iterations of the swarm; default: 500
+    global_best: The position that attracts all particles, g_best in equation (2) of the paper ["ever" or "current"];
+        default: ever
+    """
+
+    seed: int
+    particles: int | None
+    iterations: int | None
+    global_best: Literal["ever", "current"] | None
+
+
+class ValidateOptions(TypedDict, total=False):
+    """Keywords of `Model.validate` and `compare`.
+
+    skip: Time at the start of each record that the error figures leave out [s]; default: 0
+    offset: Offset of the model ["kept" or "free" or "drift"]; default: kept
+    """
+
+    skip: float | str
+    offset: Literal["kept", "free", "drift"]
+
+
+DEFAULTS: dict[str, dict[str, Any]] = {
+    "ColumnOptions": {
+        "ts": None,
+        "fs": None,
+        "time_unit": None,
+        "time_col": None,
+        "input_col": None,
+        "output_col": None,
+        "input_unit": None,
+        "output_unit": None,
+        "input_scale": None,
+        "output_scale": None,
+    },
+    "CompensateOptions": {
+        "clip": False,
+        "sweeps": 0,
+        "driver": None,
+        "capacitance": None,
+        "low": None,
+        "high": None,
+        "slew": None,
+        "current": None,
+        "smooth": None,
+        "notch": False,
+        "zvd": False,
+    },
+    "ControlOptions": {
+        "preview": None,
+        "clip": False,
+        "seed": 1,
+        "driver": None,
+        "capacitance": None,
+        "low": None,
+        "high": None,
+        "slew": None,
+        "current": None,
+        "late": 0,
+        "gain_margin": 6.0,
+        "phase_margin": 45.0,
+    },
+    "ExportOptions": {
+        "name": "piezo_model",
+        "float": False,
+        "preview": 0,
+        "controller": None,
+        "clip": False,
+        "servo_cycle": 0.00005,
+        "range": None,
+        "driver": None,
+        "capacitance": None,
+        "low": None,
+        "high": None,
+        "slew": None,
+        "current": None,
+        "late": 0,
+        "gain_margin": 6.0,
+        "phase_margin": 45.0,
+    },
+    "IdentifyOptions": {
+        "method": "joint",
+        "operator": "auto",
+        "order": None,
+        "seed": 1,
+        "elements": None,
+        "creep": True,
+        "driver": None,
+        "capacitance": None,
+        "driver_lag": None,
+        "driver_slew": None,
+        "estimator": None,
+        "split": None,
+        "bins": None,
+        "reading": None,
+        "particles": None,
+        "iterations": None,
+        "global_best": None,
+    },
+    "InverseOptions": {
+        "clip": False,
+        "driver": None,
+        "capacitance": None,
+        "low": None,
+        "high": None,
+        "slew": None,
+        "current": None,
+    },
+    "PlanOptions": {
+        "range": None,
+        "bandwidth": 50.0,
+        "actuator": None,
+        "ts": None,
+        "driver": None,
+        "capacitance": None,
+        "low": None,
+        "high": None,
+        "slew": None,
+        "current": None,
+    },
+    "PrepareOptions": {
+        "input_offset": 0.0,
+        "output_offset": 0.0,
+        "outliers": False,
+        "detrend": None,
+        "average": False,
+        "period": None,
+        "delay": None,
+        "decimate": None,
+        "resample": None,
+    },
+    "SimulateOptions": {
+        "begin": "rest",
+        "seed": 1,
+    },
+    "StudyOptions": {
+        "seed": 1,
+    },
+    "SwarmOptions": {
+        "seed": 1,
+        "particles": None,
+        "iterations": None,
+        "global_best": None,
+    },
+    "ValidateOptions": {
+        "skip": 0.0,
+        "offset": "kept",
+    },
+}
+"""The defaults by class and name; None if an option has no value by default."""

@@ -1,0 +1,352 @@
+// The lists of the library and the options of its calls. Written by `cargo xtask generate bindings`.
+
+/** An option. */
+export interface OptionRow<Name extends string = string> {
+  name: Name;
+  kind: "choice" | "integer" | "number" | "numbers" | "pair" | "switch" | "text" | "texts";
+  choices: [string, string][] | null;
+  unit: string;
+  help: string;
+  group: string;
+  usual: string;
+  rule: string;
+  required: boolean;
+}
+
+/** A member of a family. */
+export interface Member {
+  name: string;
+  summary: string;
+}
+
+/** All lists. */
+export interface Lists {
+  calls: {
+    name: string;
+    summary: string;
+    module: string;
+    options: OptionRow[];
+    roles: {
+      name: string;
+      least: number;
+      many: boolean;
+    }[];
+  }[];
+  columns: OptionRow[];
+  operators: Member[];
+  excitations: {
+    name: string;
+    summary: string;
+    options: OptionRow[];
+  }[];
+  plants: Member[];
+  drivers: Member[];
+  actuators: Member[];
+  controllers: Member[];
+  references: Member[];
+  targets: {
+    name: string;
+    summary: string;
+    operators: Record<string, string[]>;
+    takes: string[];
+  }[];
+  estimators: Member[];
+}
+
+/** The options of each call by name. */
+export interface CallOptions {
+  /** What a file holds, how it is read, and what seems wrong with it. */
+  inspect: {
+  };
+  /** A record as it is to be identified, from one as it was measured. */
+  prepare: {
+    /** Add this to the input, after its scale, in its unit */
+    input_offset?: number | string;
+    /** Add this to the output, after its scale, in its unit */
+    output_offset?: number | string;
+    /** Replace single spikes of the output by interpolation */
+    outliers?: boolean;
+    /** Subtract the mean or a straight line from the output */
+    detrend?: "mean" | "line";
+    /** Average all periods: the result is one period long */
+    average?: boolean;
+    /** Period of the input [s] */
+    period?: number | string;
+    /** Delay of the output: it is shifted earlier by this time against the input, later if it is negative [s] */
+    delay?: number | string;
+    /** Keep one of this many samples, after an anti-alias filter */
+    decimate?: number;
+    /** New sampling period, by band-limited interpolation; uneven times of a file are made even first [s] */
+    resample?: number | string;
+  };
+  /** A drive signal within the limits of a driver. */
+  excite: {
+    /** The kind of signal */
+    kind?: string;
+    /** Sampling period [s] */
+    ts: number | string;
+    /** Length of the signal [s] */
+    duration: number | string;
+    /** Clip the signal to the limits, instead of refusing one that exceeds them */
+    clip?: boolean;
+    /** Unit of the amplitude: `V` for a drive signal, a unit of displacement such as `um` for a reference */
+    unit?: string;
+    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs --capacitance [A] */
+    current?: number | string;
+  };
+  /** The drives of an identification, within the limits of a driver. */
+  plan: {
+    /** Lowest and highest voltage of the application [V] */
+    range?: [number, number];
+    /** Highest frequency of the application [Hz] */
+    bandwidth: number | string;
+    /** The actuator, for its range, capacitance and resonance (see `piezoid actuators`) */
+    actuator?: string;
+    /** Sampling period of all drives [s] */
+    ts?: number | string;
+    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs --capacitance [A] */
+    current?: number | string;
+  };
+  /** The response of a plant or a model to an input. */
+  simulate: {
+    /** The plant to simulate, unless a model is given */
+    plant?: string;
+    /** Initial condition: rest; settled at the first input, without a past or after cycles over the whole range; or already in the motion of the record */
+    begin?: "rest" | "settled" | "from-above" | "from-below" | "motion";
+    /** Seed of the plant's noise */
+    seed?: number;
+  };
+  /** The loop of a record, its separating line, and the branches of the paper. */
+  loops: {
+    /** How the points are divided between the ascending and the descending branch */
+    split?: "line" | "direction";
+    /** Number of averaged points on each branch, between the reversals */
+    bins?: number;
+    /** The separating line: its z at the lowest and at the highest input */
+    line?: [number, number];
+  };
+  /** A model from measured records. */
+  identify: {
+    /** How to identify */
+    method?: "joint" | "paper";
+    /** The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The paper's method has its own branches */
+    operator?: string;
+    /** Order of the linear block */
+    order?: number;
+    /** Seed of the swarm */
+    seed?: number;
+    /** Number of thresholds, levels or knots of the operator */
+    elements?: number;
+    /** Identify creep */
+    creep?: boolean;
+    /** The driver used for the records; give it if its current or slew limit was reached (see `piezoid drivers`) */
+    driver?: string;
+    /** Capacitance of the load, for the driver's current limit [F] */
+    capacitance?: number | string;
+    /** Time constant of the driver, where it is known [s] */
+    driver_lag?: number | string;
+    /** Slew rate of the driver, if known [V/s] */
+    driver_slew?: number | string;
+    /** The estimator of the linear block (see `piezoid estimators`) */
+    estimator?: string;
+    /** How the points of a loop are divided between the ascending and the descending branch */
+    split?: "line" | "direction";
+    /** Number of averaged points on each branch, between the reversals */
+    bins?: number;
+    /** Which branch is read while the input is held */
+    reading?: "held" | "printed";
+    /** Particles of the swarm */
+    particles?: number;
+    /** Iterations of the swarm */
+    iterations?: number;
+    /** The position that attracts all particles, g_best in equation (2) of the paper */
+    global_best?: "ever" | "current";
+  };
+  /** Free runs of a model against records. */
+  validate: {
+    /** Time at the start of each record that the error figures leave out [s] */
+    skip?: number | string;
+    /** Offset of the model */
+    offset?: "kept" | "free" | "drift";
+  };
+  /** The voltage for a requested displacement. */
+  compensate: {
+    /** Clip the voltage to the limits, instead of refusing a reference that exceeds them */
+    clip?: boolean;
+    /** Largest number of iterations that correct the error left in the model's free run */
+    sweeps?: number;
+    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs --capacitance [A] */
+    current?: number | string;
+    /** Smooth steps and corners to minimum-jerk moves of this length [s] */
+    smooth?: number | string;
+    /** Filter the reference with a notch at the model's resonance */
+    notch?: boolean;
+    /** Shape the reference (ZVD) so that the resonance is not excited */
+    zvd?: boolean;
+  };
+  /** Controllers along references, on a simulated plant. */
+  control: {
+    /** The plant that is controlled */
+    plant?: string;
+    /** Controllers to compare, such as feed-forward+pi */
+    controller?: string[];
+    /** References: files, or names such as sine:5 */
+    reference?: string[];
+    /** Peak of named references, in the model's output unit */
+    amplitude?: number | string;
+    /** Number of future samples of the reference that controllers may use */
+    preview?: number;
+    /** Noise of the sensor, rms in the model's output unit */
+    noise?: number | string;
+    /** Clip the feed-forward to the limits, instead of refusing a reference that exceeds them */
+    clip?: boolean;
+    /** Also simulate random plants whose parameters differ from those of the plant by up to this many percent, on the first reference [%] */
+    tolerance?: number | string;
+    /** Number of these random plants */
+    draws?: number;
+    /** Seed of the noise and of the draws */
+    seed?: number;
+    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs --capacitance [A] */
+    current?: number | string;
+    /** Sensor delay in samples; controllers are tuned for it */
+    late?: number;
+    /** Gain margin to tune to [dB] [dB] */
+    gain_margin?: number | string;
+    /** Phase margin to tune to [degrees] [degrees] */
+    phase_margin?: number | string;
+  };
+  /** A page on a model and how well it predicts records. */
+  report: {
+    /** Time at the start of each record that the error figures leave out [s] */
+    skip?: number | string;
+    /** Offset of the model */
+    offset?: "kept" | "free" | "drift";
+  };
+  /** Free runs of several models against the same records. */
+  compare: {
+    /** The record whose loops and residuals are drawn; the first without it */
+    record?: string;
+    /** Time at the start of each record that the error figures leave out [s] */
+    skip?: number | string;
+    /** Offset of the model */
+    offset?: "kept" | "free" | "drift";
+  };
+  /** The comparison of the paper, on a simulated actuator. */
+  study: {
+    /** The plant to study (see `piezoid plants`) */
+    plant?: string;
+    /** Seed of the swarm and of the plant's noise */
+    seed?: number;
+  };
+  /** The model, its inverse and its controller for another machine. */
+  export: {
+    /** The target language or format */
+    target?: string;
+    /** Name prefix of the exported functions, types and files */
+    name?: string;
+    /** Use single precision */
+    float?: boolean;
+    /** Number of future samples of the reference that the feed-forward may use */
+    preview?: number;
+    /** A feedback controller to export with the model, tuned to it: any feedback of `piezoid controllers` except predictive */
+    controller?: string;
+    /** Clip the voltage to the limits, instead of refusing a reference that exceeds them */
+    clip?: boolean;
+    /** Servo cycle of the GCS controller [s] */
+    servo_cycle?: number | string;
+    /** Voltages [V] at 0 % and at 100 % of the NV200 amplifier, as its commands avmin and avmax report them */
+    range?: [number, number];
+    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs --capacitance [A] */
+    current?: number | string;
+    /** Sensor delay in samples; controllers are tuned for it */
+    late?: number;
+    /** Gain margin to tune to [dB] [dB] */
+    gain_margin?: number | string;
+    /** Phase margin to tune to [degrees] [degrees] */
+    phase_margin?: number | string;
+  };
+  /** What a controller is, and the limits that it tells; nothing moves. */
+  controller: {
+    /** Address or name of the controller in the network */
+    host?: string;
+    /** TCP port of the controller */
+    port?: number;
+    /** Time to wait for an answer [s] */
+    timeout?: number | string;
+  };
+  /** A drive played and recorded by a controller. */
+  acquire: {
+    /** Axis to drive */
+    axis?: string;
+    /** Lowest and highest voltage that the actuator may get, within those of the controller [V] */
+    range?: [number, number];
+    /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres [V] */
+    gain?: number | string;
+    /** Number of the output channel and wave generator of the axis */
+    channel?: number;
+    /** Time of the move to the first voltage, and of the move back [s] */
+    ramp?: number | string;
+    /** Wait at the first voltage before the drive [s] */
+    settle?: number | string;
+    /** Servo cycle of the controller [s] */
+    cycle?: number | string;
+    /** Address or name of the controller in the network */
+    host?: string;
+    /** TCP port of the controller */
+    port?: number;
+    /** Time to wait for an answer [s] */
+    timeout?: number | string;
+  };
+}
+
+export type CallName = keyof CallOptions;

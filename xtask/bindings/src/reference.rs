@@ -1,0 +1,70 @@
+//! The tables of options in docs/reference.md.
+
+use crate::verbs::VERBS;
+use piezoid::excitation::LimitOptions;
+use piezoid::formats::ColumnSelection;
+use piezoid::{OptionKind, OptionRow, Options};
+
+/// Tables that several verbs share: title, and rows.
+type Shared = [(&'static str, Vec<OptionRow>); 2];
+
+/// The tables: what verbs share first.
+pub(crate) fn options() -> String {
+    let shared: Shared =
+        [("Columns of data files", ColumnSelection::rows()), ("Limits of a voltage", LimitOptions::rows())];
+    let mut text = String::new();
+    for (title, rows) in &shared {
+        text += &table(title, rows, "");
+    }
+    for (verb, rows) in VERBS {
+        let is_of =
+            |row: &OptionRow, others: &[OptionRow]| others.iter().any(|o| (o.name, o.help) == (row.name, row.help));
+        let rows = rows();
+        let (limits, own): (Vec<OptionRow>, Vec<OptionRow>) =
+            rows.into_iter().partition(|row| is_of(row, &shared[1].1));
+        let also = if limits.is_empty() { "" } else { "And the [limits of a voltage](#limits-of-a-voltage).\n\n" };
+        text += &table(&format!("Options of `{verb}`"), &own, also);
+    }
+    text
+}
+
+fn table(title: &str, rows: &[OptionRow], below: &str) -> String {
+    let lines: String = rows.iter().map(line).collect();
+    format!("### {title}\n\n| option | value | default | meaning |\n|---|---|---|---|\n{lines}\n{below}")
+}
+
+fn line(row: &OptionRow) -> String {
+    let rule = row.rule();
+    let value = rule.trim_start_matches("must be ");
+    let value = value.strip_prefix("a ").or(value.strip_prefix("an ")).unwrap_or(value);
+    let value = match row.values {
+        OptionKind::Switch => "switch",
+        OptionKind::Choice(_) => "",
+        _ => value,
+    };
+    let names = match row.values {
+        OptionKind::Choice(known) => known.iter().map(|(name, _)| format!("`{name}`")).collect::<Vec<_>>().join(", "),
+        _ => String::new(),
+    };
+    let meanings = match row.values {
+        OptionKind::Choice(known) => {
+            let all: Vec<String> = known.iter().map(|(name, meaning)| format!("`{name}`, {meaning}")).collect();
+            format!(": {}", all.join("; "))
+        }
+        _ => String::new(),
+    };
+    let default = match row.usual() {
+        _ if row.required => "required".into(),
+        // A switch that is off.
+        usual if usual == "false" => String::new(),
+        usual => usual,
+    };
+    let cell = |text: String| text.replace('|', "\\|");
+    let cells = [
+        format!("`{}`", row.name),
+        cell(format!("{value}{names}")),
+        cell(default),
+        cell(row.help.to_string() + &meanings),
+    ];
+    format!("| {} |\n", cells.join(" | ")).replace("|  |", "| |")
+}

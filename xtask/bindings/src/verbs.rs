@@ -1,0 +1,58 @@
+//! The verbs, with the rows of their options.
+
+use piezoid::formats::ColumnSelection;
+use piezoid::validation::ValidateOptions;
+use piezoid::{
+    CompareOptions, CompensateOptions, ControlOptions, ExciteOptions, IdentifyOptions, OptionRow, Options, PlanOptions,
+    PrepareOptions, SimulateOptions,
+};
+use piezoid_export::ExportOptions;
+use piezoid_gcs::{AcquireOptions, Simulation};
+use piezoid_report::study::StudyOptions;
+
+/// The rows of a table.
+pub(crate) type Rows = fn() -> Vec<OptionRow>;
+
+/// The verbs of the reference, in the order of work, each with its options.
+pub(crate) const VERBS: [(&str, Rows); 13] = [
+    ("plan", PlanOptions::rows),
+    ("prepare", PrepareOptions::rows),
+    ("excite", ExciteOptions::rows),
+    ("simulate", SimulateOptions::rows),
+    ("identify", IdentifyOptions::rows),
+    ("validate", ValidateOptions::rows),
+    ("compare", CompareOptions::rows),
+    ("compensate", CompensateOptions::rows),
+    ("control", ControlOptions::rows),
+    ("export", ExportOptions::rows),
+    ("acquire", AcquireOptions::rows),
+    ("instrument", Simulation::rows),
+    ("study", StudyOptions::rows),
+];
+
+/// The classes of keywords in Python. Left out are options that its functions take in another form: references as
+/// arrays, tolerances as fractions, `from` and `to`, of which one is a word of the language, as `start` and `stop`.
+pub(crate) const KEYWORDS: [(&str, &str, Rows); 12] = [
+    ("ColumnOptions", "`read` and `inspect`", || without(ColumnSelection::rows(), &["from", "to"])),
+    ("CompensateOptions", "`Model.compensate`", CompensateOptions::rows),
+    ("ControlOptions", "`control`", || {
+        let elsewhere = ["controller", "reference", "amplitude", "noise", "tolerance", "draws"];
+        without(ControlOptions::rows(), &elsewhere)
+    }),
+    ("ExportOptions", "`export`", ExportOptions::rows),
+    ("IdentifyOptions", "`identify`", IdentifyOptions::rows),
+    ("InverseOptions", "`Model.inverse`", || without(CompensateOptions::rows(), &["sweeps", "smooth", "notch", "zvd"])),
+    ("PlanOptions", "`plan`", PlanOptions::rows),
+    ("PrepareOptions", "`Record.prepare`", PrepareOptions::rows),
+    ("SimulateOptions", "`Plant.simulate`", SimulateOptions::rows),
+    ("StudyOptions", "`study`", || without(StudyOptions::rows(), &["plant"])),
+    ("SwarmOptions", "`linear.fit`", || {
+        let swarm = ["particles", "iterations", "global_best", "seed"];
+        IdentifyOptions::rows().into_iter().filter(|row| swarm.contains(&row.name)).collect()
+    }),
+    ("ValidateOptions", "`Model.validate` and `compare`", ValidateOptions::rows),
+];
+
+fn without(rows: Vec<OptionRow>, names: &[&str]) -> Vec<OptionRow> {
+    rows.into_iter().filter(|row| !names.contains(&row.name)).collect()
+}
