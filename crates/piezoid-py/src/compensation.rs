@@ -1,7 +1,7 @@
 //! From a displacement to a voltage.
 
 use crate::error::{raised, refused};
-use crate::json::{object, options};
+use crate::json::{members, options};
 use crate::model::Model;
 use crate::samples::{array, samples, slice};
 use crate::watch::in_pieces;
@@ -19,22 +19,19 @@ pub(crate) fn feed_forward_settings(settings: &Bound<'_, PyDict>) -> PyResult<Fe
     options::<CompensateOptions>(settings)?.settings().map_err(raised)
 }
 
-/// The voltage, the displacement that the model predicts, and the other results as a document.
-pub(crate) type CompensationTuple = (Py<PyArray1<f64>>, Py<PyArray1<f64>>, Py<PyAny>);
-
-/// The voltage for a reference.
-pub(crate) fn compensated(
-    py: Python<'_>,
+/// The voltage for a reference, the displacement that the model predicts, and the other results by name.
+pub(crate) fn compensated<'py>(
+    py: Python<'py>,
     model: &piezoid::Model,
     reference: &Bound<'_, PyAny>,
     settings: &Bound<'_, PyDict>,
-) -> PyResult<CompensationTuple> {
+) -> PyResult<Bound<'py, PyDict>> {
     let (read, options) = (samples("reference", reference)?, options::<CompensateOptions>(settings)?);
     let r = slice(&read)?;
     let made = py.detach(|| options.of(model, r.to_vec())).map_err(raised)?;
     let Compensated { u, reached, usage, clipped, notes } = made.made;
-    let document = object(py, &json!({"usage": usage, "clipped": clipped, "notes": notes}))?;
-    Ok((array(py, u).unbind(), array(py, reached).unbind(), document))
+    let document = json!({"usage": usage, "clipped": clipped, "notes": notes});
+    members(py, &document, [("u", array(py, u).into_any()), ("reached", array(py, reached).into_any())])
 }
 
 /// The inverse of a model, sample by sample; it keeps its state between calls.

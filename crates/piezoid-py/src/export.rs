@@ -2,19 +2,16 @@
 
 use crate::compensation::inner;
 use crate::error::raised;
-use crate::json::{object, options, rows};
+use crate::json::{members, options};
 use crate::model::Model;
 use crate::samples::{samples, slice};
-use piezoid::Options;
 use piezoid_export::{ExportOptions, ExportTarget};
 use piezoid_host::compiler;
 use piezoid_host::files::{self, FileSet};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
+use serde_json::json;
 use std::path::PathBuf;
-
-/// Files by their paths, the functions with their operations, and notes.
-type ExportTuple = (Vec<(String, Py<PyBytes>)>, Py<PyAny>, Vec<String>);
 
 /// Writes a file, which is complete or absent.
 #[pyfunction]
@@ -28,17 +25,18 @@ pub(crate) fn unfinished(path: PathBuf) -> Option<String> {
     files::unfinished(&path)
 }
 
-/// Exports a model to a target, and writes the files into a folder if one is given.
+/// Exports a model to a target, and writes the files into a folder if one is given. Returns the files by their paths,
+/// the functions with their operations, and notes.
 #[pyfunction]
-pub(crate) fn export(
-    py: Python<'_>,
-    model: &Bound<'_, Model>,
+pub(crate) fn export<'py>(
+    py: Python<'py>,
+    model: &Bound<'py, Model>,
     target: &str,
     given: &Bound<'_, PyDict>,
     reference: Option<Bound<'_, PyAny>>,
     folder: Option<PathBuf>,
     force: bool,
-) -> PyResult<ExportTuple> {
+) -> PyResult<Bound<'py, PyDict>> {
     let (model, options) = (inner(model), options::<ExportOptions>(given)?);
     let read = reference.as_ref().map(|r| samples("reference", r)).transpose()?;
     let reference = read.as_ref().map(|r| slice(r)).transpose()?;
@@ -49,19 +47,14 @@ pub(crate) fn export(
         Ok(made)
     });
     let made = made.map_err(raised)?;
-    let functions = object(py, &made.to_json()["functions"])?;
-    let files = made.files.into_iter().map(|file| (file.name, PyBytes::new(py, &file.bytes).unbind()));
-    Ok((files.collect(), functions, made.notes))
+    let files = PyDict::new(py);
+    made.files.iter().try_for_each(|file| files.set_item(&file.name, PyBytes::new(py, &file.bytes)))?;
+    let document = json!({"functions": made.to_json()["functions"], "notes": made.notes});
+    members(py, &document, [("files", files.into_any())])
 }
 
 /// The operators of a list that a target serves: `auto` without the others.
 #[pyfunction]
 pub(crate) fn served(target: &str, operators: &str) -> PyResult<String> {
     ExportTarget::find(target).and_then(|target| target.operators(operators)).map_err(raised)
-}
-
-/// The options of [`export`], one per row.
-#[pyfunction]
-pub(crate) fn export_options(py: Python<'_>) -> PyResult<Py<PyAny>> {
-    object(py, &rows(ExportOptions::rows()))
 }

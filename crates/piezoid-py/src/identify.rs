@@ -1,10 +1,10 @@
 //! Identification of a model from records.
 
-use crate::json::{object, options, rows};
+use crate::json::options;
 use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
-use piezoid::{File, IdentifyOptions, Options, Records};
+use piezoid::{File, IdentifyOptions, Records};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -40,10 +40,4 @@ pub(crate) fn again(
     let files: Vec<File> = files.into_iter().map(|(name, bytes)| File::new(name, bytes)).collect();
     let again = watched(py, progress, |progress| model.get().model.again(&files, progress))?;
     Ok(again.model.into())
-}
-
-/// The options of [`identify`], one per row.
-#[pyfunction]
-pub(crate) fn identify_options(py: Python<'_>) -> PyResult<Py<PyAny>> {
-    object(py, &rows(IdentifyOptions::rows()))
 }

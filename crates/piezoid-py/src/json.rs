@@ -31,6 +31,17 @@ pub(crate) fn object(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
     }
 }
 
+/// The members of a document by name, and others beside them: the keywords of a class of Python.
+pub(crate) fn members<'py>(
+    py: Python<'py>,
+    document: &Value,
+    others: impl IntoIterator<Item = (&'static str, Bound<'py, PyAny>)>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let dict = object(py, document)?.into_bound(py).cast_into::<PyDict>()?;
+    others.into_iter().try_for_each(|(name, value)| dict.set_item(name, value))?;
+    Ok(dict)
+}
+
 /// Options of the library from keywords; numbers may have any Python type.
 pub(crate) fn options<O: Options>(given: &Bound<'_, PyDict>) -> PyResult<O> {
     O::from_json(document(given)?).map_err(raised)

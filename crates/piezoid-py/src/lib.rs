@@ -31,13 +31,13 @@ mod _piezoid {
     #[pymodule_export]
     use crate::error::PiezoidError;
     #[pymodule_export]
-    use crate::export::{export, export_options, served, unfinished, write};
+    use crate::export::{export, served, unfinished, write};
     #[pymodule_export]
-    use crate::identify::{again, identify, identify_options};
+    use crate::identify::{again, identify};
     #[pymodule_export]
     use crate::linear::{Arx, fit};
     #[pymodule_export]
-    use crate::lists::{excite, lists, plan, plan_options};
+    use crate::lists::{excite, lists, plan};
     #[pymodule_export]
     use crate::model::Model;
     #[pymodule_export]

@@ -2,7 +2,7 @@
 
 use crate::compensation::inner;
 use crate::error::raised;
-use crate::json::{document, object, options, rows};
+use crate::json::{document, members, object, options, rows};
 use crate::model::Model;
 use crate::samples::array;
 use numpy::PyArray1;
@@ -11,7 +11,7 @@ use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS, Excitation};
 use piezoid::hysteresis::OPERATORS;
 use piezoid::linear::ESTIMATORS;
 use piezoid::plant::PLANTS;
-use piezoid::{ExciteOptions, Options, PlanOptions};
+use piezoid::{ExciteOptions, PlanOptions};
 use piezoid_export::{ExportTarget, TARGETS};
 use piezoid_host::files::FileSet;
 use pyo3::prelude::*;
@@ -77,21 +77,15 @@ pub(crate) fn excite(
     Ok(array(py, made.u).unbind())
 }
 
-/// The voltages of a plan by the names of their records.
-type Drives = Vec<(String, Py<PyArray1<f64>>)>;
-
-/// Drives, sampling period, page, notes and advice.
-type PlanTuple = (Drives, f64, String, Vec<String>, Option<String>);
-
 /// The drives of an identification with their sampling period; the page, notes and advice. Files are written into a
 /// folder if one is given.
 #[pyfunction]
-pub(crate) fn plan(
-    py: Python<'_>,
+pub(crate) fn plan<'py>(
+    py: Python<'py>,
     given: &Bound<'_, PyDict>,
     model: Option<&Bound<'_, Model>>,
     folder: Option<PathBuf>,
-) -> PyResult<PlanTuple> {
+) -> PyResult<Bound<'py, PyDict>> {
     let (options, model) = (options::<PlanOptions>(given)?, model.map(inner));
     let made = py.detach(|| {
         let plan = options.run(model.as_ref())?;
@@ -99,13 +93,8 @@ pub(crate) fn plan(
         Ok(plan)
     });
     let plan = made.map_err(raised)?;
-    let page = plan.page();
-    let drives = plan.drives.into_iter().map(|drive| (drive.name.to_string(), array(py, drive.u).unbind()));
-    Ok((drives.collect(), plan.ts, page, plan.notes, plan.advice))
-}
-
-/// The options of [`plan`], one per row.
-#[pyfunction]
-pub(crate) fn plan_options(py: Python<'_>) -> PyResult<Py<PyAny>> {
-    object(py, &rows(PlanOptions::rows()))
+    let document = json!({"ts": plan.ts, "page": plan.page(), "notes": plan.notes, "advice": plan.advice});
+    let drives = PyDict::new(py);
+    plan.drives.into_iter().try_for_each(|drive| drives.set_item(drive.name, array(py, drive.u)))?;
+    members(py, &document, [("drives", drives.into_any())])
 }

@@ -1,6 +1,6 @@
 //! Models: from a voltage to a displacement, and the inverse.
 
-use crate::compensation::{CompensationTuple, FeedForward, compensated, feed_forward_settings};
+use crate::compensation::{FeedForward, compensated, feed_forward_settings};
 use crate::error::{raised, refused};
 use crate::json::{object, options};
 use crate::record::Record;
@@ -170,12 +170,12 @@ impl Model {
         FeedForward::new(&self.model, feed_forward_settings(settings)?, late)
     }
 
-    fn _compensation(
+    fn _compensation<'py>(
         &self,
-        py: Python<'_>,
+        py: Python<'py>,
         reference: &Bound<'_, PyAny>,
         settings: &Bound<'_, PyDict>,
-    ) -> PyResult<CompensationTuple> {
+    ) -> PyResult<Bound<'py, PyDict>> {
         compensated(py, &self.model, reference, settings)
     }
 

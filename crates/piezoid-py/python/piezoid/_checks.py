@@ -5,42 +5,9 @@ from __future__ import annotations
 import operator
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from typing import TYPE_CHECKING, Any, TypedDict
+from typing import Any
 
 from ._piezoid import PiezoidError
-
-if TYPE_CHECKING:
-    from typing_extensions import Unpack as Unpack
-
-
-class Limits(TypedDict, total=False):
-    """Keywords that limit a voltage, as `Model.compensation` describes them."""
-
-    driver: str | None
-    capacitance: float | None
-    low: float | None
-    high: float | None
-    slew: float | None
-    current: float | None
-    clip: bool
-
-
-class Settings(Limits, total=False):
-    """Keywords of `Model.compensation`."""
-
-    smooth: float | None
-    zvd: bool
-    notch: bool
-    sweeps: int
-
-
-def limits(given: Limits) -> dict[str, Any]:
-    """Limits by their keywords; any other keyword is a `TypeError`."""
-    known = Limits.__annotations__
-    for name in given:
-        if name not in known:
-            raise TypeError(f"unexpected keyword {name!r}: limits are {', '.join(known)}")
-    return dict(given)
 
 
 def number(name: str, value: Any) -> float:
@@ -80,4 +47,3 @@ def whole(name: str, value: Any, least: int = 0) -> int:
     if not least <= number < 2**63:
         raise PiezoidError(f"{name} = {number}: must be a whole number from {least} to 2^63 - 1")
     return number
-

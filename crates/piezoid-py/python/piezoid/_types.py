@@ -31,5 +31,4 @@ Progress: TypeAlias = "bool | Told | Bar | type[Any] | None"
 Units: TypeAlias = tuple[str, str]
 """Units of input and output."""
 
-Offset: TypeAlias = Literal["kept", "free", "drift"]
 Begin: TypeAlias = Literal["rest", "settled", "from-above", "from-below", "motion", "likely"]

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from . import _piezoid
-from ._types import Offset
+from ._keywords import known, takes
+from ._options import ValidateOptions
 from .model import Model, as_model
 from .records import as_record, sources
 
 if TYPE_CHECKING:
     import pandas as pd
+    from typing_extensions import Unpack
 
     from .records import Source, Sources
 
@@ -59,20 +61,21 @@ class ModelComparison:
         return f"<ModelComparison: {self.summary or 'the outputs are constant'}>"
 
 
+@takes(ValidateOptions)
 def compare(
     models: Mapping[str, Given] | Iterable[Given] | Given,
     data: Mapping[str, Source] | Sources,
     *,
     record: str | None = None,
-    skip: float = 0.0,
-    offset: Offset = "kept",
+    **options: Unpack[ValidateOptions],
 ) -> ModelComparison:
     """Compares free runs of several models with records that none of them has seen.
 
     models, data: models and records in dicts by their names (not a record as a dict of its columns), or in lists. Files
     in lists are called by their names, models by their operators, and records by their numbers.
     record: name of the record whose loops and residuals are drawn on the page; default: the first
-    skip, offset: as in `Model.validate`
+
+    {options}
 
     >>> import piezoid as pz
     >>> def gain(k):
@@ -85,11 +88,11 @@ def compare(
     'two'
     """
     one = [models] if isinstance(models, (Model, str, os.PathLike)) else models
-    known = _named("models", one, as_model, lambda model, _: as_model(model).operator)
+    settings = {"record": record, **known(compare, options)}
+    cores = _named("models", one, as_model, lambda model, _: as_model(model).operator)
     given = data if isinstance(data, Mapping) else sources(data)
     measured = _named("data", given, as_record, lambda _, number: f"record {number}")
-    settings = {"record": record, "skip": skip, "offset": offset}
-    return ModelComparison(*_piezoid.compare(known, measured, settings))
+    return ModelComparison(*_piezoid.compare(cores, measured, settings))
 
 
 def _named(

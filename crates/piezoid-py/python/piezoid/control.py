@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
 from ._checks import called, number, some
-from ._checks import limits as checked
+from ._keywords import known, takes
+from ._options import ControlOptions
 from ._progress import told
 from ._types import Array, Progress, Samples
 from .model import Model, as_model
@@ -17,8 +18,7 @@ from .plants import Plant, plants
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from ._checks import Limits, Unpack
+    from typing_extensions import Unpack
 
 MOST = 1e8
 """Maximum number of samples of a reference."""
@@ -81,32 +81,28 @@ def reference(name: str, model: Model | str | os.PathLike[str], *, peak: float, 
         return _piezoid.follow(name, model.ts, n, number("peak", peak), number("frequency", frequency))
 
 
+@takes(ControlOptions)
 def control(
     plant: Plant | str,
     model: Model | str | os.PathLike[str],
     reference: Samples | Mapping[str, Samples],
     *,
     controller: str | Iterable[str] = ("gain", "feed-forward", "integral-notch", "feed-forward+integral-notch"),
-    late: int = 0,
-    gain_margin: float | None = None,
-    phase_margin: float | None = None,
-    preview: int | None = None,
     tolerance: tuple[float, int] | None = None,
-    seed: int = 1,
     progress: Progress = None,
-    **limits: Unpack[Limits],
+    **options: Unpack[ControlOptions],
 ) -> Comparison:
     """Simulates a twin that follows references [output unit of the model] with one or several controllers.
 
     controller: names in `pz.controllers`, such as "feed-forward+pi"; they are tuned to the model
-    late: sensor delay in samples; gain_margin [dB], phase_margin [degrees]: margins to which controllers are tuned
-    preview: number of future samples of the reference that controllers may use; default: all
     tolerance: (share, draws) also simulates this many random plants, whose parameters differ from those of the plant by
     up to this share
-    limits: `driver`, `capacitance`, `low`, `high`, `slew`, `current`, `clip`, as in `Model.compensation`
+
+    {options}
     """
+    given = known(control, options)
     named = reference if isinstance(reference, Mapping) else {"reference": reference}
-    twin, known = plants[plant] if isinstance(plant, str) else plant, as_model(model)
+    twin, own = plants[plant] if isinstance(plant, str) else plant, as_model(model)
     if not isinstance(twin, Plant):
         raise _piezoid.PiezoidError(f"plant = {plant!r}: must be a Plant, or the name of one")
     schemes = [controller] if isinstance(controller, str) else list(controller)
@@ -115,12 +111,9 @@ def control(
     share = (None, 200) if tolerance is None else some("tolerance", tolerance, "share, draws")
     # The library uses percent.
     percent = None if share[0] is None else round(100 * number("tolerance", share[0]), 12)
-    options = {
-        "controller": schemes, "late": late, "gain_margin": gain_margin, "phase_margin": phase_margin, "preview": preview,
-        "tolerance": percent, "draws": share[1], "seed": seed, **checked(limits),
-    }  # fmt: skip
+    given |= {"controller": schemes, "tolerance": percent, "draws": share[1]}
     references = [(str(name), r) for name, r in named.items()]
     with told(progress) as watch:
-        figures, runs, html = _piezoid.control((twin.name, twin._core), known._core, references, options, watch)
-    return Comparison(figures, runs, html, known.ts)
+        figures, runs, html = _piezoid.control((twin.name, twin._core), own._core, references, given, watch)
+    return Comparison(figures, runs, html, own.ts)
 

@@ -6,18 +6,20 @@ import os
 from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
+from ._keywords import known, takes
+from ._options import ExportOptions
 from ._types import Samples
-from .lists import described
 from .model import Model, as_model
 
 if TYPE_CHECKING:
     import pandas as pd
+    from typing_extensions import Unpack
 
 
 class Exported(dict[str, bytes]):
     """The exported files by path; `functions`, what to call, with its operations; `notes`, remarks."""
 
-    def __init__(self, files: list[tuple[str, bytes]], functions: list[dict[str, Any]], notes: list[str]) -> None:
+    def __init__(self, files: dict[str, bytes], functions: list[dict[str, Any]], notes: list[str]) -> None:
         super().__init__(files)
         self.functions = functions
         self.notes = notes
@@ -41,6 +43,7 @@ class Exported(dict[str, bytes]):
         return "\n".join([*(f"{path}: {len(content)} bytes" for path, content in self.items()), *told, *self.notes])
 
 
+@takes(ExportOptions)
 def export(
     model: Model | str | os.PathLike[str],
     target: str,
@@ -48,7 +51,7 @@ def export(
     *,
     reference: Samples | None = None,
     force: bool = False,
-    **options: Any,
+    **options: Unpack[ExportOptions],
 ) -> Exported:
     """Exports a model to a target (`pz.targets`): returns the files by path, and writes them to `folder` if given.
 
@@ -65,12 +68,5 @@ def export(
     >>> sorted(pz.export(model, "c", name="bender", low=-30.0, high=30.0))
     ['bender.c', 'bender.h', 'bender.md', 'bender_test.c']
     """
-    for name in options:
-        if name not in _OPTIONS:
-            raise TypeError(f"unexpected keyword {name!r}: options are {', '.join(_OPTIONS)}")
-    return Exported(*_piezoid.export(as_model(model)._core, target, options, reference, folder, bool(force)))
-
-
-_ROWS = _piezoid.export_options()
-_OPTIONS = [row["name"] for row in _ROWS]
-export.__doc__ = (export.__doc__ or "").replace("{options}", "\n    ".join(described(_ROWS)))
+    given = known(export, options)
+    return Exported(**_piezoid.export(as_model(model)._core, target, given, reference, folder, bool(force)))

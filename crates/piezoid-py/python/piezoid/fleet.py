@@ -46,8 +46,10 @@ import numpy as np
 
 from ._checks import whole
 from ._piezoid import PiezoidError
+from ._keywords import known, takes
+from ._options import CompensateOptions, ValidateOptions
 from ._progress import told
-from ._types import Offset, Progress
+from ._types import Progress
 from .identify import identify as _identify
 from .model import Model, as_model
 from .records import Record, as_records, read_reference
@@ -55,8 +57,7 @@ from .records import Record, as_records, read_reference
 if TYPE_CHECKING:
     import distributed
     import pandas as pd
-
-    from ._checks import Settings, Unpack
+    from typing_extensions import Unpack
 
 Row: TypeAlias = dict[str, Any]
 """The columns of one actuator."""
@@ -108,31 +109,32 @@ def identify(
     return table.reindex(columns=["model", "operator", "resonance_hz", "damping", "dc_gain", *_FIGURES, *_ALWAYS])
 
 
+@takes(ValidateOptions)
 def validate(
     models: Mapping[Any, Any] | pd.Series[Any],
     records: Mapping[Any, Any] | pd.Series[Any],
     client: Engine | None = None,
     *,
-    skip: float = 0.0,
-    offset: Offset = "kept",
     retries: int = 2,
     chunk: int | None = None,
     progress: Progress = None,
+    **options: Unpack[ValidateOptions],
 ) -> pd.DataFrame:
     """Compares each model with records of its actuator, preferably ones that were not used for identification.
 
     models: by name, models or their files; records: by name, one or several, or a function that returns them
-    skip, offset: as in `Model.validate`; retries, chunk, progress: see `run`
+    options: those of `Model.validate`; retries, chunk, progress: see `run`
 
     Columns: `nrmse_percent`, `rms_pp_percent`, `rmse` and `max_abs` [output unit], the largest among the records, and
     the columns of `run`. An actuator with a model but no record, or with a record but no model, has a row with an
     error.
     """
-    job = partial(_validated, skip, offset)
+    job = partial(_validated, known(validate, options))
     table = run(job, _paired(models, records), client, retries=retries, chunk=chunk, progress=progress)
     return table.reindex(columns=[*_FIGURES, *_ALWAYS])
 
 
+@takes(CompensateOptions)
 def compensate(
     models: Mapping[Any, Any] | pd.Series[Any],
     references: Any,
@@ -141,7 +143,7 @@ def compensate(
     retries: int = 2,
     chunk: int | None = None,
     progress: Progress = None,
-    **settings: Unpack[Settings],
+    **settings: Unpack[CompensateOptions],
 ) -> pd.DataFrame:
     """Computes the voltages for a requested displacement of each actuator.
 
@@ -153,10 +155,9 @@ def compensate(
     Columns: `u` [input unit] and `reached` [output unit], of shape (n,), `clipped`, the number of samples clipped to a
     limit, `notes`, and the columns of `run`.
     """
-    signature(Model.compensation).bind(None, None, **settings)
     named = isinstance(references, Mapping) or (hasattr(references, "items") and references.dtype == object)  # a Series
     own = references if named else dict.fromkeys(dict(_items(models, "models")), references)
-    job = partial(_compensated, dict(settings))
+    job = partial(_compensated, known(compensate, settings))
     table = run(job, _paired(models, own), client, retries=retries, chunk=chunk, progress=progress)
     return table.reindex(columns=["u", "reached", "clipped", "notes", *_ALWAYS])
 
@@ -335,8 +336,8 @@ def _identified(settings: Row, actuator: Any) -> Row:
     return row | {"dc_gain": model.dc_gain} | _largest(model, test)
 
 
-def _validated(skip: float, offset: Offset, pair: tuple[Any, Any]) -> Row:
-    return _largest(_model(pair[0]), _read(_made(pair[1], "record")), skip=skip, offset=offset)
+def _validated(options: Row, pair: tuple[Any, Any]) -> Row:
+    return _largest(_model(pair[0]), _read(_made(pair[1], "record")), **options)
 
 
 def _compensated(settings: Row, pair: tuple[Any, Any]) -> Row:

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from . import _piezoid
+from ._keywords import known, takes
+from ._options import IdentifyOptions
 from ._piezoid import PiezoidError
 from ._progress import told
 from ._types import Progress, Samples, Units
@@ -16,9 +18,12 @@ from .model import Model
 from .records import Record, read, sources
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from .records import Source, Sources
 
 
+@takes(IdentifyOptions)
 def identify(
     data: Sources | Samples = (),
     y: Samples | None = None,
@@ -29,27 +34,11 @@ def identify(
     profile: str | os.PathLike[str] | None = None,
     small_signal: Sources = (),
     large_signal: Sources = (),
-    method: Literal["joint", "paper"] = "joint",
-    operator: str = "auto",
     target: str | None = None,
-    order: int | None = None,
-    seed: int = 1,
-    elements: int | None = None,
-    creep: bool = True,
-    driver: str | None = None,
-    capacitance: float | None = None,
-    driver_lag: float | None = None,
-    driver_slew: float | None = None,
-    estimator: str | None = None,
-    split: Literal["line", "direction"] | None = None,
-    bins: int | None = None,
-    reading: Literal["held", "printed"] | None = None,
-    particles: int | None = None,
-    iterations: int | None = None,
-    global_best: Literal["ever", "current"] | None = None,
     progress: Progress = None,
     linear: Sources = (),
     rich: Sources = (),
+    **options: Unpack[IdentifyOptions],
 ) -> Model:
     """Identifies a model of the actuator from records; `model.notes` contains remarks.
 
@@ -59,23 +48,13 @@ def identify(
     data, y: or the arrays of input and output, each of shape (n,) or (n, 1), with `ts` or `fs`
     ts, fs: sampling period [s] or rate [Hz] of arrays, and of files and DataFrames without times; units, profile: of
     all that is no `Record` yet, as for `read`
-    method: "joint" fits all parts together, by the error of the free run; "paper" follows the paper's six steps
-    operator: one of `pz.operators`, several separated by commas, or "auto" for all; of several, the simplest one is
-    selected that predicts as well as the best, held out and in free run
     target: the export target (`pz.targets`) that the model is for: only operators that it serves are tried
-    order: of the linear block; selected automatically by default (2 by the paper's method)
-    seed: of the swarm
-
-    Joint method only: `elements` (number of thresholds, levels or knots of the operator), `creep`, and the driver of
-    the measurement, if its limits matter: `driver` by name, `capacitance` of the load [F], `driver_lag` [s],
-    `driver_slew` [V/s].
-
-    Paper's method only: `estimator` of the linear block; `split`, how the points of a loop are divided between the
-    branches; `bins`, the number of averages on each branch; `reading` of held inputs; `particles` and `iterations` of
-    the swarm, and its `global_best` (the best position ever, or of the current ones).
-
     progress: True shows a tqdm bar; your own bar is updated; a function is called as f(what, done, total). An exception
     that it raises stops the work, as Ctrl-C does.
+
+    Options:
+
+    {options}
 
     >>> import piezoid as pz
     >>> u = pz.excite.rising_sine(ts=1e-3, duration=2, amplitude=28, frequency=4)
@@ -86,18 +65,17 @@ def identify(
     >>> pz.identify(record.u, record.y, fs=1000, operator="prandtl-ishlinskii", order=2) == model
     True
     """
-    keywords, rows = dict(locals()), _piezoid.identify_options()
-    options = {row["name"]: keywords[row["name"]] for row in rows}
+    given = known(identify, options)
     if target is not None:
-        options["operator"] = _piezoid.served(target, operator)
+        given["operator"] = _piezoid.served(target, given.get("operator") or "auto")
     how: dict[str, Any] = {"ts": ts, "fs": fs, "units": units, "profile": profile}
     # linear and rich are the former names of small_signal and large_signal.
-    given = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], _data(data, y, how)]
-    small, large, everything = [[_record(source, how)._core for source in part] for part in given]
+    named = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], _data(data, y, how)]
+    small, large, everything = [[_record(source, how)._core for source in part] for part in named]
     if everything and large:
         raise PiezoidError("large_signal is the same as data: give the records in one of them")
     with told(progress) as watch:
-        return Model._of(_piezoid.identify((small, large + everything), options, watch))
+        return Model._of(_piezoid.identify((small, large + everything), given, watch))
 
 
 def _data(data: Any, y: Samples | None, how: dict[str, Any]) -> list[Source]:
@@ -115,4 +93,3 @@ def _data(data: Any, y: Samples | None, how: dict[str, Any]) -> list[Source]:
 
 def _record(source: Source, how: dict[str, Any]) -> Record:
     return source if isinstance(source, Record) else read(source, **how)
-

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from . import _files
 from ._columns import columns_of, profile_of
+from ._keywords import known, takes
+from ._options import ColumnOptions
 from .records import Record
 from .results import frame
 
 if TYPE_CHECKING:
     import pandas as pd
+    from typing_extensions import Unpack
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,15 +61,18 @@ class Inspection:
         return "\n".join([*lines, *self.history, *(f"problem: {problem}" for problem in self.problems)])
 
 
+@takes(ColumnOptions)
 def inspect(
     source: str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame,
     *,
     profile: str | os.PathLike[str] | None = None,
-    **columns: Any,
+    **columns: Unpack[ColumnOptions],
 ) -> Inspection:
     """Shows what a file, a DataFrame or a mapping of arrays holds, and how `read` reads it.
 
-    profile and further keywords: those of `read` on columns (`ts`, `fs`, `input_col`, `output_unit`, ...)
+    profile: as for `read`
+
+    {options}
 
     >>> import numpy as np, piezoid as pz
     >>> t = np.arange(200)
@@ -74,19 +80,9 @@ def inspect(
     >>> list(seen.channels["role"]), seen.record.units
     (['time', 'input', 'output'], ('V', 'nm'))
     """
-    for name in columns:
-        if name not in KEYWORDS:
-            raise TypeError(f"unexpected keyword {name!r}: keywords are profile, {', '.join(KEYWORDS)}")
-    held, rig = columns_of(source), profile_of(profile)
+    given, held, rig = known(inspect, columns), columns_of(source), profile_of(profile)
     with held.named():
-        figures, core, error = held.core.inspect(held.name, columns, rig)
+        figures, core, error = held.core.inspect(held.name, given, rig)
         record = None if core is None else Record._of(core)
-        made = None if record is None else held.core.profile(columns, rig)
+        made = None if record is None else held.core.profile(given, rig)
     return Inspection(figures, record, error, made)
-
-
-KEYWORDS = (
-    "ts", "fs", "input_col", "output_col", "time_col", "input_unit", "output_unit", "time_unit", "input_scale",
-    "output_scale",
-)  # fmt: skip
-"""Keywords on columns."""

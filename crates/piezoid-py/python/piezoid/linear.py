@@ -4,16 +4,20 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
 from ._checks import some, whole
+from ._keywords import known, takes
+from ._options import SwarmOptions
 from ._piezoid import Arx
 from ._progress import told
 from ._types import Progress
 from .records import as_records
 
 if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
     from .records import Sources
 
 __all__ = ["Arx", "Fit", "fit"]
@@ -33,21 +37,23 @@ class Fit:
     """Best cost at the start and after each iteration, for iterative estimators."""
 
 
+@takes(SwarmOptions)
 def fit(
     records: Sources,
     order: int | Sequence[int] = 2,
     *,
     estimator: str = "least-squares",
-    particles: int | None = None,
-    iterations: int | None = None,
-    global_best: Literal["ever", "current"] | None = None,
-    seed: int = 1,
     progress: Progress = None,
+    **swarm: Unpack[SwarmOptions],
 ) -> Fit:
     """Fits y = a1 y1 + ... + b0 u + b1 u1 + ... to one or more records, or to anything that `read` accepts.
 
     order: of the block, or (number of a, number of b, samples of delay)
-    estimator: one of `pz.estimators`; `particles`, `iterations`, `seed` and `global_best` apply to the swarm only
+    estimator: one of `pz.estimators`
+
+    Options of the estimator swarm:
+
+    {options}
 
     >>> import piezoid as pz
     >>> u = pz.excite.prbs(ts=5e-4, duration=2, amplitude=1)
@@ -56,11 +62,10 @@ def fit(
     >>> found.arx.a.round(6).tolist()
     [1.7, -0.9]
     """
-    given = as_records(records)
+    settings, given = known(fit, swarm), as_records(records)
     is_one = isinstance(order, str) or not isinstance(order, Sequence)
     na, nb, delay = (order, whole("order", order) + 1, 0) if is_one else some("order", order, "a, b, delay")
     orders = (whole("order", na), whole("order", nb), whole("delay", delay))
-    swarm = {"particles": particles, "iterations": iterations, "seed": seed, "global_best": global_best}
     with told(progress) as watch:
-        arx, found = _piezoid.fit([r._core for r in given], orders, estimator, swarm, watch)
+        arx, found = _piezoid.fit([r._core for r in given], orders, estimator, settings, watch)
     return Fit(arx, **found)

@@ -12,18 +12,19 @@ import numpy.typing as npt
 
 from . import _files, _html, _piezoid
 from ._checks import whole
-from ._checks import limits as checked
+from ._keywords import known, takes
+from ._options import CompensateOptions, InverseOptions, ValidateOptions
 from ._piezoid import FeedForward, PiezoidError
 from ._progress import told
-from ._types import Array, Begin, Offset, Progress, Samples, Units
+from ._types import Array, Begin, Progress, Samples, Units
 from .records import as_record, read_input
 from .results import Compensation, Validation, Verdict, frame
 from ._summary import summary
 
 if TYPE_CHECKING:
     import pandas as pd
+    from typing_extensions import Unpack
 
-    from ._checks import Limits, Settings, Unpack
     from .records import Source
 
 __all__ = ["Compensation", "FeedForward", "Model", "Validation", "Verdict", "load"]
@@ -219,67 +220,46 @@ class Model:
         """The frequency response of the linear block [output unit / input unit] at `hz` [Hz], both of shape (n,)."""
         return self._core.response(hz)
 
-    def validate(self, record: Source, *, skip: float = 0.0, offset: Offset = "kept") -> Validation:
+    @takes(ValidateOptions)
+    def validate(self, record: Source, **options: Unpack[ValidateOptions]) -> Validation:
         """Compares its free run with a record, preferably one that was not used for identification.
 
         record: anything that `read` accepts
-        skip: time at the start that does not count [s]
-        offset: "free" subtracts the mean error first, because sensors drift; "drift" a constant and a linear drift
+
+        {options}
         """
-        measured = as_record(record)
-        figures, simulated = self._core._validate(measured._core, {"skip": skip, "offset": offset})
+        given, measured = known(Model.validate, options), as_record(record)
+        figures, simulated = self._core._validate(measured._core, given)
         return Validation(measured, simulated, figures)
 
-    def inverse(self, late: int = 0, **limits: Unpack[Limits]) -> FeedForward:
+    @takes(InverseOptions)
+    def inverse(self, late: int = 0, **limits: Unpack[InverseOptions]) -> FeedForward:
         """The inverse, sample by sample, from requested displacement to voltage.
 
         The displacement follows `late` samples later. A value that is not finite is replaced by the one before, and
-        voltages beyond the limits are clipped. `driver`, `capacitance`, `low`, `high`, `slew`, `current` limit the
-        voltage, as in `compensation`.
-        """
-        return self._core._inverse(whole("late", late), checked(limits))
+        voltages beyond the limits are clipped.
 
-    def compensate(self, reference: Samples, **settings: Unpack[Settings]) -> Array:
+        {options}
+        """
+        return self._core._inverse(whole("late", late), known(Model.inverse, limits))
+
+    @takes(CompensateOptions)
+    def compensate(self, reference: Samples, **options: Unpack[CompensateOptions]) -> Array:
         """The voltages [input unit] for a requested displacement [output unit], both of shape (n,).
 
-        They are `compensation(...).u`.
+        They are `compensation(...).u`, with the same options.
         """
-        return self.compensation(reference, **settings).u
+        return self.compensation(reference, **options).u
 
-    def compensation(
-        self,
-        reference: Samples,
-        *,
-        driver: str | None = None,
-        capacitance: float | None = None,
-        low: float | None = None,
-        high: float | None = None,
-        slew: float | None = None,
-        current: float | None = None,
-        clip: bool = False,
-        smooth: float | None = None,
-        zvd: bool = False,
-        notch: bool = False,
-        sweeps: int = 0,
-    ) -> Compensation:
-        """The voltages for a requested displacement.
+    @takes(CompensateOptions)
+    def compensation(self, reference: Samples, **options: Unpack[CompensateOptions]) -> Compensation:
+        """The voltages for a requested displacement, of shape (n,) [output unit], and what the model predicts.
 
         Before the first sample the actuator is assumed settled at the first value of the reference.
 
-        driver: one of `pz.drivers`, with the `capacitance` [F] of the load if it limits the current
-        low, high: limits of the voltage [V]; slew: of its change [V/s]; current: of the driver [A]
-        clip: come as close as the limits allow, instead of raising an error
-        smooth: replace steps and corners by minimum-jerk moves of this length [s]
-        zvd: shape the reference so that the resonance is not excited; notch: filter the reference with a notch at the
-        resonance
-        sweeps: maximum number of iterations that reduce the remaining error of the model's free run
+        {options}
         """
-        settings = {
-            "driver": driver, "capacitance": capacitance, "low": low, "high": high, "slew": slew, "current": current,
-            "clip": clip, "smooth": smooth, "zvd": zvd, "notch": notch, "sweeps": sweeps,
-        }  # fmt: skip
-        u, reached, figures = self._core._compensation(reference, settings)
-        return Compensation(u, reached, **figures)
+        return Compensation(**self._core._compensation(reference, known(Model.compensation, options)))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Model) and self._core == other._core

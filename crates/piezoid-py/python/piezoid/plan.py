@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import TYPE_CHECKING
 
 from . import _piezoid
+from ._keywords import known, takes
+from ._options import PlanOptions
 from ._types import Array
-from .lists import described
 from .model import Model, as_model
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Plan(dict[str, Array]):
@@ -18,19 +22,20 @@ class Plan(dict[str, Array]):
     advice: the record that would lower the largest uncertainty of the model most, `None` without a model
     """
 
-    def __init__(self, made: tuple[list[tuple[str, Array]], float, str, list[str], str | None]) -> None:
-        drives, self.ts, self.page, self.notes, self.advice = made
+    def __init__(self, drives: dict[str, Array], ts: float, page: str, notes: list[str], advice: str | None) -> None:
         super().__init__(drives)
+        self.ts, self.page, self.notes, self.advice = ts, page, notes, advice
 
     def __repr__(self) -> str:
         return "\n".join(f"{name}: {u.size} samples, {u.min():.4g} to {u.max():.4g} V" for name, u in self.items())
 
 
+@takes(PlanOptions)
 def plan(
     folder: str | os.PathLike[str] | None = None,
     *,
     model: Model | str | os.PathLike[str] | None = None,
-    **options: Any,
+    **options: Unpack[PlanOptions],
 ) -> Plan:
     """Plans the records of an identification: returns the drives, and writes them and `plan.md` to `folder` if given.
 
@@ -45,12 +50,5 @@ def plan(
     >>> plan.ts, plan["small"].size
     (0.002, 4608)
     """
-    for name in options:
-        if name not in _OPTIONS:
-            raise TypeError(f"unexpected keyword {name!r}: options are {', '.join(_OPTIONS)}")
-    return Plan(_piezoid.plan(options, None if model is None else as_model(model)._core, folder))
-
-
-_ROWS = _piezoid.plan_options()
-_OPTIONS = [row["name"] for row in _ROWS]
-plan.__doc__ = (plan.__doc__ or "").replace("{options}", "\n    ".join(described(_ROWS)))
+    first = None if model is None else as_model(model)._core
+    return Plan(**_piezoid.plan(known(plan, options), first, folder))

@@ -5,14 +5,19 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
 from ._piezoid import PiezoidError
 from ._checks import called, number, whole
+from ._keywords import known, takes
+from ._options import SimulateOptions
 from ._types import Array, Samples
 from .lists import ALL, Rows
 from .records import Record
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 
 class Plant:
@@ -36,27 +41,26 @@ class Plant:
             raise PiezoidError(f"these are not the parameters of a plant: {told}; {remedy}") from None
         self.name = name
 
-    def simulate(
-        self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled", "motion"] = "rest"
-    ) -> Array:
+    @takes(SimulateOptions)
+    def simulate(self, u: Samples, ts: float = 5e-4, **options: Unpack[SimulateOptions]) -> Array:
         """Sensor readings [um] for the voltages `u` [V], both of shape (n,), sampled every `ts` [s].
 
-        `seed` sets the noise. `begin` is the initial condition: at rest, settled at the first voltage, or in motion as
-        in `u`. A `UserWarning` names the limits that were reached.
-        """
-        y, reached = self._core._measured(u, number("ts", ts), {"seed": seed, "begin": begin})
-        if reached is not None:
-            warnings.warn(f"{self.name}: {reached}", stacklevel=2)
-        return y
+        A `UserWarning` names the limits that were reached.
 
-    def measure(
-        self, u: Samples, ts: float = 5e-4, *, seed: int = 1, begin: Literal["rest", "settled", "motion"] = "rest"
-    ) -> Record:
+        {options}
+        """
+        return self._run(u, ts, known(Plant.simulate, options))
+
+    @takes(SimulateOptions)
+    def measure(self, u: Samples, ts: float = 5e-4, **options: Unpack[SimulateOptions]) -> Record:
         """The same as a record."""
-        y, reached = self._core._measured(u, number("ts", ts), {"seed": seed, "begin": begin})
+        return Record(u, self._run(u, ts, known(Plant.measure, options)), ts)
+
+    def _run(self, u: Samples, ts: float, options: dict[str, Any]) -> Array:
+        y, reached = self._core._measured(u, number("ts", ts), options)
         if reached is not None:
-            warnings.warn(f"{self.name}: {reached}", stacklevel=2)
-        return Record(u, y, ts)
+            warnings.warn(f"{self.name}: {reached}", stacklevel=3)
+        return y
 
     def drawn(self, tolerance: float = 0.2, *, seed: int = 0, index: int = 0) -> Plant:
         """A random plant whose parameters differ from these by up to the fraction `tolerance`.

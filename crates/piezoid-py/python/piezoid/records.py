@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias, cast
+from typing import TYPE_CHECKING, Any, TypeAlias, cast
 
 import numpy as np
 
 from . import _html, _piezoid
 from ._checks import called, number, some
 from ._columns import columns_of, profile_of
+from ._keywords import known, takes
+from ._options import ColumnOptions, PrepareOptions
 from ._piezoid import PiezoidError
 from ._types import Array, Samples, Units
 
 if TYPE_CHECKING:
     import pandas as pd
+    from typing_extensions import Unpack
 
     from .model import Model
 
@@ -100,6 +103,7 @@ class Record:
         with called(**_ENDS):
             return Record._of(self._core.part(number("start", start), number("stop", stop)))
 
+    @takes(PrepareOptions)
     def prepare(
         self,
         *,
@@ -107,15 +111,7 @@ class Record:
         stop: float = float("inf"),
         input_scale: float | str | None = None,
         output_scale: float | str | None = None,
-        input_offset: float = 0.0,
-        output_offset: float = 0.0,
-        outliers: bool = False,
-        detrend: Literal["mean", "line"] | None = None,
-        average: bool = False,
-        period: float | str | None = None,
-        delay: float | str | None = None,
-        decimate: int | None = None,
-        resample: float | str | None = None,
+        **options: Unpack[PrepareOptions],
     ) -> Record:
         """The record as it is to be identified. Its `history` tells each step, and models and files keep it.
 
@@ -124,13 +120,10 @@ class Record:
 
         start, stop: the part to use
         input_scale, output_scale: factors, such as 20, or "5um/V" with the new unit
-        input_offset, output_offset: added after the scale, in its unit
-        outliers: replace single spikes of y by interpolation
-        detrend: subtract the mean or a straight line from y
-        average: the mean of all periods, one period long; `period`, if it is not found in the input
-        delay: y is shifted earlier by it against u, later if it is negative
-        decimate: keep one of so many samples; resample: a new sampling period. Both channels pass the same filter
-        without phase, which keeps signals up to 0.8 of the new Nyquist frequency; nothing above it folds back
+        {options}
+
+        `decimate` and `resample` pass both channels through the same filter without phase, which keeps signals up to
+        0.8 of the new Nyquist frequency; nothing above it folds back.
 
         >>> import numpy as np, piezoid as pz
         >>> u = np.sin(2 * np.pi * np.arange(4000) / 400)
@@ -138,17 +131,7 @@ class Record:
         >>> len(record), record.ts, len(record.history)
         (100, 0.0002, 2)
         """
-        given = {
-            "input_offset": input_offset,
-            "output_offset": output_offset,
-            "outliers": outliers,
-            "detrend": detrend,
-            "average": average,
-            "period": period,
-            "delay": delay,
-            "decimate": decimate,
-            "resample": resample,
-        }
+        given = known(Record.prepare, options)
         scales = ["" if scale is None else str(scale) for scale in (input_scale, output_scale)]
         return Record._of(self.part(start, stop)._core.scaled(*scales).prepare(given))
 
@@ -255,23 +238,15 @@ def as_records(given: Sources | None) -> list[Record]:
     return [as_record(source) for source in sources(given)]
 
 
+@takes(ColumnOptions)
 def read(
     source: str | os.PathLike[str] | Mapping[str, Any] | pd.DataFrame,
     *,
-    ts: float | None = None,
-    fs: float | None = None,
-    input_col: str | int | None = None,
-    output_col: str | int | None = None,
-    time_col: str | int | None = None,
-    input_unit: str | None = None,
-    output_unit: str | None = None,
-    time_unit: str | None = None,
-    input_scale: float | str | None = None,
-    output_scale: float | str | None = None,
     units: Units | Mapping[str, str] | None = None,
     profile: str | os.PathLike[str] | None = None,
     start: float = 0.0,
     stop: float = float("inf"),
+    **columns: Unpack[ColumnOptions],
 ) -> Record:
     """Reads a record from a file of any format that piezoid knows, a DataFrame, or a mapping of arrays.
 
@@ -279,39 +254,22 @@ def read(
     `Displacement/µm`. The record's `history` tells what was guessed; two equally likely columns raise an error that names
     the keywords to choose.
 
-    ts, fs: sampling period [s] or rate [Hz], for sources without times
-    input_col, output_col, time_col: names or numbers (from 1) of the columns
-    input_unit, output_unit, time_unit: units that the names do not contain, or contain wrongly
-    input_scale: factor of the input, such as 20 for an amplifier whose input was recorded
-    output_scale: factor of the output, such as "5um/V" for a sensor
     units: of input and output, such as ("V", "nm") or {"y": "nm"}, in place of `input_unit` and `output_unit`
     profile: a file that `inspect(...).save_profile` or `piezoid inspect -o` wrote; keywords count more
     start, stop: the part to read [s]
+
+    {options}
 
     >>> import numpy as np, piezoid as pz
     >>> record = pz.read({"Time (ms)": np.arange(3), "Drive": [0, 1, 2], "Position (nm)": [0, 9, 20]}, input_scale=10)
     >>> record.ts, record.units, record.u
     (0.001, ('V', 'nm'), array([ 0., 10., 20.]))
     """
-    columns = columns_of(source)
-    rig = profile_of(profile)
+    given, held, rig = known(read, columns), columns_of(source), profile_of(profile)
     # What is not cut does not stand in the history.
-    ends = {"from": number("start", start) or None, "to": None if number("stop", stop) == float("inf") else stop}
-    given = {
-        "ts": ts,
-        "fs": fs,
-        "input_col": input_col,
-        "output_col": output_col,
-        "time_col": time_col,
-        "input_unit": input_unit,
-        "output_unit": output_unit,
-        "time_unit": time_unit,
-        "input_scale": input_scale,
-        "output_scale": output_scale,
-        **ends,
-    }
-    with columns.named(), called(**_ENDS):
-        record = Record._of(columns.core.record(given, rig))
+    given["from"], given["to"] = number("start", start) or None, None if number("stop", stop) == float("inf") else stop
+    with held.named(), called(**_ENDS):
+        record = Record._of(held.core.record(given, rig))
     return record if units is None else Record._of(record._core.with_units(_units(units, record.units)))
 
 

@@ -9,11 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from . import _files, _piezoid
 from ._piezoid import PiezoidError
+from ._keywords import known, takes
+from ._options import StudyOptions
 from ._progress import told
 from ._types import Progress
 
 if TYPE_CHECKING:
     import pandas as pd
+    from typing_extensions import Unpack
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +58,15 @@ class Study:
             _files.write(place / f"{name}.svg", drawn)
 
 
-def study(plant: str = "paper", *, seed: int = 1, progress: Progress = None) -> Study:
+@takes(StudyOptions)
+def study(plant: str = "paper", *, progress: Progress = None, **options: Unpack[StudyOptions]) -> Study:
     """The paper's experiment on one of `pz.plants`.
 
     PRBS, ARX by particle swarm, two spline branches per frequency, test on stepped sines of 7 steps.
+
+    {options}
     """
+    given = {"plant": plant, **known(study, options)}
     with told(progress) as watch:
-        figures, svg, html, verdict = _piezoid.study({"plant": plant, "seed": seed}, watch)
+        figures, svg, html, verdict = _piezoid.study(given, watch)
     return Study(figures, dict(svg), html, verdict)
