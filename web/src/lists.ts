@@ -6,8 +6,11 @@ export interface OptionRow {
   kind: "switch" | "integer" | "number" | "pair" | "numbers" | "choice" | "text" | "texts";
   choices: [string, string][] | null;
   unit: string | null;
+  /** What it is: `{name}` is another option, `{list}` its list. */
   help: string;
   group: string | null;
+  /** The list that its names are from, such as `drivers`; empty if there is none. */
+  list: string;
   usual: string | null;
   rule: string;
   required: boolean;
@@ -19,15 +22,16 @@ export interface Member {
   summary: string;
 }
 
-/** A verb. */
-export interface CallRow extends Member {
+/** An operation: a verb with its files and options. */
+export interface OperationRow extends Member {
   options: OptionRow[];
+  module: string;
   roles: { name: string; least: number; many: boolean }[];
 }
 
 /** All lists. */
 export interface Lists {
-  calls: CallRow[];
+  operations: OperationRow[];
   /** What can be said of the columns of a data file. */
   columns: OptionRow[];
   operators: Member[];
@@ -43,6 +47,10 @@ export interface Lists {
   estimators: Member[];
 }
 
-/** The options of a verb. */
+/** The options of an operation. */
 export const optionsOf = (lists: Lists, call: string): OptionRow[] =>
-  lists.calls.find((one) => one.name === call)?.options ?? [];
+  lists.operations.find((one) => one.name === call)?.options ?? [];
+
+/** The members of the list of this name. */
+export const membersOf = (lists: Lists, list: string): Member[] | undefined =>
+  (lists as unknown as Record<string, Member[] | undefined>)[list];

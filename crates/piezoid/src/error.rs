@@ -4,6 +4,7 @@
 //! (see [`crate::optimize`]).
 
 use crate::number::{exact, tamed};
+use crate::words::Words;
 use serde_json::Value;
 use thiserror::Error;
 
@@ -182,15 +183,16 @@ impl Error {
         Error::Unknown { kind, name: name.into(), known: known.into_iter().map(String::from).collect() }
     }
 
-    /// The message, with each option written by `show` from its name and value.
-    pub fn told(&self, show: &dyn Fn(&str, &Value) -> String) -> String {
+    /// The message in the words of a front end.
+    pub fn message(&self, words: &dyn Words) -> String {
         match self {
+            Error::Parameter { name, value, rule } => format!("{}: {rule}", words.setting(name, value)),
             Error::Advised { error, options, all } => {
-                let options: Vec<String> = options.iter().map(|(name, value)| show(name, value)).collect();
-                format!("{}give {}", error.told(show), options.join(if *all { " " } else { " or " }))
+                let options: Vec<String> = options.iter().map(|(name, value)| words.remedy(name, value)).collect();
+                format!("{}give {}", error.message(words), options.join(if *all { " " } else { " or " }))
             }
-            Error::Limits(_) | Error::Unreachable(_) => format!("{self} ({})", show("clip", &Value::Bool(true))),
-            Error::File { name, error } => format!("{name}: {}", error.told(show)),
+            Error::Limits(_) | Error::Unreachable(_) => format!("{self} ({})", words.remedy("clip", &true.into())),
+            Error::File { name, error } => format!("{name}: {}", error.message(words)),
             other => other.to_string(),
         }
     }

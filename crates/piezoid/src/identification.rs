@@ -60,10 +60,10 @@ options! {
     pub struct IdentifyOptions {
         /// How to identify.
         method: Method = Method::Joint, OptionRow::new(METHODS);
-        /// The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all, and
+        /// The hysteresis operator (see {list}), or several separated by commas; auto tries all, and
         /// auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The
         /// paper's method has its own branches.
-        operator: String = "auto".into(), OptionRow::new(NAME);
+        operator: String = "auto".into(), OptionRow::new(NAME).list("operators");
         /// Order of the linear block.
         order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");
         /// Seed of the swarm.
@@ -73,16 +73,16 @@ options! {
                                                                                              operator").group(JOINT);
         /// Identify creep.
         creep: bool = true, OptionRow::new(OptionKind::Switch).group(JOINT);
-        /// The driver used for the records; give it if its current or slew limit was reached (see `piezoid drivers`).
-        driver: Option<String> = None, OptionRow::new(NAME).group(JOINT);
+        /// The driver used for the records; give it if its current or slew limit was reached (see {list}).
+        driver: Option<String> = None, OptionRow::new(NAME).list("drivers").group(JOINT);
         /// Capacitance of the load, for the driver's current limit.
         capacitance: Option<f64> = None, OptionRow::positive("F").requires("driver").group(JOINT);
         /// Time constant of the driver, where it is known.
         driver_lag: Option<f64> = None, OptionRow::not_negative("s").group(JOINT);
         /// Slew rate of the driver, if known.
         driver_slew: Option<f64> = None, OptionRow::positive("V/s").group(JOINT);
-        /// The estimator of the linear block (see `piezoid estimators`).
-        estimator: Option<String> = None, OptionRow::new(NAME).absent("swarm").group(PAPER);
+        /// The estimator of the linear block (see {list}).
+        estimator: Option<String> = None, OptionRow::new(NAME).list("estimators").absent("swarm").group(PAPER);
         /// How the points of a loop are divided between the ascending and the descending branch.
         split: Option<Split> = None, OptionRow::new(SPLITS).absent("line").group(PAPER);
         /// Number of averaged points on each branch, between the reversals.

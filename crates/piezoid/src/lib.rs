@@ -70,10 +70,13 @@ pub mod validation;
 mod verbs;
 #[doc(hidden)]
 pub mod waveform;
+mod words;
 
 pub use error::Error;
 pub use hammerstein::{Identified, Model};
 pub use identification::{IdentifyOptions, Method, Records, identify};
+#[doc(hidden)]
+pub use options::rows_of;
 pub use options::{OptionKind, OptionRow, Options};
 pub use preparation::{PrepareOptions, Trend};
 pub use record::{Record, Units};
@@ -85,3 +88,5 @@ pub use verbs::{
 };
 #[doc(hidden)]
 pub use verbs::{Origin, Source, Step};
+#[doc(hidden)]
+pub use words::Words;

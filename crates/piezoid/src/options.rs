@@ -1,13 +1,14 @@
 //! The options of a verb: each is defined once, as a field of a struct, with its range, unit, default and help.
 //!
-//! The command line makes a flag of every row, Python a keyword. Values are checked here, so all front ends reject the
-//! same values with the same message. An [`Error`] names the option by its field; the front end shows it as
-//! `--input-col` or `input_col=`.
+//! The command line makes a flag of every row, Python a keyword, the page a field. Values are checked here, so all front
+//! ends reject the same values with the same message. Errors and helps name an option by its field; each front end
+//! writes it in its own [`Words`].
 
 use crate::error::Error;
-use serde::Serialize;
+use crate::words::{Words, parts};
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
 
 /// Kind of value of an option.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,7 +52,7 @@ pub struct OptionRow {
     pub values: OptionKind,
     /// Unit of a number; empty without one.
     pub unit: &'static str,
-    /// Its description in the help.
+    /// Its description in the help: `{name}` is another option, `{list}` its list.
     pub help: &'static str,
     /// Its default; null if it has no value by default.
     pub default: fn() -> Value,
@@ -63,6 +64,8 @@ pub struct OptionRow {
     pub group: &'static str,
     /// The option that it requires; empty if there is none.
     pub requires: &'static str,
+    /// The list that its names are from, such as `drivers`; empty if there is none.
+    pub list: &'static str,
 }
 
 impl OptionRow {
@@ -79,6 +82,7 @@ impl OptionRow {
             required: false,
             group: "",
             requires: "",
+            list: "",
         }
     }
 
@@ -113,9 +117,24 @@ impl OptionRow {
         OptionRow { requires, ..self }
     }
 
+    /// Sets the list that its names are from.
+    pub const fn list(self, list: &'static str) -> Self {
+        OptionRow { list, ..self }
+    }
+
     /// Makes it an option that must be given.
     pub const fn required(self) -> Self {
         OptionRow { required: true, ..self }
+    }
+
+    /// Its help in the words of a front end.
+    pub fn help_in(&self, words: &dyn Words) -> String {
+        let written = |(marked, part): (bool, &str)| match part {
+            "list" if marked => words.list(self.list),
+            option if marked => words.option(option),
+            text => text.into(),
+        };
+        parts(self.help).map(written).collect()
     }
 
     /// The default as text: its value, or the description if it has none. May be empty.
@@ -217,6 +236,38 @@ impl OptionRow {
         let shown = || value.as_str().map_or_else(|| value.to_string(), str::to_string);
         fitted.ok_or_else(|| Error::parameter(self.name, shown(), self.rule()))
     }
+}
+
+/// All that a form, a flag or a keyword needs to know. `usual` is the default as text, `rule` the one for its values.
+impl Serialize for OptionRow {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let (kind, choices) = match self.values {
+            OptionKind::Switch | OptionKind::Bit => ("switch", Value::Null),
+            OptionKind::Integer(..) => ("integer", Value::Null),
+            OptionKind::Number { .. } => ("number", Value::Null),
+            OptionKind::Pair => ("pair", Value::Null),
+            OptionKind::Numbers => ("numbers", Value::Null),
+            OptionKind::Choice(known) => ("choice", json!(known)),
+            OptionKind::Text(_) => ("text", Value::Null),
+            OptionKind::Texts(_) => ("texts", Value::Null),
+        };
+        let default = match (self.default)() {
+            Value::Bool(on) if self.values == OptionKind::Bit => u8::from(on).into(),
+            default => default,
+        };
+        let row = json!({
+            "name": self.name, "kind": kind, "choices": choices, "unit": self.unit, "help": self.help,
+            "group": self.group, "list": self.list, "requires": self.requires, "default": default,
+            "usual": self.usual(), "rule": self.rule(), "required": self.required,
+        });
+        row.serialize(to)
+    }
+}
+
+/// The rows of a table, as members of documents.
+#[doc(hidden)]
+pub fn rows_of<S: Serializer>(rows: &fn() -> Vec<OptionRow>, to: S) -> Result<S::Ok, S::Error> {
+    rows().serialize(to)
 }
 
 /// A number as it is written in help.

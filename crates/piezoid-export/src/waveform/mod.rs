@@ -76,8 +76,8 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     match &buffer {
         Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?.into())),
 None => exported.notes.push(
-    "no NV200 file is written, because its points are in percent of a voltage range: give --range with the voltages \
-     of 0 % and 100 %"
+    "no NV200 file is written, because its points are in percent of a voltage range: give the option `range` with \
+     the voltages of 0 % and 100 %"
     .into(),
 ),
 }

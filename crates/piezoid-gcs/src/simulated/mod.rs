@@ -18,8 +18,8 @@ use waves::Waves;
 options! {
     /// What is simulated.
     pub struct Simulation {
-        /// The plant (see `piezoid plants`).
-        plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME"));
+        /// The plant (see {list}).
+        plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME")).list("plants");
         /// Seed of the noise of its sensor.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
         /// Voltage that an open-loop value of 1 gives.

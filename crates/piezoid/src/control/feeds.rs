@@ -18,6 +18,7 @@ use crate::hammerstein::Model;
 use crate::series::{mean, scatter};
 use crate::system::System;
 use crate::waveform::period;
+use serde::Serialize;
 
 /// Time for which a trial settles, and then for which it is averaged, both rounded up to whole periods [s].
 const SETTLES: f64 = 0.25;
@@ -60,7 +61,7 @@ pub struct FeedResult {
 }
 
 /// One kind of feed-forward: a row of [`FEED_FORWARDS`].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub struct FeedForwardKind {
     /// Name in options and files.
     pub name: &'static str,
@@ -70,6 +71,7 @@ pub struct FeedForwardKind {
     pub reference: &'static str,
     /// Computes the feed-forward, or returns an error if the reference cannot be reached, or has to be periodic and is
     /// not.
+    #[serde(skip)]
     pub(crate) make: fn(&FeedRequest) -> Result<FeedResult, Error>,
 }
 

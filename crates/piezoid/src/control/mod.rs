@@ -51,6 +51,7 @@ pub use tune::MarginTarget;
 use crate::error::{Error, row};
 use crate::linear::Arx;
 use crate::program::Block;
+use serde::Serialize;
 use std::fmt::Debug;
 use std::sync::Arc;
 
@@ -115,7 +116,7 @@ pub trait Controller: Debug + Send + Sync {
 pub(crate) type Tune = fn(&ControlLoop, &MarginTarget) -> Result<Arc<dyn Controller>, Error>;
 
 /// One kind of controller: a row of [`CONTROLLERS`].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub struct ControllerKind {
     /// Name in options and files.
     pub name: &'static str,
@@ -126,6 +127,7 @@ pub struct ControllerKind {
     /// True if it adds to a feed-forward.
     pub uses_feed_forward: bool,
     /// Returns the controller with the largest integral gain that meets the target, or an error if there is none.
+    #[serde(skip)]
     pub(crate) tune: Tune,
 }
 

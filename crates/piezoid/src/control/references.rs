@@ -5,9 +5,10 @@
 use crate::compensation::Fir;
 use crate::error::{Error, positive, row};
 use crate::excitation::{Multisine, Sine, Staircase, Triangle};
+use serde::Serialize;
 
 /// One kind of reference: a row of [`REFERENCES`].
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub struct Reference {
     /// Name in options and files.
     pub name: &'static str,
@@ -15,6 +16,7 @@ pub struct Reference {
     pub summary: &'static str,
     /// `n` samples every `ts` [s], with this peak [output unit] and frequency [Hz]. Returns an error for invalid
     /// values.
+    #[serde(skip)]
     pub samples: fn(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error>,
 }
 

@@ -5,7 +5,7 @@
 
 use crate::error::{Error, row};
 use crate::number::{quantity, round};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 
 /// An actuator by name.
 ///
@@ -20,6 +20,7 @@ use serde::Serialize;
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(remote = "Self")]
 pub struct Actuator {
     /// Name in every front end: the order number in lower case.
     pub name: &'static str,
@@ -49,6 +50,19 @@ pub struct Actuator {
     pub blocking_force: Option<f64>,
     /// Source of the figures.
     pub reference: &'static str,
+}
+
+/// Its figures by name; the summary is the description.
+impl Serialize for Actuator {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Row {
+            #[serde(flatten, serialize_with = "Actuator::serialize")]
+            figures: Actuator,
+            summary: String,
+        }
+        Row { figures: *self, summary: self.description() }.serialize(to)
+    }
 }
 
 /// A row without figures, for those that follow.

@@ -11,11 +11,11 @@ use super::limits::GROUP;
 use crate::error::{Error, row};
 use crate::number::{quantity, round};
 use crate::options::{OptionKind, OptionRow, options};
-use serde::Serialize;
+use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 /// A driver by name.
-#[derive(Debug, Clone, Copy, Serialize)]
+#[derive(Debug, Clone, Copy)]
 pub struct Amplifier {
     /// Name in every front end.
     pub name: &'static str,
@@ -24,7 +24,6 @@ pub struct Amplifier {
     /// Source of the numbers.
     pub reference: &'static str,
     /// Limits of its output.
-    #[serde(flatten)]
     pub limits: Limits,
     /// Current that it gives continuously, rms or average as the data sheet states it [A].
     pub continuous: Option<f64>,
@@ -160,11 +159,31 @@ impl Amplifier {
     }
 }
 
+/// Its figures by name; the summary is the description.
+impl Serialize for Amplifier {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Row {
+            name: &'static str,
+            summary: String,
+            reference: &'static str,
+            #[serde(flatten)]
+            limits: Limits,
+            continuous: Option<f64>,
+            gain: Option<f64>,
+            bandwidth: Option<f64>,
+        }
+        let (summary, Amplifier { name, reference, limits, continuous, gain, bandwidth, .. }) =
+            (self.description(), *self);
+        Row { name, summary, reference, limits, continuous, gain, bandwidth }.serialize(to)
+    }
+}
+
 options! {
     /// What limits a voltage: a driver by name, and what is given beside it.
     pub struct LimitOptions {
-        /// The driver whose limits the voltage must keep (see `piezoid drivers`).
-        driver: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).group(GROUP);
+        /// The driver whose limits the voltage must keep (see {list}).
+        driver: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).list("drivers").group(GROUP);
     } with own: Limits
 }
 

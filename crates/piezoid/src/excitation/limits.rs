@@ -37,7 +37,7 @@ options! {
         high: Option<f64> = None, OptionRow::number("V").group(GROUP);
         /// Largest slew rate of the voltage.
         slew: Option<f64> = None, OptionRow::positive("V/s").group(GROUP);
-        /// Largest current, in both directions; needs --capacitance.
+        /// Largest current, in both directions; needs {capacitance}.
         current: Option<f64> = None, OptionRow::positive("A").group(GROUP);
     }
 }

@@ -42,11 +42,12 @@ pub use stepped_sine::SteppedSine;
 pub use triangle::Triangle;
 
 use crate::error::{Error, positive, row};
-use crate::options::OptionRow;
+use crate::options::{OptionRow, rows_of};
+use serde::Serialize;
 use serde_json::Value;
 
 /// One kind of excitation.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub struct Excitation {
     /// Name in every front end.
     pub name: &'static str,
@@ -55,7 +56,9 @@ pub struct Excitation {
     /// Reference for a description.
     pub reference: &'static str,
     /// Its options.
+    #[serde(rename = "options", serialize_with = "rows_of")]
     pub rows: fn() -> Vec<OptionRow>,
+    #[serde(skip)]
     generate: fn(Value, ts: f64, n: usize) -> Result<Vec<f64>, Error>,
 }
 

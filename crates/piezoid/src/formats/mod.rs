@@ -45,10 +45,11 @@ pub use selection::ColumnSelection;
 pub use table::{Signal, Table};
 
 use crate::Error;
+use serde::Serialize;
 use std::path::Path;
 
 /// A format of files that hold records.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct Format {
     /// Its name.
     pub name: &'static str,
@@ -59,11 +60,14 @@ pub struct Format {
     /// Reference for a description.
     pub reference: &'static str,
     /// True if a file begins like this format.
+    #[serde(skip)]
     pub matches: fn(&[u8]) -> bool,
     /// Reads the table in a file.
+    #[serde(skip)]
     pub read: fn(&[u8]) -> Result<Table, Error>,
     /// Writes columns sampled every `ts` [s], which [`Table::write`] has checked, and the steps of their history;
     /// `None` if it is only read.
+    #[serde(skip)]
     pub write: Option<Write>,
 }
 

@@ -36,7 +36,8 @@ pub use two_branch::{HeldInput, TwoBranch};
 use crate::error::{Error, alike, row};
 use crate::program::Block;
 use crate::system::System;
-use serde_json::{Map, Value};
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value, json};
 use std::sync::Arc;
 
 /// A hysteresis operator with its parameters: a system from u to z that serialises.
@@ -109,6 +110,19 @@ pub struct Operator {
 impl std::fmt::Debug for Operator {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Operator").field(&self.name).finish()
+    }
+}
+
+/// The description and the properties; its other names are in the summary too.
+impl Serialize for Operator {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let also = if self.aliases.is_empty() { String::new() } else { format!(" (or {})", self.aliases.join(", ")) };
+        let row = json!({
+            "name": self.name, "summary": format!("{}{also}", self.summary), "reference": self.reference,
+            "aliases": self.aliases, "minor_loops": self.minor_loops, "needs_minor_loops": self.needs_minor_loops,
+            "rate_independent": self.rate_independent, "wipes_out": self.wipes_out,
+        });
+        row.serialize(to)
     }
 }
 

@@ -20,7 +20,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 /// A method to estimate theta: a row of [`ESTIMATORS`].
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct Estimator {
     /// As users write it.
     pub name: &'static str,
@@ -28,6 +28,7 @@ pub struct Estimator {
     pub summary: &'static str,
     /// Its source.
     pub reference: &'static str,
+    #[serde(skip)]
     estimate: fn(&EstimatorInput, &swarm::SwarmSettings, &mut Progress) -> Result<Solution, Error>,
 }
 

@@ -4,9 +4,10 @@ use super::actuators;
 use super::catalogue::{Bender, DENSITY, PL112, PL122, PL127, PL128, PL140};
 use super::spec::{BeamMode, BeamSpec, Cantilever, DriverSpec, HysteresisSpec, Logged, SensorSpec, Spec};
 use crate::error::{Error, row};
+use serde::Serialize;
 
 /// A plant by name.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
 pub struct Preset {
     /// Its name in every front end.
     pub name: &'static str,
@@ -15,6 +16,7 @@ pub struct Preset {
     /// Source of its numbers.
     pub reference: &'static str,
     /// Its parameters.
+    #[serde(skip)]
     pub spec: fn() -> Spec,
 }
 

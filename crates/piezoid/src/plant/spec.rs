@@ -194,7 +194,7 @@ impl Spec {
             Error::Line {
                 line: e.line().max(1) as u64,
                 column: Some(e.column().to_string()),
-                problem: format!("{problem}; start from the output of `piezoid plants --show pl140`"),
+                problem: format!("{problem}; start from the parameters of a listed plant, such as pl140"),
             }
         })
     }

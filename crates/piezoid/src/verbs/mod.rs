@@ -116,7 +116,7 @@ impl File {
     /// # Errors
     /// Returns an error if it contains no model.
     pub fn model(&self) -> Result<Model, Error> {
-        let known = |e| Error::Content(format!("{e}; give a file that `piezoid identify` wrote")).of(&self.name);
+        let known = |e| Error::Content(format!("{e}; give a file that `identify` wrote")).of(&self.name);
         Model::from_json(self.text()?).map_err(known)
     }
 }

@@ -62,7 +62,7 @@ pub(super) fn matched(
     if !different.is_empty() {
         let note = format!(
             "The plant `{name}` is not the actuator of this model: {}. The errors say nothing about the model. Choose \
-             the plant of its actuator, or make a plant of your own (see `piezoid plants`)",
+             the plant of its actuator, or make a plant of your own",
             different.join("; ")
         );
         return Ok((spec, Some(note)));

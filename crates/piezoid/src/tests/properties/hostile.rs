@@ -1,5 +1,5 @@
 //! Whatever JSON loads as a model can be used: no use panics, and all end. The calls of the page are tried in
-//! crates/piezoid-calls/tests/hostile.rs.
+//! crates/piezoid-operations/tests/hostile.rs.
 
 use super::strategies::*;
 use crate::compensation::{Causal, FeedForward, FeedForwardSettings};

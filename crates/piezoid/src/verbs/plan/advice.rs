@@ -61,7 +61,7 @@ pub(super) fn advise(model: &Model, plan: &Plan) -> Result<String, Error> {
     let relative = |k: usize| known[k].error / known[k].value.abs();
     let Some(worst) = (0..known.len()).max_by(|&p, &q| relative(p).total_cmp(&relative(q))) else {
         return Err(none(
-            "its file states no standard error of a creep gain or a mode: identify it with `--method joint`",
+            "its file states no standard error of a creep gain or a mode: identify it by the joint method",
         ));
     };
     let sigma =

@@ -51,8 +51,8 @@ options! {
             the actuator");
         /// Highest frequency of the application.
         bandwidth: f64 = 50.0, OptionRow::positive("Hz").required();
-        /// The actuator, for its range, capacitance and resonance (see `piezoid actuators`).
-        actuator: Option<String> = None, OptionRow::new(OptionKind::Text("NAME"));
+        /// The actuator, for its range, capacitance and resonance (see {list}).
+        actuator: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).list("actuators");
         /// Sampling period of all drives.
         ts: Option<f64> = None, OptionRow::positive("s").absent("from bandwidth and resonance");
     } with limits: LimitOptions

@@ -9,9 +9,9 @@
 //! head of an answer has `result` or `error`, then `series`, names and numbers of samples, and `bytes` as above. A
 //! sample is a double, little-endian.
 
-use crate::{Answer, Request, call};
+use crate::{Request, run};
 use piezoid::progress::Progress;
-use piezoid::{Error, File};
+use piezoid::{Error, File, Words};
 use serde_json::{Value, json};
 
 /// What everything begins at a multiple of: a browser reads doubles only there.
@@ -21,32 +21,54 @@ const ALIGN: usize = 8;
 ///
 /// ```
 /// use piezoid::progress::Stage;
-/// let answer = piezoid_calls::answered(b"nonsense", &mut Stage::ignore);
+/// let answer = piezoid_operations::answered(b"nonsense", &mut Stage::ignore);
 /// assert!(String::from_utf8_lossy(&answer).contains("not a request"));
 /// ```
 pub fn answered(request: &[u8], progress: &mut Progress) -> Vec<u8> {
-    match unpacked(request).and_then(|(request, files)| call(&request, &files, progress)) {
-        Ok(Answer { result, series, files }) => {
-            let lengths: Vec<_> = series.iter().map(|(name, samples)| (name, samples.len())).collect();
-            let bytes: Vec<_> = files.iter().map(|file| (&file.name, file.bytes.len())).collect();
-            let mut packed = head(&json!({"result": result, "series": lengths, "bytes": bytes}));
-            for (_, samples) in &series {
+    match unpacked(request).and_then(|(request, files)| run(&request, &files, progress)) {
+        Ok(output) => {
+            let mut packed = head(&json!(output));
+            for (_, samples) in &output.series {
                 samples.iter().for_each(|sample| packed.extend(sample.to_le_bytes()));
             }
-            for file in &files {
+            for file in &output.files {
                 packed.extend(&file.bytes);
                 fill(&mut packed, 0);
             }
             packed
         }
         Err(Error::Cancelled { .. }) => head(&json!({"error": "cancelled", "cancelled": true})),
-        Err(error) => refused(&error.to_string()),
+        Err(error) => refused(&error.message(&Marks)),
     }
 }
 
 /// True if the request moves an instrument, which must be stopped in an orderly way. Its files are not read.
 pub fn moves(request: &[u8]) -> bool {
     document(request).is_ok_and(|(head, _)| head["call"] == "acquire")
+}
+
+/// The words of an answer: options stand in braces, and the page writes their labels.
+struct Marks;
+
+impl Words for Marks {
+    fn option(&self, name: &str) -> String {
+        format!("{{{name}}}")
+    }
+
+    fn remedy(&self, name: &str, value: &Value) -> String {
+        match value {
+            Value::Null | Value::Bool(true) => format!("`{{{name}}}`"),
+            value => format!("`{{{name}}}` = {value}"),
+        }
+    }
+
+    fn setting(&self, name: &str, value: &str) -> String {
+        format!("{{{name}}} = {value}")
+    }
+
+    fn list(&self, name: &str) -> String {
+        name.into()
+    }
 }
 
 /// An error as a packed answer.

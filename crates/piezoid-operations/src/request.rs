@@ -1,6 +1,6 @@
-//! A request: the verb, its options, how columns are read, and the names of files by their roles.
+//! A request: the operation, its options, how columns are read, and the names of files by their roles.
 
-use crate::{Given, Role};
+use crate::Role;
 use piezoid::formats::ColumnSelection;
 use piezoid::{Error, File, Options, Origin, Source, Step};
 use serde::Deserialize;
@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Request {
-    /// Name of the verb: one of [`MODULES`](crate::MODULES).
+    /// Name of the operation.
     pub call: String,
     /// Its options by name.
     #[serde(default)]
@@ -57,13 +57,13 @@ impl Request {
         if let Some(name) = self.files.keys().find(|name| names().all(|known| known != **name)) {
             return Err(Error::unknown("role of files", name, names()));
         }
-        for Role { name, least, most } in roles {
+        for Role { name, least, many } in roles {
             let count = self.files.get(*name).map_or(0, Vec::len);
-            if !(*least..=*most).contains(&count) {
-                let wanted = match (least, most) {
-                    (least, most) if least == most => format!("exactly {least}"),
-                    (least, &usize::MAX) => format!("{least} or more"),
-                    (least, most) => format!("{least} to {most}"),
+            if count < *least || count > 1 && !many {
+                let wanted = match (least, many) {
+                    (1, false) => "exactly 1".into(),
+                    (least, true) => format!("{least} or more"),
+                    (_, false) => "0 to 1".to_string(),
                 };
                 let call = &self.call;
                 return Err(Error::Content(format!(
@@ -75,8 +75,15 @@ impl Request {
     }
 }
 
-impl Given<'_> {
-    /// The options of the verb.
+/// What an operation is run on: a request with its files.
+#[derive(Debug)]
+pub struct Inputs<'a> {
+    pub(crate) request: &'a Request,
+    pub(crate) files: &'a [File],
+}
+
+impl Inputs<'_> {
+    /// The options of the operation.
     pub(crate) fn options<O: Options>(&self) -> Result<O, Error> {
         O::from_json(Value::Object(self.request.options.clone()))
     }

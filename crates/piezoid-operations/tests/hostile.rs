@@ -5,8 +5,8 @@
 
 use piezoid::progress::Stage;
 use piezoid::{Error, File, Model};
-use piezoid_calls::{Request, call};
 use piezoid_export::TARGETS;
+use piezoid_operations::{Request, run};
 use piezoid_testing::hostile::{CHANGES, changed};
 use proptest::prelude::*;
 use serde_json::{Value, json};
@@ -28,7 +28,7 @@ fn legitimate(record: &File) -> Vec<Value> {
     let model = |file| serde_json::from_slice::<Value>(&std::fs::read(file).unwrap()).unwrap()["model"].take();
     let options = json!({"operator": "stop", "order": 2});
     let request = json!({"call": "identify", "options": options, "files": {"large_signal": [record.name]}});
-    let answer = call(&Request::of(request).unwrap(), std::slice::from_ref(record), &mut Stage::ignore).unwrap();
+    let answer = run(&Request::of(request).unwrap(), std::slice::from_ref(record), &mut Stage::ignore).unwrap();
     let identified = serde_json::from_slice(&answer.files[0].bytes).unwrap();
     std::iter::once(identified).chain(files.iter().map(model)).collect()
 }
@@ -57,7 +57,7 @@ fn calls() -> Vec<Value> {
 /// A record of a twin, and a path.
 fn files() -> [File; 2] {
     let made = |name: &str, request: Value, files: &[File]| {
-        let answer = call(&Request::of(request).unwrap(), files, &mut Stage::ignore).unwrap();
+        let answer = run(&Request::of(request).unwrap(), files, &mut Stage::ignore).unwrap();
         File::new(name, answer.files[0].bytes.clone())
     };
     let sine = |unit: &str, amplitude: f64| {
@@ -76,7 +76,7 @@ fn answered(one: &Value, model: &Value, files: &[File]) -> (Result<(), Error>, D
     let files = [files, &[File::new("m.json", model.to_string())]].concat();
     let is_named = |file: &&File| one["files"].to_string().contains(&file.name);
     let files: Vec<File> = files.iter().filter(is_named).cloned().collect();
-    let answer = call(&Request::of(one.clone()).unwrap(), &files, &mut Stage::ignore);
+    let answer = run(&Request::of(one.clone()).unwrap(), &files, &mut Stage::ignore);
     (answer.map(drop), begun.elapsed())
 }
 

@@ -3,19 +3,20 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may stop at what must not happen
 
 use piezoid::progress::Stage;
-use piezoid::{Error, File};
-use piezoid_calls::{Answer, MODULES, Request, call, lists};
+use piezoid::{Error, File, Words};
+use piezoid_operations::{Output, Request, catalogue, run};
 use serde_json::{Value, json};
+use std::cell::RefCell;
 use std::ops::ControlFlow;
 
-fn answer(request: Value, files: &[File]) -> Answer {
+fn answer(request: Value, files: &[File]) -> Output {
     let shown = request.to_string();
     let request = Request::of(request).unwrap();
-    call(&request, files, &mut Stage::ignore).unwrap_or_else(|error| panic!("{shown}: {error}"))
+    run(&request, files, &mut Stage::ignore).unwrap_or_else(|error| panic!("{shown}: {error}"))
 }
 
 /// The only file of an answer under another name.
-fn as_file(name: &str, answer: Answer) -> File {
+fn as_file(name: &str, answer: Output) -> File {
     File::new(name, answer.files.into_iter().next().unwrap().bytes)
 }
 
@@ -33,14 +34,14 @@ fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
     let request =
         json!({"call": "identify", "options": {"operator": "pi", "order": 2}, "files": {"large_signal": ["a.csv"]}});
     let mut stages = 0;
-    let identified = call(&Request::of(request.clone()).unwrap(), &files, &mut |stage: Stage| {
+    let identified = run(&Request::of(request.clone()).unwrap(), &files, &mut |stage: Stage| {
         stages += usize::from(stage.done <= stage.total);
         ControlFlow::Continue(())
     });
     let identified = identified.unwrap();
     assert!(stages > 0 && identified.result["told"].as_str().unwrap().starts_with("good to "));
     let model = as_file("model.json", identified);
-    let stopped = call(&Request::of(request).unwrap(), &files, &mut |_: Stage| ControlFlow::Break(()));
+    let stopped = run(&Request::of(request).unwrap(), &files, &mut |_: Stage| ControlFlow::Break(()));
     assert!(matches!(stopped, Err(Error::Cancelled { .. })));
 
     let [a, b] = files;
@@ -92,26 +93,65 @@ fn a_plan_and_a_prepared_record_come_as_files() {
 }
 
 #[test]
-fn forms_can_be_made_of_the_lists() {
-    let lists = lists();
-    let known = MODULES.iter().flat_map(|module| module.calls.iter().map(move |call| (module, call)));
-    for (row, (module, call)) in lists["calls"].as_array().unwrap().iter().zip(known) {
-        assert_eq!((row["name"].as_str(), row["module"].as_str()), (Some(call.name), Some(module.name)));
-        assert_eq!(row["options"].as_array().map(Vec::len), Some((call.rows)().len()));
+fn forms_can_be_made_of_the_catalogue() {
+    let catalogue = catalogue();
+    let document = json!(catalogue);
+    for (row, operation) in document["operations"].as_array().unwrap().iter().zip(&catalogue.operations) {
+        assert_eq!((row["name"].as_str(), row["module"].as_str()), (Some(operation.name), Some(operation.module)));
+        assert_eq!(row["options"].as_array().map(Vec::len), Some((operation.options)().len()));
     }
-    let kind = |call: &str, option: &str| {
-        let row = lists["calls"].as_array().unwrap().iter().find(|row| row["name"] == call).unwrap();
-        row["options"].as_array().unwrap().iter().find(|row| row["name"] == option).unwrap()["kind"].clone()
+    let option = |operation: &str, option: &str| {
+        let row = document["operations"].as_array().unwrap().iter().find(|row| row["name"] == operation).unwrap();
+        row["options"].as_array().unwrap().iter().find(|row| row["name"] == option).unwrap().clone()
     };
-    assert_eq!(kind("plan", "range"), "pair");
-    assert_eq!(kind("validate", "offset"), "choice");
+    assert_eq!(option("plan", "range")["kind"], "pair");
+    assert_eq!(option("validate", "offset")["kind"], "choice");
+    assert_eq!(option("identify", "driver")["list"], "drivers");
+}
+
+/// The words of no front end, which note what they are asked for.
+#[derive(Default)]
+struct Asked(RefCell<Vec<String>>);
+
+impl Words for Asked {
+    fn option(&self, name: &str) -> String {
+        self.0.borrow_mut().push(name.into());
+        String::new()
+    }
+
+    fn remedy(&self, name: &str, _: &Value) -> String {
+        self.option(name)
+    }
+
+    fn list(&self, name: &str) -> String {
+        self.option(name)
+    }
+}
+
+#[test]
+fn helps_name_options_and_lists_that_there_are_and_no_front_end() {
+    let catalogue = catalogue();
+    let document = json!(catalogue);
+    let operations = catalogue.operations.iter().map(|operation| (operation.options)());
+    let excitations = catalogue.excitations.iter().map(|excitation| (excitation.rows)());
+    for rows in operations.chain(excitations).chain([catalogue.columns.clone()]) {
+        for row in &rows {
+            let asked = Asked::default();
+            let help = row.help_in(&asked);
+            for name in asked.0.into_inner() {
+                assert!(name == row.list || rows.iter().any(|row| row.name == name), "{}: {name}", row.name);
+            }
+            assert!(row.list.is_empty() || document[row.list].is_array(), "{}: {}", row.name, row.list);
+            assert!(!help.contains("--") && !help.contains("piezoid "), "{}: {help}", row.name);
+        }
+    }
 }
 
 #[test]
 fn an_unknown_file_or_option_is_named() {
     let refused = |request: Value| {
         let request = Request::of(request).unwrap();
-        call(&request, &[File::new("log.csv", "")], &mut Stage::ignore).unwrap_err().to_string()
+        run(&request, &[File::new("log.csv", "")], &mut Stage::ignore).unwrap_err().to_string()
     };
     let unknown = refused(json!({"call": "inspect", "files": {"data": ["lag.csv"]}}));
     assert!(unknown.contains("lag.csv") && unknown.contains("log.csv"), "{unknown}");
