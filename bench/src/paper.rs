@@ -1,9 +1,9 @@
 //! docs/paper.md: the paper's Table 1 beside the errors of the study, and the test signals that it may have used.
 
 use crate::page::{self, row};
-use piezoid::number::short;
 use piezoid::plant::Preset;
 use piezoid::progress::Stage;
+use piezoid_numerics::number::short;
 use piezoid_report::study::{METHODS, Study, TestSignal};
 use std::path::Path;
 

@@ -3,7 +3,6 @@
 
 #![allow(clippy::expect_used, clippy::panic)] // a failing test panics
 
-use piezoid::compensation::Fir;
 use piezoid::control::{CONTROLLERS, Comparison, NamedReference, Tolerance};
 use piezoid::plant::Preset;
 use piezoid::progress::Stage;
@@ -11,6 +10,7 @@ use piezoid::{Error, Model, System};
 use piezoid_bench::control::{PATHS, TRIED, compared, drive, errors};
 use piezoid_bench::page::{printed, same};
 use piezoid_bench::twin::{TS, Twin};
+use piezoid_control::compensation::Fir;
 use std::sync::OnceLock;
 
 const TWIN: &str = "pl140";

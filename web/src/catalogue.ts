@@ -8,6 +8,9 @@ export interface OptionRow<Name extends string = string> {
   unit: string;
   help: string;
   group: string;
+  list: string;
+  requires: string;
+  default: boolean | null | number | number[] | string;
   usual: string;
   rule: string;
   required: boolean;
@@ -17,40 +20,98 @@ export interface OptionRow<Name extends string = string> {
 export interface Member {
   name: string;
   summary: string;
+  reference: string;
 }
 
 /** All lists. */
 export interface Lists {
-  calls: {
+  operations: {
     name: string;
     summary: string;
     module: string;
-    options: OptionRow[];
     roles: {
       name: string;
       least: number;
       many: boolean;
     }[];
+    options: OptionRow[];
   }[];
   columns: OptionRow[];
-  operators: Member[];
+  operators: {
+    name: string;
+    summary: string;
+    reference: string;
+    aliases: string[];
+    minor_loops: boolean;
+    needs_minor_loops: boolean;
+    rate_independent: boolean;
+    wipes_out: boolean;
+  }[];
   excitations: {
     name: string;
     summary: string;
+    reference: string;
     options: OptionRow[];
   }[];
   plants: Member[];
-  drivers: Member[];
-  actuators: Member[];
-  controllers: Member[];
-  references: Member[];
+  drivers: {
+    name: string;
+    summary: string;
+    reference: string;
+    capacitance: null | number;
+    low: null | number;
+    high: null | number;
+    slew: null | number;
+    current: null | number;
+    continuous: null | number;
+    gain: null | number;
+    bandwidth: null | number;
+  }[];
+  actuators: {
+    name: string;
+    maker: string;
+    model: string;
+    kind: "amplified" | "bender" | "stack" | "stage" | "tube";
+    low: number;
+    high: number;
+    stroke: number;
+    unit: string;
+    stroke_at: number[];
+    capacitance: null | number;
+    resonance: null | number;
+    stiffness: null | number;
+    blocking_force: null | number;
+    reference: string;
+    summary: string;
+  }[];
+  controllers: {
+    name: string;
+    summary: string;
+    reference: string;
+    uses_feed_forward?: boolean;
+  }[];
+  references: {
+    name: string;
+    summary: string;
+  }[];
   targets: {
     name: string;
     summary: string;
+    reference: string;
     operators: Record<string, string[]>;
     takes: string[];
   }[];
   estimators: Member[];
+  formats: {
+    name: string;
+    extensions: string[];
+    summary: string;
+    reference: string;
+  }[];
+  methods: {
+    name: string;
+    summary: string;
+  }[];
 }
 
 /** The options of each call by name. */
@@ -91,7 +152,7 @@ export interface CallOptions {
     clip?: boolean;
     /** Unit of the amplitude: `V` for a drive signal, a unit of displacement such as `um` for a reference */
     unit?: string;
-    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
     capacitance?: number | string;
@@ -101,7 +162,7 @@ export interface CallOptions {
     high?: number | string;
     /** Largest slew rate of the voltage [V/s] */
     slew?: number | string;
-    /** Largest current, in both directions; needs --capacitance [A] */
+    /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
   };
   /** The drives of an identification, within the limits of a driver. */
@@ -110,11 +171,11 @@ export interface CallOptions {
     range?: [number, number];
     /** Highest frequency of the application [Hz] */
     bandwidth: number | string;
-    /** The actuator, for its range, capacitance and resonance (see `piezoid actuators`) */
+    /** The actuator, for its range, capacitance and resonance (see {list}) */
     actuator?: string;
     /** Sampling period of all drives [s] */
     ts?: number | string;
-    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
     capacitance?: number | string;
@@ -124,7 +185,7 @@ export interface CallOptions {
     high?: number | string;
     /** Largest slew rate of the voltage [V/s] */
     slew?: number | string;
-    /** Largest current, in both directions; needs --capacitance [A] */
+    /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
   };
   /** The response of a plant or a model to an input. */
@@ -149,7 +210,7 @@ export interface CallOptions {
   identify: {
     /** How to identify */
     method?: "joint" | "paper";
-    /** The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The paper's method has its own branches */
+    /** The hysteresis operator (see {list}), or several separated by commas; auto tries all, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The paper's method has its own branches */
     operator?: string;
     /** Order of the linear block */
     order?: number;
@@ -159,7 +220,7 @@ export interface CallOptions {
     elements?: number;
     /** Identify creep */
     creep?: boolean;
-    /** The driver used for the records; give it if its current or slew limit was reached (see `piezoid drivers`) */
+    /** The driver used for the records; give it if its current or slew limit was reached (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the driver's current limit [F] */
     capacitance?: number | string;
@@ -167,7 +228,7 @@ export interface CallOptions {
     driver_lag?: number | string;
     /** Slew rate of the driver, if known [V/s] */
     driver_slew?: number | string;
-    /** The estimator of the linear block (see `piezoid estimators`) */
+    /** The estimator of the linear block (see {list}) */
     estimator?: string;
     /** How the points of a loop are divided between the ascending and the descending branch */
     split?: "line" | "direction";
@@ -195,7 +256,7 @@ export interface CallOptions {
     clip?: boolean;
     /** Largest number of iterations that correct the error left in the model's free run */
     sweeps?: number;
-    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
     capacitance?: number | string;
@@ -205,7 +266,7 @@ export interface CallOptions {
     high?: number | string;
     /** Largest slew rate of the voltage [V/s] */
     slew?: number | string;
-    /** Largest current, in both directions; needs --capacitance [A] */
+    /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
     /** Smooth steps and corners to minimum-jerk moves of this length [s] */
     smooth?: number | string;
@@ -236,7 +297,7 @@ export interface CallOptions {
     draws?: number;
     /** Seed of the noise and of the draws */
     seed?: number;
-    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
     capacitance?: number | string;
@@ -246,7 +307,7 @@ export interface CallOptions {
     high?: number | string;
     /** Largest slew rate of the voltage [V/s] */
     slew?: number | string;
-    /** Largest current, in both directions; needs --capacitance [A] */
+    /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
     /** Sensor delay in samples; controllers are tuned for it */
     late?: number;
@@ -273,7 +334,7 @@ export interface CallOptions {
   };
   /** The comparison of the paper, on a simulated actuator. */
   study: {
-    /** The plant to study (see `piezoid plants`) */
+    /** The plant to study (see {list}) */
     plant?: string;
     /** Seed of the swarm and of the plant's noise */
     seed?: number;
@@ -288,7 +349,7 @@ export interface CallOptions {
     float?: boolean;
     /** Number of future samples of the reference that the feed-forward may use */
     preview?: number;
-    /** A feedback controller to export with the model, tuned to it: any feedback of `piezoid controllers` except predictive */
+    /** A feedback controller to export with the model, tuned to it: any feedback of {list} except predictive */
     controller?: string;
     /** Clip the voltage to the limits, instead of refusing a reference that exceeds them */
     clip?: boolean;
@@ -296,7 +357,7 @@ export interface CallOptions {
     servo_cycle?: number | string;
     /** Voltages [V] at 0 % and at 100 % of the NV200 amplifier, as its commands avmin and avmax report them */
     range?: [number, number];
-    /** The driver whose limits the voltage must keep (see `piezoid drivers`) */
+    /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
     capacitance?: number | string;
@@ -306,7 +367,7 @@ export interface CallOptions {
     high?: number | string;
     /** Largest slew rate of the voltage [V/s] */
     slew?: number | string;
-    /** Largest current, in both directions; needs --capacitance [A] */
+    /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
     /** Sensor delay in samples; controllers are tuned for it */
     late?: number;

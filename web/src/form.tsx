@@ -1,17 +1,17 @@
 // A form from the rows of options: one field a row, groups that fold.
 
 import { useId } from "preact/hooks";
-import type { OptionRow } from "./lists.ts";
+import { membersOf, type OptionRow } from "./lists.ts";
 import { prose, unit } from "./plot/ticks.ts";
 import type { Options } from "./project.ts";
-import { Entry } from "./ui.tsx";
-import { spoken } from "./words.ts";
+import { Entry, useShared } from "./ui.tsx";
+import { helpOf, spoken } from "./words.ts";
 
 interface Props {
   rows: OptionRow[];
   values: Options;
   change(values: Options): void;
-  /** Names that are offered for options of this name, such as the drivers. */
+  /** Names that are offered for options of this name, in place of the members of their lists. */
   names?: Record<string, { name: string; summary: string }[]>;
   /** Options that are shown outside their groups, which are folded otherwise. */
   first?: string[];
@@ -19,12 +19,14 @@ interface Props {
 
 /** The fields of options. What is empty is left out: then the library decides. */
 export function Form({ rows, values, change, names = {}, first }: Props) {
+  const { lists } = useShared();
   const set = (name: string, value: unknown) => {
     const { [name]: _, ...others } = values;
     change(value === "" || value === undefined ? others : { ...others, [name]: value });
   };
   const field = (row: OptionRow) => (
-    <Field key={row.name} row={row} value={values[row.name]} set={(value) => set(row.name, value)} names={names[row.name]} />
+    <Field key={row.name} row={row} value={values[row.name]} set={(value) => set(row.name, value)}
+      names={names[row.name] ?? membersOf(lists, row.list)} />
   );
   const isFirst = (row: OptionRow) => (first ? first.includes(row.name) : !row.group);
   const groups = [...new Set(rows.filter((row) => !isFirst(row)).map((row) => row.group || "More"))];
@@ -45,10 +47,6 @@ export function Form({ rows, values, change, names = {}, first }: Props) {
   );
 }
 
-/** The help of an option without the words of the command line. */
-const inPage = (help: string): string =>
-  help.replace(/ \(see `piezoid [a-z]+`\)| of `piezoid [a-z]+`/g, "").replace(/--(?=[a-z])/g, "").replaceAll("`", "");
-
 interface FieldProps {
   row: OptionRow;
   value: unknown;
@@ -66,7 +64,7 @@ function Field({ row, value, set, names }: FieldProps) {
   const chosen = names?.find(({ name }) => name === value);
   const help = (
     <p class="help" id={`${id}-help`}>
-      {inPage(row.help)}{long && `; otherwise ${usual}`}{chosen && <b>{prose(chosen.summary)}</b>}
+      {helpOf(row)}{long && `; otherwise ${usual}`}{chosen && <b>{prose(chosen.summary)}</b>}
     </p>
   );
   const common = { id, "aria-describedby": `${id}-help`, name: row.name };

@@ -59,8 +59,8 @@ export class LocalLibrary implements Library {
   }
 
   async #thread(verb: string): Promise<Thread> {
-    const { calls } = await this.lists();
-    const name = calls.find((call: { name: string }) => call.name === verb)?.module;
+    const { operations } = await this.lists();
+    const name = operations.find((operation: { name: string }) => operation.name === verb)?.module;
     if (name === undefined) throw new Refused(`there is no call called \`${verb}\``);
     let thread = this.#threads.get(name);
     if (!thread) {

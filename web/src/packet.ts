@@ -1,4 +1,4 @@
-// Requests and answers as bytes: crates/piezoid-calls/src/packet.rs tells the layout.
+// Requests and answers as bytes: crates/piezoid-operations/src/packet.rs tells the layout.
 
 /** A named content. */
 export interface File {

@@ -21,7 +21,7 @@ function rowsOf(lists: Lists, values: Options, of?: string): OptionRow[] {
   const [first, ...common] = optionsOf(lists, "excite");
   const own = of ? inUnit(kind?.options ?? [], of) : (kind?.options ?? []);
   const others = common.filter((row) => !of || row.name === "ts" || row.name === "duration");
-  return [{ ...first!, kind: "choice", choices, help: kind?.summary ?? "" }, ...own, ...others];
+  return [{ ...first!, kind: "choice", choices, list: "", help: kind?.summary ?? "" }, ...own, ...others];
 }
 
 /** The fields of a signal, or of a displacement in the unit `of`. What another kind does not have is dropped with the kind. */
@@ -34,7 +34,7 @@ export function SignalForm({ values, change, of }: { values: Options; change(val
   };
   const own = kindOf(lists, values)?.options.filter((row) => row.required || !row.usual) ?? [];
   return (
-    <Form rows={rows} values={values} change={changed} names={{ driver: lists.drivers }}
+    <Form rows={rows} values={values} change={changed}
       first={["kind", ...own.map((row) => row.name), "ts", "duration"]} />
   );
 }

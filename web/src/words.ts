@@ -1,6 +1,6 @@
 // The words of the library as the page says them.
 
-import type { Lists } from "./lists.ts";
+import type { Lists, OptionRow } from "./lists.ts";
 import { prose } from "./plot/ticks.ts";
 
 /** Options whose names are short for something. */
@@ -24,15 +24,14 @@ export function spoken(name: string): string {
   return words.charAt(0).toUpperCase() + words.slice(1);
 }
 
-/** A sentence of the library: the options that it asks for are called by their labels, and what it quotes stands in
+/** A text of the library: options, which stand in braces, are called by their labels, and what it quotes stands in
  * quotation marks. */
-export function worded(told: string, lists: Lists): string {
-  const text = told.replace(/ \(see `piezoid [a-z]+`\)/g, "");
-  const all = [...lists.calls, ...lists.excitations, { options: lists.columns }].flatMap(({ options }) => options);
+export function worded(text: string, lists: Lists): string {
+  const all = [...lists.operations, ...lists.excitations, { options: lists.columns }].flatMap(({ options }) => options);
   const label = (name: string) => (all.some((row) => row.name === name) ? spoken(name) : name);
-  const quoted = (part: string, called: (name: string) => string) => part.replace(/`([^`]*)`/g, (_, name) => `\u201c${called(name)}\u201d`);
-  const named = prose(text).replace(/(^|: )([a-z_]+)(?= = )/g, (_, before, name) => before + label(name));
-  // Before what it asks for, it quotes names of columns.
-  const [first, ...asked] = named.split(/(?<= give )(?=`)/);
-  return quoted(first!, (name) => name) + quoted(asked.join(""), label);
+  return prose(text).replace(/\{([a-z_]+)\}/g, (_, name) => label(name)).replace(/`([^`]*)`/g, "\u201c$1\u201d");
 }
+
+/** The help of an option: other options, in braces, are called by their labels. */
+export const helpOf = (row: OptionRow): string =>
+  row.help.replace(/\{([a-z_]+)\}/g, (_, name) => (name === "list" ? "the list" : `\u201c${spoken(name)}\u201d`)).replaceAll("`", "");

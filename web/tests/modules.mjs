@@ -20,7 +20,7 @@ export function module(name) {
 
 /** The answer of the module that has the verb. */
 export function call(request, files = [], progress = () => {}) {
-  const row = lists.calls.find((call) => call.name === request.call);
+  const row = lists.operations.find((operation) => operation.name === request.call);
   return unpacked(module(row.module).answer(packed(request, files), progress));
 }
 

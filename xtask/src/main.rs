@@ -1,7 +1,7 @@
 //! The project's own automation: `cargo xtask test|tidy|generate|python|web|bench|fuzz`.
 //!
-//! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `generate` use Python 3 too. Messages name what is
-//! missing.
+//! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `generate` use Python 3 too. Messages name
+//! what is missing.
 
 mod generate;
 mod skipped;

@@ -5,7 +5,23 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The crates without input and output.
-const PURE: [&str; 3] = ["crates/piezoid/src", "crates/piezoid-export/src", "crates/piezoid-report/src"];
+const PURE: [&str; 11] = [
+    "numerics",
+    "records",
+    "twins",
+    "models",
+    "identification",
+    "validation",
+    "control",
+    "paper",
+    "piezoid",
+    "piezoid-export",
+    "piezoid-report",
+];
+
+/// The crate of simulated plants, and the only crate of this workspace that it may use: it shares nothing with the
+/// models.
+const TWINS: (&str, &str) = ("twins", "numerics");
 
 /// Names that read, write, wait or start something.
 const SIDE_EFFECTS: [&str; 9] = [
@@ -20,9 +36,6 @@ const SIDE_EFFECTS: [&str; 9] = [
     "std::io::std",
 ];
 
-/// Modules that the plant must not use, because it must be independent of the model.
-const MODEL: [&str; 3] = ["linear", "hysteresis", "spline"];
-
 /// Crates whose types must not be in public signatures; `serde_json::Value` is the exception.
 const FOREIGN: [&str; 8] = ["nalgebra", "rand", "rand_chacha", "rand_distr", "rayon", "clarabel", "csv", "minijinja"];
 
@@ -31,13 +44,13 @@ const ITEMS: usize = 165;
 
 /// Statements of pages on the length of a list: page, phrase with `#` for the number, file and name of the list.
 const COUNTS: [(&str, &str, &str, &str); 7] = [
-    ("README.md", " # operators ", "crates/piezoid/src/hysteresis/mod.rs", "OPERATORS"),
-    ("README.md", "all # hysteresis operators", "crates/piezoid/src/hysteresis/mod.rs", "OPERATORS"),
-    ("README.md", "the # hysteresis operators", "crates/piezoid/src/hysteresis/mod.rs", "OPERATORS"),
-    ("docs/identification.md", "all # operators", "crates/piezoid/src/hysteresis/mod.rs", "OPERATORS"),
-    ("docs/reference.md", "(# kinds)", "crates/piezoid/src/excitation/mod.rs", "EXCITATIONS"),
+    ("README.md", " # operators ", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
+    ("README.md", "all # hysteresis operators", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
+    ("README.md", "the # hysteresis operators", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
+    ("docs/identification.md", "all # operators", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
+    ("docs/reference.md", "(# kinds)", "crates/records/src/excitation/mod.rs", "EXCITATIONS"),
     ("docs/reference.md", "(# targets)", "crates/piezoid-export/src/lib.rs", "TARGETS"),
-    ("docs/reference.md", "# formats are read", "crates/piezoid/src/formats/mod.rs", "FORMATS"),
+    ("docs/reference.md", "# formats are read", "crates/records/src/formats/mod.rs", "FORMATS"),
 ];
 
 /// Numbers in words, from 0 on.
@@ -50,17 +63,26 @@ const WIDTH: usize = 120;
 /// Checks the invariants; the error lists those that do not hold, one per line.
 pub(crate) fn tidy() -> Result<(), String> {
     let mut broken = Vec::new();
-    let order = modules_in_order()?;
-    for file in PURE.iter().flat_map(|folder| files(&root().join(folder), "rs")) {
-        let text = read(&file)?;
-        let code = without_tests(&text, &file);
-        let name = shown(&file);
-        broken.extend(SIDE_EFFECTS.iter().filter(|it| code.contains(*it)).map(|it| format!("{name}: uses {it}")));
-        broken.extend(foreign(&code).into_iter().map(|it| format!("{name}: {it} in a public signature")));
-        if let Some(module) = module_of(&file) {
-            broken.extend(upward(&module, &code, &order).into_iter().map(|it| format!("{name}: uses crate::{it}")));
+    let rooms = rooms()?;
+    for name in PURE {
+        let folder = root().join("crates").join(name).join("src");
+        let order = rooms.iter().find(|room| room.name == name).map_or(&[][..], |room| &room.modules);
+        for file in files(&folder, "rs") {
+            let text = read(&file)?;
+            let code = without_tests(&text, &file);
+            let name = shown(&file);
+            broken.extend(SIDE_EFFECTS.iter().filter(|it| code.contains(*it)).map(|it| format!("{name}: uses {it}")));
+            // The others use its numbers and matrices; users do not see it.
+            if !name.starts_with("crates/numerics/") {
+                broken.extend(foreign(&code).into_iter().map(|it| format!("{name}: {it} in a public signature")));
+            }
+            if let Some(module) = module_of(&file, &folder) {
+                broken.extend(upward(&module, &code, order).into_iter().map(|it| format!("{name}: uses crate::{it}")));
+            }
         }
+        broken.extend(undeclared(&folder, order)?);
     }
+    broken.extend(dependencies(&rooms)?);
     // This page is written by a program, which does not wrap it.
     let measured = |file: &PathBuf| file.ends_with("bench/side_by_side.md");
     for file in files(root(), "rs").into_iter().chain(files(root(), "md")).filter(|file| !measured(file)) {
@@ -74,29 +96,76 @@ pub(crate) fn tidy() -> Result<(), String> {
     if broken.is_empty() { Ok(()) } else { Err(format!("tidy:\n  {}", broken.join("\n  "))) }
 }
 
-/// The modules of the core in the order of ARCHITECTURE.md: each may use itself and those before it.
-fn modules_in_order() -> Result<Vec<String>, String> {
-    let text = read(&root().join("ARCHITECTURE.md"))?;
-    let room = text.lines().skip_while(|line| !line.starts_with("crates/piezoid "));
-    let room = room.skip(1).take_while(|line| line.starts_with("  "));
-    let names = room.filter(|line| !line.starts_with("   ")).flat_map(|line| {
-        let names = line.trim_start().split("  ").next().unwrap_or_default();
-        names.split_whitespace().map(|name| name.trim_end_matches('/').to_string())
-    });
-    let names: Vec<String> = names.collect();
-    let lib = read(&root().join("crates/piezoid/src/lib.rs"))?;
-    let declared = lib.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod "));
-    let mut missing = declared.map(|line| line.trim_end_matches(';')).filter(|name| !names.iter().any(|n| n == name));
-    match missing.find(|name| !["testing", "tests"].contains(name)) {
-        Some(name) => Err(format!("tidy: ARCHITECTURE.md does not list the module `{name}` of crates/piezoid")),
-        None => Ok(names),
-    }
+/// A crate in the list of ARCHITECTURE.md.
+struct Room {
+    /// Its folder in `crates`.
+    name: String,
+    /// Its modules in their order; empty if they are not listed.
+    modules: Vec<String>,
 }
 
-/// The module of the core that a file belongs to; `None` for its tests, for lib.rs and for other crates.
-fn module_of(file: &Path) -> Option<String> {
-    let inside = file.strip_prefix(root().join("crates/piezoid/src")).ok()?;
-    let first = inside.components().next()?.as_os_str().to_string_lossy().into_owned();
+/// The crates in the order of ARCHITECTURE.md: each may use those before it. Of the modules of a crate, each may use
+/// itself and those before it.
+fn rooms() -> Result<Vec<Room>, String> {
+    let text = read(&root().join("ARCHITECTURE.md"))?;
+    let list = text.lines().skip_while(|line| !line.starts_with("crates/")).take_while(|line| *line != "```");
+    let mut rooms: Vec<Room> = Vec::new();
+    for line in list {
+        let first = line.trim_start().split("  ").next().unwrap_or_default();
+        if let Some(name) = first.strip_prefix("crates/") {
+            let name = name.split_whitespace().next().unwrap_or_default();
+            rooms.push(Room { name: name.into(), modules: Vec::new() });
+        } else if line.starts_with("  ")
+            && !line.starts_with("   ")
+            && let Some(room) = rooms.last_mut()
+        {
+            room.modules.extend(first.split_whitespace().map(|name| name.trim_end_matches('/').to_string()));
+        }
+    }
+    Ok(rooms)
+}
+
+/// The modules of a crate that ARCHITECTURE.md does not list, though it lists others of this crate.
+fn undeclared(folder: &Path, order: &[String]) -> Result<Option<String>, String> {
+    if order.is_empty() {
+        return Ok(None);
+    }
+    let lib = read(&folder.join("lib.rs"))?;
+    let declared = lib.lines().filter_map(|line| line.trim_start_matches("pub ").strip_prefix("mod "));
+    let declared = declared.filter_map(|line| line.strip_suffix(';')).filter(|name| *name != "tests");
+    let mut missing = declared.filter(|name| !order.iter().any(|listed| listed == name));
+    Ok(missing.next().map(|name| format!("ARCHITECTURE.md does not list the module `{name}` of {}", shown(folder))))
+}
+
+/// The crates that use a crate below them in the list, and what the twins use but must not use.
+fn dependencies(rooms: &[Room]) -> Result<Vec<String>, String> {
+    let mut broken = Vec::new();
+    for (place, room) in rooms.iter().enumerate() {
+        let file = root().join("crates").join(&room.name).join("Cargo.toml");
+        let text = read(&file)?;
+        let own = text.split("[dependencies]").nth(1).unwrap_or_default().split("\n[").next().unwrap_or_default();
+        let used =
+            own.lines().filter_map(|line| line.split(['.', ' ', '=']).next()).filter(|it| it.starts_with("piezoid"));
+        for package in used {
+            let folder = package.strip_prefix("piezoid-").unwrap_or(package);
+            let at = rooms.iter().position(|other| other.name == folder || other.name == package);
+            if at.is_none_or(|at| at >= place) {
+                broken.push(format!(
+                    "{}: uses {package}, which does not stand above it in ARCHITECTURE.md",
+                    shown(&file)
+                ));
+            }
+            if room.name == TWINS.0 && folder != TWINS.1 {
+                broken.push(format!("{}: uses {package}, but twins must share nothing with models", shown(&file)));
+            }
+        }
+    }
+    Ok(broken)
+}
+
+/// The module that a file of a crate belongs to; `None` for its tests and for lib.rs.
+fn module_of(file: &Path, folder: &Path) -> Option<String> {
+    let first = file.strip_prefix(folder).ok()?.components().next()?.as_os_str().to_string_lossy().into_owned();
     let module = first.trim_end_matches(".rs").to_string();
     (!["lib", "testing", "tests"].contains(&module.as_str())).then_some(module)
 }
@@ -111,8 +180,7 @@ fn upward(module: &str, code: &str, order: &[String]) -> Vec<String> {
     let mut used: Vec<String> = names.collect();
     used.sort();
     used.dedup();
-    let plant = |name: &str| module == "plant" && MODEL.contains(&name);
-    used.retain(|name| place(name) > place(module) && place(name).is_some() || plant(name));
+    used.retain(|name| place(name).is_some() && place(name) > place(module));
     used
 }
 

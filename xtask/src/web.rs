@@ -106,7 +106,7 @@ fn flags() -> Vec<String> {
 
 /// The lists for menus and forms, of all modules.
 fn lists() -> Result<(), String> {
-    let mut print = cargo(&["run", "--package", "piezoid-calls", "--example", "lists"]);
+    let mut print = cargo(&["run", "--package", "piezoid-operations", "--example", "catalogue"]);
     let line = announced(&print);
     let printed = print.current_dir(root()).stderr(Stdio::inherit()).output();
     let printed = printed.map_err(|e| format!("cannot start `{line}`: {e}"))?;

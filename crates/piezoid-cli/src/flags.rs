@@ -1,9 +1,10 @@
-//! The options of a verb as flags, created from the library's table; the library's errors with its options as flags.
+//! The options of a verb as flags, created from the library's table, and their values.
 
 use crate::values::Ended::Misused;
+use crate::words::{CommandLine, flag, is_option};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::error::ErrorKind;
-use clap::{Arg, ArgAction, ArgMatches, Args, Command, CommandFactory, FromArgMatches};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
 use piezoid::{Error, OptionKind, OptionRow, Options};
 use serde_json::{Map, Value};
 
@@ -24,7 +25,8 @@ impl<O: Options> Args for Flags<O> {
 impl<O: Options> FromArgMatches for Flags<O> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let options = O::from_json(given(&O::rows(), matches));
-        options.map(Flags).map_err(|error| clap::Error::raw(ErrorKind::ValueValidation, format!("{}\n", told(&error))))
+        let wrong = |error: Error| format!("{}\n", error.message(&CommandLine));
+        options.map(Flags).map_err(|error| clap::Error::raw(ErrorKind::ValueValidation, wrong(error)))
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -40,12 +42,12 @@ fn turns_off(row: &OptionRow) -> bool {
 
 /// The flag of an option.
 pub(crate) fn argument(row: &OptionRow) -> Arg {
-    let (default, off, name) = (row.usual(), turns_off(row), row.name.replace('_', "-"));
-    let help = match (row.values, row.help.split_at_checked(1)) {
+    let (default, off, name, help) = (row.usual(), turns_off(row), flag(row.name), row.help_in(&CommandLine));
+    let help = match (row.values, help.split_at_checked(1)) {
         (OptionKind::Switch, Some((first, rest))) if off => format!("Do not {}{rest}", first.to_lowercase()),
-        (OptionKind::Switch, _) => row.help.into(),
-        _ if default.is_empty() => row.help.into(),
-        _ => format!("{} [default: {default}]", row.help),
+        (OptionKind::Switch, _) => help,
+        _ if default.is_empty() => help,
+        _ => format!("{help} [default: {default}]"),
     };
     let argument = Arg::new(row.name).long(if off { format!("no-{name}") } else { name }).help(help);
     let argument = if row.group.is_empty() { argument } else { argument.help_heading(row.group) };
@@ -103,46 +105,12 @@ pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
     Value::Object(rows.iter().filter_map(|row| Some((row.name.into(), value(row)?))).collect::<Map<_, _>>())
 }
 
-/// The message of an error of the library, with its options as flags.
-pub(crate) fn told(error: &Error) -> String {
-    let flag = |name: &str| name.replace('_', "-");
-    let option = |name: &str, value: &Value| match value {
-        Value::Null => format!("--{}{}", flag(name), unknown(name)),
-        Value::Bool(_) => format!("--{}", flag(name)),
-        value => format!("--{} {value}", flag(name)),
-    };
-    match error {
-        Error::File { name, error } => format!("{name}: {}", told(error)),
-        Error::Parameter { name, value, rule } if is_flag(name) => match &**value {
-            "true" => format!("--{}: {rule}", flag(name)),
-            "false" => format!("--no-{}: {rule}", flag(name)),
-            value => format!("--{} {value}: {rule}", flag(name)),
-        },
-        other => other.told(&option),
-    }
-}
-
-/// The placeholder for a value that only the user knows.
-fn unknown(name: &str) -> String {
-    let mut rows = piezoid::formats::ColumnSelection::rows().into_iter().chain(piezoid::PrepareOptions::rows());
-    let row = rows.find(|row| row.name == name);
-    row.map(|row| format!(" {}", placeholder(&row))).unwrap_or_default()
-}
-
 /// The error as the failure of a verb: a [`Misused`] if the command line itself is wrong.
 pub(crate) fn failed(error: Error) -> anyhow::Error {
-    let text = told(&error);
+    let text = error.message(&CommandLine);
     match if let Error::Advised { error, .. } = &error { error } else { &error } {
         Error::Unknown { .. } => Misused(text).into(),
-        Error::Parameter { name, .. } if is_flag(name) => Misused(text).into(),
+        Error::Parameter { name, .. } if is_option(name) => Misused(text).into(),
         _ => anyhow::Error::msg(text),
     }
-}
-
-/// True if some verb has an option of this name.
-fn is_flag(name: &str) -> bool {
-    fn has(command: &Command, name: &str) -> bool {
-        command.get_arguments().any(|a| a.get_id() == name) || command.get_subcommands().any(|c| has(c, name))
-    }
-    has(&crate::Cli::command(), name)
 }

@@ -12,6 +12,7 @@ mod layout;
 mod sketch;
 mod tables;
 mod values;
+mod words;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser};

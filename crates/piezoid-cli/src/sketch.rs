@@ -5,8 +5,8 @@ const LINES: usize = 4;
 
 /// The signal over time, `width` characters wide, with its name and range on the left.
 pub(crate) fn sketch(name: &str, samples: &[f64], width: usize) -> String {
-    let (low, high) = piezoid::series::ends(samples.iter().copied());
-    let labels = [piezoid::number::short(high), piezoid::number::short(low)];
+    let (low, high) = piezoid_numerics::series::ends(samples.iter().copied());
+    let labels = [piezoid_numerics::number::short(high), piezoid_numerics::number::short(low)];
     let margin = labels.iter().map(String::len).max().unwrap_or(0).max(name.len());
     let columns = 2 * width.saturating_sub(margin + 2).max(1);
     let rows = 4 * LINES;
@@ -16,7 +16,7 @@ pub(crate) fn sketch(name: &str, samples: &[f64], width: usize) -> String {
         let from = column * samples.len() / columns;
         let to = ((column + 1) * samples.len() / columns).max(from + 1).min(samples.len());
         let Some(part) = samples.get(from..to) else { continue };
-        let (bottom, top) = piezoid::series::ends(part.iter().copied());
+        let (bottom, top) = piezoid_numerics::series::ends(part.iter().copied());
         for dot in level(bottom)..=level(top).min(rows - 1) {
             let down = rows - 1 - dot;
             if let Some(cell) = cells.get_mut(column / 2) {

@@ -3,9 +3,10 @@
 
 use crate::console::Console;
 use crate::layout::{capitalised, table};
-use piezoid::number::{round, short as number};
-use piezoid::validation::{Bin, Floor, LoopComparison, Metrics, Source};
+use piezoid::validation::{Bin, Floor, LoopComparison, Metrics};
 use piezoid::{Compared, Validated, Verdict};
+use piezoid_numerics::number::{round, short as number};
+use piezoid_validation::Source;
 
 /// Maximum number of bands without `full`. If there are more, this number of the worst bands is shown.
 const MOST: usize = 12;

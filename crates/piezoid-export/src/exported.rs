@@ -4,9 +4,9 @@ use super::vectors::{self, Vectors};
 use super::{ExportRequest, ExportedFunction};
 use piezoid::compensation::{Causal, FeedForwardSettings};
 use piezoid::error::Error;
-use piezoid::number::short;
-use piezoid::program::{Block, FieldValue, Program};
 use piezoid::record::Units;
+use piezoid_models::program::{Block, FieldValue, Program};
+use piezoid_numerics::number::short;
 
 /// A program and its interface.
 #[derive(Debug, Clone)]
@@ -225,7 +225,7 @@ mod tests {
     use piezoid::Model;
     use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
-    use piezoid::program::Machine;
+    use piezoid_models::program::Machine;
 
     fn model(operator: &str) -> Model {
         let law = (Operator::find(operator).unwrap().example)(5e-4).unwrap();

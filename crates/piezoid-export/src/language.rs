@@ -1,6 +1,6 @@
 //! Prints functions in any language: one tree walk, with the syntax of a [`Language`].
 
-use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Program, Statement};
+use piezoid_models::program::{Block, Expr, Function, Limit, Op, Place, Program, Statement};
 
 /// The syntax of a language. Lines are printed without their indentation.
 pub(super) trait Language {

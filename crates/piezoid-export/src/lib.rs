@@ -1,8 +1,9 @@
 //! Export: the model, its inverse and its controller in the languages of the machines that drive actuators.
 //!
-//! What is exported is put together once, as a [`Program`](piezoid::program::Program), and every target prints it: same
-//! arithmetic, same order, same bits. Nothing that is written holds a date or a path.
+//! What is exported is put together once, as a [`Program`](piezoid_models::program::Program), and every target prints
+//! it: same arithmetic, same order, same bits. Nothing that is written holds a date or a path.
 
+use piezoid::StatedVerdict;
 mod c;
 mod exported;
 mod fixed;
@@ -31,9 +32,12 @@ use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
-use piezoid::program::Counts;
-use piezoid::{File, Model, OptionKind, OptionRow, Options, TuneOptions, options};
-use serde_json::{Value, json};
+use piezoid::hysteresis::OPERATORS;
+use piezoid::{File, Model, OptionKind, OptionRow, Options, TuneOptions};
+use piezoid_models::program::Counts;
+use piezoid_numerics::options::options;
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value, json};
 
 options! {
     /// How to export. A row of [`TARGETS`] names those that only some targets take.
@@ -44,9 +48,9 @@ options! {
         float: bool = false, OptionRow::new(OptionKind::Switch);
         /// Number of future samples of the reference that the feed-forward may use.
         preview: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-        /// A feedback controller to export with the model, tuned to it: any feedback of `piezoid controllers` except
+        /// A feedback controller to export with the model, tuned to it: any feedback of {list} except
         /// predictive.
-        controller: Option<String> = None, OptionRow::new(NAME);
+        controller: Option<String> = None, OptionRow::new(NAME).list("controllers");
         /// Clip the voltage to the limits, instead of refusing a reference that exceeds them.
         clip: bool = false, OptionRow::new(OptionKind::Switch).requires("reference").group(WAVEFORMS);
         /// Servo cycle of the GCS controller.
@@ -261,6 +265,19 @@ pub struct ExportTarget {
 impl std::fmt::Debug for ExportTarget {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_tuple("Target").field(&self.name).finish()
+    }
+}
+
+/// With `operators`: what it makes for each operator.
+impl Serialize for ExportTarget {
+    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
+        let operators: Map<String, Value> =
+            OPERATORS.iter().map(|operator| (operator.name.into(), json!(self.serves(operator)))).collect();
+        let row = json!({
+            "name": self.name, "summary": self.summary, "reference": self.reference, "operators": operators,
+            "takes": self.takes,
+        });
+        row.serialize(to)
     }
 }
 

@@ -51,8 +51,8 @@ mod tests {
     use piezoid::compensation::FeedForwardSettings;
     use piezoid::excitation::Limits;
     use piezoid::linear::Arx;
-    use piezoid::series::ends;
     use piezoid::system::System;
+    use piezoid_numerics::series::ends;
 
     /// What the export of the example of an operator makes.
     fn made(target: &ExportTarget, operator: &Operator) -> Vec<&'static str> {

@@ -14,9 +14,9 @@ use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, Output, State, UndefinedBehavior};
 pub(super) use minijinja::{Value, context};
 use piezoid::error::Error;
-use piezoid::number::{round, short};
-use piezoid::program::{Block, Function, Program};
 use piezoid::system::System;
+use piezoid_models::program::{Block, Function, Program};
+use piezoid_numerics::number::{round, short};
 use std::fmt::Display;
 use std::sync::LazyLock;
 

@@ -4,9 +4,9 @@ use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram};
 use piezoid::compensation::Causal;
 use piezoid::error::Error;
-use piezoid::program::{Counts, Machine, Program};
-use piezoid::series::ends;
 use piezoid::system::System;
+use piezoid_models::program::{Counts, Machine, Program};
+use piezoid_numerics::series::ends;
 
 /// Test vectors of an entry.
 #[derive(Debug, Clone, Default, PartialEq)]

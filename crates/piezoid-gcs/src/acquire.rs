@@ -7,7 +7,8 @@ use crate::recording::{Sources, points, record};
 use crate::run::{Play, Run};
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
-use piezoid::{Error, File, OptionKind, OptionRow, Record, Units, options};
+use piezoid::{Error, File, OptionKind, OptionRow, Record, Units};
+use piezoid_numerics::options::options;
 use serde_json::{Value, json};
 
 const SECONDS: OptionRow =

@@ -1,7 +1,8 @@
 //! A controller, and what it says of itself.
 
 use crate::line::Line;
-use piezoid::{Error, OptionKind, OptionRow, options};
+use piezoid::{Error, OptionKind, OptionRow};
+use piezoid_numerics::options::options;
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::time::Duration;

@@ -4,7 +4,7 @@ use crate::json::options;
 use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
-use piezoid::{File, IdentifyOptions, Records};
+use piezoid::{File, IdentifyAgain, IdentifyOptions, Records};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -1,6 +1,6 @@
 //! Documents of the library as Python objects.
 
-use crate::error::raised;
+use crate::error::{Keywords, raised};
 use piezoid::{OptionKind, OptionRow, Options};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
@@ -78,21 +78,16 @@ fn finite(number: f64) -> Option<Value> {
     number.is_finite().then(|| number.into())
 }
 
-/// A table of options: names, defaults, units, choices and help.
+/// A table of options: names, defaults, units, names of choices, and help in the words of Python.
 pub(crate) fn rows(rows: Vec<OptionRow>) -> Value {
     let row = |row: OptionRow| {
-        let choices: Vec<&str> = match row.values {
+        let mut document = json!(row);
+        document["help"] = row.help_in(&Keywords).into();
+        document["choices"] = match row.values {
             OptionKind::Choice(known) => known.iter().map(|(name, _)| *name).collect(),
-            _ => Vec::new(),
+            _ => json!([]),
         };
-        let default = match (row.default)() {
-            Value::Bool(on) if row.values == OptionKind::Bit => json!(u8::from(on)),
-            default => default,
-        };
-        json!({
-            "name": row.name, "default": default, "required": row.required, "unit": row.unit, "choices": choices,
-            "help": row.help,
-        })
+        document
     };
     rows.into_iter().map(row).collect()
 }

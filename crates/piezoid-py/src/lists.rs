@@ -6,60 +6,41 @@ use crate::json::{document, members, object, options, rows};
 use crate::model::Model;
 use crate::samples::array;
 use numpy::PyArray1;
-use piezoid::control::{CONTROLLERS, FEED_FORWARDS, REFERENCES};
-use piezoid::excitation::{ACTUATORS, DRIVERS, EXCITATIONS, Excitation};
-use piezoid::hysteresis::OPERATORS;
-use piezoid::linear::ESTIMATORS;
-use piezoid::plant::PLANTS;
+use piezoid::excitation::{EXCITATIONS, Excitation};
 use piezoid::{ExciteOptions, PlanOptions};
-use piezoid_export::{ExportTarget, TARGETS};
 use piezoid_host::files::FileSet;
+use piezoid_operations::catalogue;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use serde_json::{Value, json};
+use serde_json::json;
 use std::path::PathBuf;
 
-/// All lists: name, summary and reference of each row; for a drive signal also its parameters, for a driver or an
-/// actuator its figures.
+/// The catalogue. Rows of families have name, summary and reference; beside them stand the figures of drivers and
+/// actuators, the properties of operators and controllers, and the parameters of drive signals.
 #[pyfunction]
 pub(crate) fn lists(py: Python<'_>) -> PyResult<Py<PyAny>> {
-    let row =
-        |name: &str, summary: &str, reference: &str| json!({"name": name, "summary": summary, "reference": reference});
-    let figures = |mut all: Value, summary: String, reference: &str| {
-        let name = all["name"].take();
-        all.as_object_mut().map(|all| ["name", "summary", "reference"].map(|key| all.remove(key)));
-        json!({"name": name, "summary": summary, "reference": reference, "figures": all})
-    };
-    let excitation = |e: &Excitation| {
-        let mut row = row(e.name, e.summary, e.reference);
-        row["parameters"] = rows((e.rows)());
-        row
-    };
-    let operator = |o: &&piezoid::hysteresis::Operator| {
-        let mut row = row(o.name, o.summary, o.reference);
-        row["properties"] =
-            json!({"minor_loops": o.minor_loops, "rate_independent": o.rate_independent, "wipes_out": o.wipes_out});
-        row
-    };
-    let target = |t: &ExportTarget| {
-        let mut row = row(t.name, t.summary, t.reference);
-        row["operators"] = OPERATORS.iter().map(|o| (o.name.to_string(), json!(t.serves(o)))).collect();
-        row
-    };
-    let feeds = FEED_FORWARDS.iter().map(|f| row(f.name, f.summary, f.reference));
-    let controllers: Vec<Value> =
-        feeds.chain(CONTROLLERS.iter().map(|c| row(c.name, c.summary, c.reference))).collect();
-    let all = json!({
-        "operators": OPERATORS.iter().map(operator).collect::<Vec<_>>(),
-        "excitations": EXCITATIONS.iter().map(excitation).collect::<Vec<_>>(),
-        "plants": PLANTS.iter().map(|p| row(p.name, p.summary, p.reference)).collect::<Vec<_>>(),
-        "drivers": DRIVERS.iter().map(|d| figures(json!(d), d.description(), d.reference)).collect::<Vec<_>>(),
-        "actuators": ACTUATORS.iter().map(|a| figures(json!(a), a.description(), a.reference)).collect::<Vec<_>>(),
-        "controllers": controllers,
-        "targets": TARGETS.iter().map(target).collect::<Vec<_>>(),
-        "estimators": ESTIMATORS.iter().map(|e| row(e.name, e.summary, e.reference)).collect::<Vec<_>>(),
-        "references": REFERENCES.iter().map(|r| row(r.name, r.summary, "")).collect::<Vec<_>>(),
-    });
+    let mut all = json!(catalogue());
+    let families =
+        [("operators", "properties"), ("controllers", "properties"), ("drivers", "figures"), ("actuators", "figures")];
+    for (family, beside) in families {
+        for row in all[family].as_array_mut().into_iter().flatten() {
+            let [name, summary, reference] = ["name", "summary", "reference"].map(|key| row[key].take());
+            let mut others = row.take();
+            if let Some(others) = others.as_object_mut() {
+                others.retain(|key, _| !["name", "summary", "reference", "aliases"].contains(&&**key));
+            }
+            *row = json!({"name": name, "summary": summary, "reference": reference, beside: others});
+        }
+    }
+    for (row, excitation) in all["excitations"].as_array_mut().into_iter().flatten().zip(EXCITATIONS) {
+        row["parameters"] = rows((excitation.rows)());
+    }
+    for row in all["references"].as_array_mut().into_iter().flatten() {
+        row["reference"] = "".into();
+    }
+    for row in all["targets"].as_array_mut().into_iter().flatten() {
+        row.as_object_mut().map(|row| row.remove("takes"));
+    }
     object(py, &all)
 }
 

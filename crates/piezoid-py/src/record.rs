@@ -4,6 +4,7 @@ use crate::error::{raised, refused};
 use crate::json::{object, options};
 use crate::samples::{frozen, samples, slice};
 use numpy::PyArray1;
+use piezoid::InspectTable;
 use piezoid::formats::{Channel, ColumnSelection, Format, Signal, Table};
 use piezoid::{Origin, PrepareOptions, Step, Units};
 use piezoid_host::files;

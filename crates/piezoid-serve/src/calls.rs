@@ -86,7 +86,7 @@ pub(crate) async fn call(State(server): State<Arc<Server>>, request: Request) ->
     }
     body::whole(length, request.len() as u64)?;
     let core = calls.cores.clone().acquire_owned().await.map_err(closed)?;
-    let moves = piezoid_calls::moves(&request);
+    let moves = piezoid_operations::moves(&request);
     let (mut child, mut input) =
         calls.start(moves).map_err(|e| internal(&format!("the work cannot be started: {e}")))?;
     // A process that ends early is noticed by its output.
@@ -141,7 +141,7 @@ async fn relay(child: &mut Child, pieces: &mpsc::Sender<std::io::Result<Bytes>>)
                 "the work ended without an answer ({why}): either the memory did not suffice, or this is a fault of \
                  piezoid, and the terminal of `piezoid serve` says more; files are unchanged"
             );
-            Ok([b"\n", &*piezoid_calls::refused(&told)].concat().into())
+            Ok([b"\n", &*piezoid_operations::refused(&told)].concat().into())
         }
         // Part of an answer is none: the connection breaks.
         _ => Err(why),

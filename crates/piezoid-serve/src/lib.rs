@@ -10,7 +10,7 @@
 //! GET    /api/health           the version, and a proof that this server has the key
 //! ```
 //! Every call runs in a process of its own ([`answer`]): it is ended when its client goes, whatever it does, and a
-//! fault in it ends neither the server nor other calls. Packed requests and answers are those of `piezoid_calls`.
+//! fault in it ends neither the server nor other calls. Packed requests and answers are those of `piezoid_operations`.
 
 mod body;
 mod calls;
@@ -142,7 +142,7 @@ fn router(settings: &Settings, port: u16, key: String) -> Router {
         .route("/call", post(calls::call))
         .route("/files", get(files::list))
         .route("/files/{name}", get(files::read).put(files::write).delete(files::remove))
-        .route("/lists", get(|| async { document(&piezoid_calls::lists()) }))
+        .route("/lists", get(|| async { document(&serde_json::json!(piezoid_operations::catalogue())) }))
         .route("/openapi.json", get(described))
         .fallback(unknown)
         .method_not_allowed_fallback(misused)

@@ -31,7 +31,7 @@ pub fn answer() -> Result<(), Error> {
     if request.len() as u64 != length {
         return Err(Error::other(format!("the request has {} bytes of {length}", request.len())));
     }
-    let moves = piezoid_calls::moves(&request);
+    let moves = piezoid_operations::moves(&request);
     std::thread::spawn(move || {
         while stdin().read(&mut [0]).is_ok_and(|count| count > 0) {}
         LEFT.store(true, Ordering::Relaxed);
@@ -56,7 +56,7 @@ pub fn answer() -> Result<(), Error> {
             Err(_) => ControlFlow::Break(()),
         }
     };
-    let answer = piezoid_calls::answered(&request, &mut tell);
+    let answer = piezoid_operations::answered(&request, &mut tell);
     let mut out = stdout().lock();
     let written = out.write_all(b"\n").and_then(|()| out.write_all(&answer)).and_then(|()| out.flush());
     // It is no error if nobody reads it any more.

@@ -55,7 +55,7 @@ pub(crate) unsafe extern "C" fn answer(address: *mut u8, length: usize) -> *mut 
         let goes_on = unsafe { progress(stage.as_ptr(), stage.len()) };
         if goes_on == 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
-    let answer = piezoid_calls::answered(request, &mut tell);
+    let answer = piezoid_operations::answered(request, &mut tell);
     // SAFETY: as above; the request is not used any more.
     unsafe { release(address, length) };
     given(&answer)

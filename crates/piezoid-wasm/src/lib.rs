@@ -1,5 +1,5 @@
-//! The verbs as WebAssembly modules: packed requests in, packed answers out (`piezoid_calls::answered`). A module has
-//! the verbs of the features with which it is built.
+//! The verbs as WebAssembly modules: packed requests in, packed answers out (`piezoid_operations::answered`). A module
+//! has the verbs of the features with which it is built.
 //!
 //! ```text
 //! address = reserve(length)            write the request there

@@ -1,16 +1,17 @@
 //! Identification of a model from records: the entry point.
 
-use crate::driver::DriverModel;
-use crate::error::Error;
-use crate::excitation;
-use crate::hammerstein::{Identified, JointOptions, PaperOptions, identify_joint, identify_paper};
-use crate::hysteresis::{HeldInput, Split};
-use crate::linear;
-use crate::optimize::swarm::{self, GlobalBest};
-use crate::options::{OptionKind, OptionRow, Options, options};
-use crate::plant::Spec;
-use crate::progress::{Progress, Stage};
-use crate::record::Record;
+use piezoid_identification::{Identified, JointOptions, identify_joint};
+use piezoid_models::driver::DriverModel;
+use piezoid_models::hysteresis::{HeldInput, Split};
+use piezoid_models::linear;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::optimize::swarm::{self, GlobalBest};
+use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
+use piezoid_numerics::progress::{Progress, Stage};
+use piezoid_paper::{PaperOptions, identify_paper};
+use piezoid_records::excitation;
+use piezoid_records::record::Record;
+use piezoid_twins::Spec;
 use serde::{Deserialize, Serialize};
 
 /// Method of identification.
@@ -60,10 +61,10 @@ options! {
     pub struct IdentifyOptions {
         /// How to identify.
         method: Method = Method::Joint, OptionRow::new(METHODS);
-        /// The hysteresis operator (see `piezoid operators`), or several separated by commas; auto tries all, and
+        /// The hysteresis operator (see {list}), or several separated by commas; auto tries all, and
         /// auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The
         /// paper's method has its own branches.
-        operator: String = "auto".into(), OptionRow::new(NAME);
+        operator: String = "auto".into(), OptionRow::new(NAME).list("operators");
         /// Order of the linear block.
         order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");
         /// Seed of the swarm.
@@ -73,16 +74,16 @@ options! {
                                                                                              operator").group(JOINT);
         /// Identify creep.
         creep: bool = true, OptionRow::new(OptionKind::Switch).group(JOINT);
-        /// The driver used for the records; give it if its current or slew limit was reached (see `piezoid drivers`).
-        driver: Option<String> = None, OptionRow::new(NAME).group(JOINT);
+        /// The driver used for the records; give it if its current or slew limit was reached (see {list}).
+        driver: Option<String> = None, OptionRow::new(NAME).list("drivers").group(JOINT);
         /// Capacitance of the load, for the driver's current limit.
         capacitance: Option<f64> = None, OptionRow::positive("F").requires("driver").group(JOINT);
         /// Time constant of the driver, where it is known.
         driver_lag: Option<f64> = None, OptionRow::not_negative("s").group(JOINT);
         /// Slew rate of the driver, if known.
         driver_slew: Option<f64> = None, OptionRow::positive("V/s").group(JOINT);
-        /// The estimator of the linear block (see `piezoid estimators`).
-        estimator: Option<String> = None, OptionRow::new(NAME).absent("swarm").group(PAPER);
+        /// The estimator of the linear block (see {list}).
+        estimator: Option<String> = None, OptionRow::new(NAME).list("estimators").absent("swarm").group(PAPER);
         /// How the points of a loop are divided between the ascending and the descending branch.
         split: Option<Split> = None, OptionRow::new(SPLITS).absent("line").group(PAPER);
         /// Number of averaged points on each branch, between the reversals.
@@ -166,7 +167,7 @@ impl IdentifyOptions {
     /// # Errors
     /// [`Error::Parameter`] and [`Error::Unknown`], with the option.
     pub fn check(&self) -> Result<(), Error> {
-        crate::hysteresis::Operator::list(&self.operator)?;
+        piezoid_models::hysteresis::Operator::list(&self.operator)?;
         self.check_method()?;
         match self.method {
             Method::Joint => self.joint().map(drop),
@@ -224,8 +225,8 @@ impl IdentifyOptions {
         let estimator = self.estimator.clone().unwrap_or(usual.estimator);
         linear::Estimator::find(&estimator)?;
         let operator = match &*self.operator {
-            names if crate::hysteresis::is_auto(names) => names,
-            name => crate::hysteresis::Operator::find(name)?.name,
+            names if piezoid_models::hysteresis::is_auto(names) => names,
+            name => piezoid_models::hysteresis::Operator::find(name)?.name,
         };
         Ok(PaperOptions {
             order,
@@ -254,7 +255,7 @@ impl IdentifyOptions {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::Preset;
+    use piezoid_twins::Preset;
     use serde_json::{Value, json};
 
     /// Every name in a row is a valid value of its option.

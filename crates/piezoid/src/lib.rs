@@ -34,54 +34,121 @@
 // Tests compare with the C library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
-pub mod compensation;
-mod complex;
-pub mod control;
-pub mod creep;
-pub mod driver;
-mod elementary;
-pub mod error;
-pub mod excitation;
-pub mod formats;
-mod fourier;
-pub mod hammerstein;
-pub mod hysteresis;
 mod identification;
-mod intervals;
-pub mod linear;
-#[doc(hidden)]
-pub mod number;
-pub mod optimize;
-mod options;
-pub mod plant;
-mod preparation;
-#[doc(hidden)]
-pub mod program;
-pub mod progress;
-mod quality;
-pub mod record;
-#[doc(hidden)]
-pub mod series;
-mod spline;
-pub mod system;
 #[cfg(test)]
 mod tests;
-pub mod validation;
 mod verbs;
-#[doc(hidden)]
-pub mod waveform;
 
+pub use piezoid_models::{creep, driver};
+pub use piezoid_numerics::{progress, system};
+
+/// The inverse of a model: whole references, sample by sample, shaping, learning.
+pub mod compensation {
+    pub use piezoid_control::compensation::{
+        Causal, Compensate, Compensated, FeedForward, FeedForwardSettings, Learned, Learning,
+    };
+
+    /// Shapers that do not excite a mode.
+    pub mod shaping {
+        pub use piezoid_control::compensation::shaping::Shaping;
+    }
+}
+
+/// Controllers, their tuning and margins, the closed loop, and the comparison of schemes.
+pub mod control {
+    pub use piezoid_control::feedback::{
+        CONTROLLERS, ClosedLoopRun, Comparison, Controller, ControllerInput, ControllerKind, FEED_FORWARDS,
+        FeedForwardKind, MarginTarget, Margins, NamedReference, REFERENCES, Reference, ReferenceResult, Scheme,
+        SchemeResult, Tolerance, Tracking, TunedScheme,
+    };
+}
+
+/// Errors: what is wrong, the value, where, and what to do.
+pub mod error {
+    pub use piezoid_numerics::error::Error;
+}
+
+/// Drive signals, the limits of drivers, and data sheets of actuators.
+pub mod excitation {
+    pub use piezoid_records::excitation::{
+        ACTUATORS, Actuator, Amplifier, Chirp, DRIVERS, EXCITATIONS, Excitation, LimitOptions, Limits, Multisine, Prbs,
+        RisingSine, Sine, Staircase, SteppedSine, Triangle, Usage,
+    };
+}
+
+/// File formats: bytes, tables, columns, records.
+pub mod formats {
+    pub use piezoid_records::formats::{Channel, ColumnSelection, FORMATS, Format, Signal, Table};
+}
+
+/// The Hammerstein model, and what its identification found.
+pub mod hammerstein {
+    pub use piezoid_identification::{FittedParameter, Identified, LinearPart, OperatorTrial};
+    pub use piezoid_models::hammerstein::{Domain, HiddenLoop, InitialCondition, Model};
+}
+
+/// Hysteresis operators.
+pub mod hysteresis {
+    pub use piezoid_models::hysteresis::{
+        Branches, HeldInput, Hysteresis, LoopOptions, MeasuredLoop, OPERATORS, Operator, Proportional, Split, TwoBranch,
+    };
+}
+
+/// The linear block: its analysis, its inverses, and the estimators that fit it.
+pub mod linear {
+    pub use piezoid_models::linear::{
+        Arx, Bootstrap, ESTIMATORS, Estimator, Fit, FittedMode, ModalFit, ModalForm, Orders, OutputError, Pole,
+        Refinement, Uncertain,
+    };
+}
+
+/// Search for a minimum.
+pub mod optimize {
+    pub use piezoid_numerics::optimize::{Minimum, Reason};
+
+    /// Particle swarms.
+    pub mod swarm {
+        pub use piezoid_numerics::optimize::swarm::{GlobalBest, SwarmSettings};
+    }
+}
+
+/// Simulated actuators, which share no code with the models.
+pub mod plant {
+    pub use piezoid_twins::{PLANTS, Plant, PlantRun, Preset, Saturation, Spec};
+}
+
+/// Measured records.
+pub mod record {
+    pub use piezoid_records::record::{Record, Units};
+}
+
+/// Comparison of models with records.
+pub mod validation {
+    pub use piezoid_validation::{
+        Bin, Floor, Linearity, LoopComparison, Metrics, Offset, Validate, ValidateOptions, Validation, Whiteness,
+    };
+}
+
+#[doc(no_inline)]
+pub use compensation::Compensate;
+#[doc(no_inline)]
 pub use error::Error;
+#[doc(no_inline)]
 pub use hammerstein::{Identified, Model};
 pub use identification::{IdentifyOptions, Method, Records, identify};
-pub use options::{OptionKind, OptionRow, Options};
-pub use preparation::{PrepareOptions, Trend};
+pub use piezoid_numerics::options::{OptionKind, OptionRow, Options};
+pub use piezoid_numerics::words::Words;
+pub use piezoid_records::preparation::{PrepareOptions, Trend};
+#[doc(no_inline)]
 pub use record::{Record, Units};
+#[doc(no_inline)]
 pub use system::System;
+#[doc(no_inline)]
+pub use validation::Validate;
 pub use verbs::{
-    CompareOptions, Compared, ComparedModel, CompensateOptions, Compensation, ControlOptions, ExciteOptions, Excited,
-    File, Identification, ModelComparison, Plan, PlanOptions, PlannedDrive, SimulateOptions, Simulated, TuneOptions,
-    Validated, Verdict,
+    CompareOptions, Compared, ComparedModel, ComparisonReport, CompensateOptions, Compensation, ControlOptions,
+    ExciteOptions, Excited, File, Identification, IdentifyAgain, InspectTable, ModelComparison, Plan, PlanOptions,
+    PlannedDrive, SimulateOptions, Simulated, StatedVerdict, TuneOptions, ValidateRecords, Validated, Verdict,
 };
 #[doc(hidden)]
 pub use verbs::{Origin, Source, Step};

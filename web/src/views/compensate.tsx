@@ -94,7 +94,6 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
           rows={optionsOf(lists, "compensate")}
           values={settings.options ?? {}}
           change={(options) => change({ options })}
-          names={{ driver: lists.drivers }}
           first={["driver", "clip", "smooth", "zvd"]}
         />
       </Section>

@@ -46,7 +46,7 @@ function Comparison({ model }: { model: string }) {
         <ModelChoice />
         <Form rows={optionsOf(lists, "control")} values={options} change={change}
           names={{
-            plant: lists.plants, driver: lists.drivers, controller: [...feeds, ...both, ...pairs],
+            controller: [...feeds, ...both, ...pairs],
             reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),
           }}
           first={["plant", "controller", "reference", "amplitude", "noise"]} />

@@ -40,7 +40,7 @@ export function ExperimentView() {
     <>
       <Section title="Plan" wide help="The records that an identification needs, as drives that the driver can follow.">
         <Form rows={optionsOf(lists, "plan")} values={options} change={change}
-          names={{ driver: lists.drivers, actuator: lists.actuators }} first={["actuator", "range", "bandwidth", "driver"]} />
+          first={["actuator", "range", "bandwidth", "driver"]} />
         {model && (
           <div class="row"><label>
             <input type="checkbox" checked={advised} onChange={(event) => choose({ ...settings["experiment"], advise: event.currentTarget.checked })} />
@@ -110,7 +110,7 @@ function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
         </Section>
       )}
       <Twin drives={drives} files={files} />
-      {lists.calls.some((call) => call.name === "acquire") && <Instrument drives={drives} files={files} chosen={shown?.name ?? ""} />}
+      {lists.operations.some(({ name }) => name === "acquire") && <Instrument drives={drives} files={files} chosen={shown?.name ?? ""} />}
     </>
   );
 }

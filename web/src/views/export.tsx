@@ -57,7 +57,7 @@ function Exports({ model }: { model: string }) {
       </Section>
       <Section title="Options">
         <Form rows={rows} values={given} change={(values) => change({ ...kept, ...values, ...(target !== undefined && { target }) })}
-          names={{ controller: lists.controllers, driver: lists.drivers }} first={["name", "float", "controller", "preview"]} />
+          first={["name", "float", "controller", "preview"]} />
         {taken("reference") && (
           <>
             <ReferenceForm reference={reference} label="Reference" none="none: a waveform needs one" />

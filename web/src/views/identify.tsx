@@ -54,7 +54,7 @@ export function IdentifyView() {
           rows={optionsOf(lists, "identify")}
           values={values}
           change={(next) => workspace.change((project) => withSettings(project, "identify", next))}
-          names={{ operator: [{ name: "auto", summary: "all that suit the records" }, ...lists.operators], driver: lists.drivers, estimator: lists.estimators }}
+          names={{ operator: [{ name: "auto", summary: "all that suit the records" }, ...lists.operators] }}
           first={["operator", "method", "order", "creep"]}
         />
         <div class="row">

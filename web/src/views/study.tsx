@@ -61,7 +61,7 @@ export function StudyView() {
         </ol>
       </Section>
       <Section title="Repeat it" wide help="Every record, fit and test of the paper on a simulated actuator, and at frequencies beyond the paper's. This takes a minute or more.">
-        <Form rows={optionsOf(lists, "study")} values={options} change={change} names={{ plant: lists.plants }} first={["plant", "seed"]} />
+        <Form rows={optionsOf(lists, "study")} values={options} change={change} first={["plant", "seed"]} />
         <div class="row">
           <button type="button" class="main" disabled={made.busy} onClick={() => made.start(study)}>Run the study</button>
         </div>

@@ -34,7 +34,7 @@ export function Twin({ drives, files }: Drives) {
   const { value } = tried;
   return (
     <Section title="Try it on a twin" wide help="A simulated actuator follows every drive. Its records are added to the project, each with its use.">
-      <Form rows={rows} values={values} change={change} names={{ plant: lists.plants }} />
+      <Form rows={rows} values={values} change={change} />
       <div class="row">
         <button type="button" class="main" disabled={tried.busy} onClick={() => tried.start(measure)}>Measure the twin</button>
       </div>

@@ -5,6 +5,7 @@ mod python;
 mod reference;
 mod typescript;
 mod verbs;
+mod words;
 
 use std::path::Path;
 use std::process::ExitCode;

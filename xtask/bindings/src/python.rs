@@ -1,6 +1,7 @@
 //! Keywords of Python: a TypedDict for each verb, whose docstring lists the options, and the defaults.
 
 use crate::verbs::KEYWORDS;
+use crate::words::Keywords;
 use piezoid::{OptionKind, OptionRow};
 use serde_json::Value;
 use std::fmt::Write;
@@ -68,8 +69,7 @@ fn line(row: &OptionRow) -> String {
     let known = if known.is_empty() { known } else { format!(" [{known}]") };
     let usual = row.usual();
     let default = if usual.is_empty() || usual == "false" { String::new() } else { format!("; default: {usual}") };
-    // The library names lists and options as the command line does.
-    let help = row.help.replace("`piezoid ", "`pz.").replace("--", "");
+    let help = row.help_in(&Keywords);
     let mut text = String::from("   ");
     let mut width = text.len();
     for word in format!("{}: {help}{known}{default}", row.name).split_whitespace() {

@@ -1,6 +1,7 @@
 //! The tables of options in docs/reference.md.
 
 use crate::verbs::VERBS;
+use crate::words::Reference;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid::{OptionKind, OptionRow, Options};
@@ -64,7 +65,7 @@ fn line(row: &OptionRow) -> String {
         format!("`{}`", row.name),
         cell(format!("{value}{names}")),
         cell(default),
-        cell(row.help.to_string() + &meanings),
+        cell(row.help_in(&Reference) + &meanings),
     ];
     format!("| {} |\n", cells.join(" | ")).replace("|  |", "| |")
 }

@@ -8,9 +8,9 @@ const HEAD: &str =
 
 /// The content of `catalogue.ts`.
 pub(crate) fn catalogue() -> String {
-    let lists = piezoid_calls::lists();
+    let lists = serde_json::json!(piezoid_operations::catalogue());
     let rows = |value: &Value| value.as_array().cloned().unwrap_or_default();
-    let calls = rows(&lists["calls"]);
+    let calls = rows(&lists["operations"]);
     let excitations = rows(&lists["excitations"]);
     let own = calls.iter().chain(&excitations).flat_map(|call| rows(&call["options"]));
     let options: Vec<Value> = own.chain(rows(&lists["columns"])).collect();

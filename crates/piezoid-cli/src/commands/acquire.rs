@@ -9,8 +9,8 @@ use crate::values::{apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::Error;
-use piezoid::number::{round, short};
 use piezoid_gcs::{AcquireOptions, Controller};
+use piezoid_numerics::number::{round, short};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

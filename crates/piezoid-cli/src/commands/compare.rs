@@ -8,8 +8,8 @@ use crate::layout::{capitalised, table};
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::number::short as number;
 use piezoid::{CompareOptions, ModelComparison, Source};
+use piezoid_numerics::number::short as number;
 use piezoid_report::report::comparison;
 use std::path::{Path, PathBuf};
 

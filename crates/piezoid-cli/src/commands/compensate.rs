@@ -8,9 +8,9 @@ use crate::layout::table;
 use crate::values::{apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
-use piezoid::number::{round, short as number};
 use piezoid::validation::Metrics;
 use piezoid::{CompensateOptions, Compensation};
+use piezoid_numerics::number::{round, short as number};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -95,7 +95,7 @@ fn tables(made: &Compensation, console: &Console) -> String {
         .collect();
     let error = table(&["error", &rms, &max, "% of peak-to-peak of r"], &rows, console.room());
     let input = &made.units.u;
-    let row = |peak: &piezoid::excitation::Peak| {
+    let row = |peak: &piezoid_records::excitation::Peak| {
         let (quantity, unit) = (peak.quantity.trim_end_matches(" voltage"), peak.unit.replace('V', input));
         let limit = peak.limit.map_or("-".into(), round);
         let share = peak.share.map_or("-".into(), |share| format!("{:.0}", 100.0 * share));

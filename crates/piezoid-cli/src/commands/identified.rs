@@ -4,9 +4,10 @@ use crate::console::Console;
 use crate::layout::table;
 use crate::tables;
 use piezoid::hammerstein::{FittedParameter, Identified, OperatorTrial};
-use piezoid::linear::{ModalForm, Residuals, Root};
-use piezoid::number::{round, short as number};
+use piezoid::linear::ModalForm;
 use piezoid::{Identification, Model, System, Validated};
+use piezoid_models::linear::{Residuals, Root};
+use piezoid_numerics::number::{round, short as number};
 
 /// The results as text for the terminal.
 pub(super) fn summary(made: &Identification, console: &Console) -> String {

@@ -10,10 +10,12 @@ use crate::tables::verdict;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
+use piezoid::IdentifyAgain;
+use piezoid::StatedVerdict;
 use piezoid::formats::ColumnSelection;
-use piezoid::number::join;
 use piezoid::{IdentifyOptions, Options, Source};
 use piezoid_export::ExportTarget;
+use piezoid_numerics::number::join;
 use piezoid_report::report;
 use std::path::{Path, PathBuf};
 

@@ -3,13 +3,14 @@
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
-use crate::flags::{failed, told};
+use crate::flags::failed;
 use crate::layout::table;
 use crate::values::apart;
+use crate::words::CommandLine;
 use anyhow::Result;
 use clap::Args;
-use piezoid::number::round;
 use piezoid::{Error, Record};
+use piezoid_numerics::number::round;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
@@ -103,7 +104,7 @@ fn summary(seen: &Value, record: Result<&Record, &Error>, console: &Console) -> 
                 said += &console.paragraph(&format!("problem: {problem}"), "  ");
             }
         }
-        Err(error) => said += &console.paragraph(&format!("no record: {}", told(error)), "  "),
+        Err(error) => said += &console.paragraph(&format!("no record: {}", error.message(&CommandLine)), "  "),
     }
     said + "\n"
 }

@@ -9,8 +9,8 @@ use crate::values::apart;
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::PlanOptions;
-use piezoid::number::round;
 use piezoid_host::files::FileSet;
+use piezoid_numerics::number::round;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\

@@ -6,8 +6,8 @@ use crate::flags::{Flags, failed};
 use crate::layout::table;
 use anyhow::{Result, bail};
 use clap::Args;
-use piezoid::number::{round, short as number};
 use piezoid_host::files::FileSet;
+use piezoid_numerics::number::{round, short as number};
 use piezoid_report::study::{self, METHODS, Study as Outcome, StudyOptions};
 use std::path::{Path, PathBuf};
 

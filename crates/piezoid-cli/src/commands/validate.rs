@@ -9,6 +9,7 @@ use crate::tables;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
+use piezoid::ValidateRecords;
 use piezoid::validation::ValidateOptions;
 use piezoid::{Model, Source, Validated};
 use std::path::PathBuf;

@@ -121,8 +121,9 @@ fn files_of_the_project_outlive_the_server() {
 
 #[test]
 fn answers_are_those_of_the_library_to_the_bit() {
-    let (bench, library) =
-        (Bench::stocked(), |request: &[u8]| piezoid_calls::answered(request, &mut piezoid::progress::Stage::ignore));
+    let (bench, library) = (Bench::stocked(), |request: &[u8]| {
+        piezoid_operations::answered(request, &mut piezoid::progress::Stage::ignore)
+    });
     let server = Server::start(&bench);
     let drive = ("drive5.csv", bench.bytes("drive5.csv"));
     let simulate = packed(json!({"call": "simulate", "files": {"input": ["drive5.csv"]}}), &[drive]);

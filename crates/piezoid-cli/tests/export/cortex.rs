@@ -2,9 +2,10 @@
 
 use crate::{TS, exported, models, run, there, together};
 use piezoid::Model;
-use piezoid::hysteresis::{BasisDesign, Operator};
+use piezoid::hysteresis::Operator;
 use piezoid::linear::Arx;
 use piezoid_export::{ExportRequest, ExportedProgram};
+use piezoid_models::hysteresis::BasisDesign;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::LazyLock;

@@ -2,11 +2,11 @@
 
 use crate::{TS, WATCHED, exported, model, models, run, self_tested, there, together};
 use piezoid::compensation::FeedForwardSettings;
-use piezoid::control::Pi;
 use piezoid::excitation::Limits;
 use piezoid::hysteresis::Operator;
 use piezoid::linear::Arx;
 use piezoid::{File, Model};
+use piezoid_control::feedback::Pi;
 use piezoid_export::{ExportRequest, ExportTarget, Exported};
 use std::sync::LazyLock;
 use tempfile::TempDir;

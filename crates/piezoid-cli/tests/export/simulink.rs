@@ -2,10 +2,10 @@
 
 use crate::{TS, exported, in_both_precisions, model, models, run, there};
 use piezoid::Model;
-use piezoid::control::Pi;
 use piezoid::hysteresis::Operator;
 use piezoid::linear::Arx;
 use piezoid::record::Units;
+use piezoid_control::feedback::Pi;
 use piezoid_export::{ExportRequest, ExportTarget, ExportedProgram};
 use std::io::Write;
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use super::{C, shortest};
 use crate::language::{KEYWORDS, Keywords, Language, Printer, less_one};
-use piezoid::program::{Block, Expr, Function, Place};
+use piezoid_models::program::{Block, Expr, Function, Place};
 
 impl C<'_> {
     /// True for a parameter; only states among them have fields.

@@ -12,8 +12,8 @@ use super::language::{Language, Printer};
 use super::template::{Value, blocks, context, render, template, template_context};
 use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
 use piezoid::error::Error;
-use piezoid::program::{Argument, Block, Constant, Field, FieldValue, Function, ValueType};
 use piezoid::system::System;
+use piezoid_models::program::{Argument, Block, Constant, Field, FieldValue, Function, ValueType};
 use std::collections::BTreeMap;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {

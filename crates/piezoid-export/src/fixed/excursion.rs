@@ -5,8 +5,8 @@ use super::number::counts;
 use crate::ExportRequest;
 use crate::exported::{Entry, ExportedProgram};
 use crate::vectors::{turned, wander};
-use piezoid::series::ends;
 use piezoid::system::System;
+use piezoid_numerics::series::ends;
 
 /// Number of samples in each part of a run.
 pub(super) const PART: usize = 500;

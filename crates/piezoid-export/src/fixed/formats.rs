@@ -1,6 +1,6 @@
 //! Scales of fixed-point numbers: a power of two for every named number, from its largest value in a run.
 
-use piezoid::program::{Expr, FieldValue, Function, Machine, Op, Place, Program, Statement, ValueType};
+use piezoid_models::program::{Expr, FieldValue, Function, Machine, Op, Place, Program, Statement, ValueType};
 use std::collections::HashMap;
 
 /// A named number, or a result of a function.

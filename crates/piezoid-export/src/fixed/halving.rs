@@ -9,7 +9,7 @@
 //! Newton's method. It does not do: laws that fall or jump between the ends, for which several inputs give the same z.
 
 use piezoid::error::Error;
-use piezoid::program::{Argument, FieldValue, Function, Program, Statement, ValueType};
+use piezoid_models::program::{Argument, FieldValue, Function, Program, Statement, ValueType};
 
 /// One for the end, and one for each bit of a number.
 const PASSES: usize = 32;
@@ -118,8 +118,8 @@ mod tests {
     use piezoid::Model;
     use piezoid::hysteresis::{OPERATORS, Operator};
     use piezoid::linear::Arx;
-    use piezoid::program::Machine;
-    use piezoid::series::ends;
+    use piezoid_models::program::Machine;
+    use piezoid_numerics::series::ends;
 
     #[test]
     fn the_input_is_found_for_every_operator_as_by_the_library() {

@@ -13,7 +13,7 @@
 use super::formats::{Formats, Key, MORE, PLAIN, above, fitting, key};
 use super::number::{NARROW, Number, WIDE, WIDEST, aligned, binary, call, counts, power, sum};
 use piezoid::error::Error;
-use piezoid::program::{Block, Expr, FieldValue, Function, Limit, Op, Place, Program, Statement, ValueType};
+use piezoid_models::program::{Block, Expr, FieldValue, Function, Limit, Op, Place, Program, Statement, ValueType};
 
 #[derive(Debug)]
 enum Condition {
@@ -127,7 +127,7 @@ impl Lowering<'_> {
 
     fn arguments(&self, called: &str, given: &[Expr]) -> Result<Vec<Expr>, Error> {
         let takes = self.program.function(called).map_or(&[][..], |f| &f.takes);
-        let argument = |(takes, given): (&piezoid::program::Argument, &Expr)| match takes.kind {
+        let argument = |(takes, given): (&piezoid_models::program::Argument, &Expr)| match takes.kind {
             ValueType::Real => self.stored(given, &Key::Local(called.to_owned(), takes.name.clone())),
             ValueType::Integer => self.whole(given),
             _ => Ok(given.clone()),
@@ -349,12 +349,12 @@ fn literal(expr: &Expr) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use piezoid::program::Machine;
+    use piezoid_models::program::Machine;
 
     /// The program of a text with real numbers, its formats after these inputs, and the program with integers.
     fn both(text: &str, inputs: &[f64]) -> (Program, Formats, Program) {
         let block = Block::new("sum", "all so far").number("total", 0.0).text(text);
-        let program = Program::new(vec![piezoid::program::Block::elementary(), block]).unwrap();
+        let program = Program::new(vec![piezoid_models::program::Block::elementary(), block]).unwrap();
         let mut machine = Machine::new(&program, "sum", false).watched();
         inputs.iter().for_each(|u| drop(machine.call("sum", &[*u]).unwrap()));
         let mut formats = Formats::of(&program, &[machine]);

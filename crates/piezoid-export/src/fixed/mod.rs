@@ -29,10 +29,10 @@ use halving::halved;
 use lower::lowered;
 use number::counts;
 use piezoid::error::Error;
-use piezoid::number::short;
-use piezoid::program::{FieldValue, Machine, Program};
-use piezoid::series::ends;
 use piezoid::system::System;
+use piezoid_models::program::{FieldValue, Machine, Program};
+use piezoid_numerics::number::short;
+use piezoid_numerics::series::ends;
 use std::collections::BTreeMap;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {

@@ -1,7 +1,7 @@
 //! Intermediate fixed-point numbers: their scale and the bits they need.
 
 use super::formats::{above, fitting};
-use piezoid::program::{Expr, Op};
+use piezoid_models::program::{Expr, Op};
 
 /// Bits of a named number.
 pub(super) const NARROW: i32 = 31;

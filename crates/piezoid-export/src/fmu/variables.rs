@@ -3,9 +3,9 @@
 use crate::ExportRequest;
 use crate::exported::Entry;
 use crate::template::{Value, context};
-use piezoid::program::{Field, FieldValue, Program};
 use piezoid::record::Units;
 use piezoid::system::System;
+use piezoid_models::program::{Field, FieldValue, Program};
 
 /// `causality`, `variability` and `initial`, in both versions of the standard.
 type Attributes = [&'static str; 3];

@@ -3,7 +3,7 @@
 use super::{RESERVED, Rust, constant_of, type_of};
 use crate::c::shortest;
 use crate::language::{self, Keywords, Language, Printer};
-use piezoid::program::{Block, Expr, Function, Limit, Op, Place, Statement};
+use piezoid_models::program::{Block, Expr, Function, Limit, Op, Place, Statement};
 
 /// A function and its printer.
 pub(super) struct RustBody<'i> {

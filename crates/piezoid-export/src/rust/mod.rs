@@ -13,8 +13,8 @@ use super::template::{Value, context, render, template, template_context, titled
 use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
 use body::RustBody;
 use piezoid::error::Error;
-use piezoid::program::{Block, Constant, Field, FieldValue, Function, Statement, ValueType};
 use piezoid::system::System;
+use piezoid_models::program::{Block, Constant, Field, FieldValue, Function, Statement, ValueType};
 use std::collections::BTreeMap;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {

@@ -7,7 +7,7 @@
 //! It is for languages in which a function returns a changed state together with its result. The order of the calls is
 //! kept. Conditions do not change states, so they need no extraction.
 
-use piezoid::program::{Expr, Function, Program, Statement};
+use piezoid_models::program::{Expr, Function, Program, Statement};
 
 /// Extracts the calls of a function that change a state.
 pub(super) struct CallExtractor<'p> {

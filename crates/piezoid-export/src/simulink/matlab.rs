@@ -15,8 +15,8 @@ use crate::language::{Keywords, Language, Printer, less_one};
 use crate::template::{Value, blocks, context, template_context};
 use crate::{ExportRequest, named};
 use piezoid::error::Error;
-use piezoid::program::{Block, Constant, Expr, Field, FieldValue, Function, Op, Place, Program, ValueType};
-use piezoid::series::ends;
+use piezoid_models::program::{Block, Constant, Expr, Field, FieldValue, Function, Op, Place, Program, ValueType};
+use piezoid_numerics::series::ends;
 use std::collections::BTreeMap;
 
 /// Keywords of MATLAB and Octave.

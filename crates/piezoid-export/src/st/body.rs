@@ -3,7 +3,7 @@
 use super::names::Names;
 use super::{COUNTER, DONE, St, TABLES, UNUSED, also, comment, constant, zeros};
 use crate::language::{Keywords, Language, Printer, less_one};
-use piezoid::program::{Block, Expr, Place, ValueType};
+use piezoid_models::program::{Block, Expr, Place, ValueType};
 
 /// A function and its printer.
 pub(super) struct StBody<'i> {

@@ -17,7 +17,7 @@ use super::template::{Value, blocks, context, quiet, render, template, template_
 use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
 use body::StBody;
 use names::{Names, RESERVED};
-use piezoid::program::{Block, Constant, Expr, Field, FieldValue, Function, ValueType};
+use piezoid_models::program::{Block, Constant, Expr, Field, FieldValue, Function, ValueType};
 use std::collections::BTreeMap;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {

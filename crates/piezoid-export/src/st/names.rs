@@ -4,7 +4,7 @@ use super::{COUNTER, DONE, St, TABLES, UNUSED, Variable, also, constant};
 use crate::ExportRequest;
 use crate::exported::{ExportedProgram, state_of};
 use piezoid::error::Error;
-use piezoid::program::{Expr, FieldValue, Function, Statement};
+use piezoid_models::program::{Expr, FieldValue, Function, Statement};
 
 /// Reserved names: keywords, and standard types, functions and blocks.
 pub(super) const RESERVED: &str = include_str!("words.txt");

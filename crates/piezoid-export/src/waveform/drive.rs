@@ -11,12 +11,13 @@
 //! Reference: see [`piezoid::compensation`]. It does not do: the transient from rest to the steady state.
 
 use piezoid::compensation::{FeedForward, FeedForwardSettings, Learning};
-use piezoid::error::{Error, finite};
+use piezoid::error::Error;
 use piezoid::hammerstein::Model;
-use piezoid::number::{round, short};
-use piezoid::series::ends;
 use piezoid::system::System;
-use piezoid::waveform::period;
+use piezoid_numerics::error::finite;
+use piezoid_numerics::number::{round, short};
+use piezoid_numerics::series::ends;
+use piezoid_records::waveform::period;
 
 /// Difference of two periods, as a share of the stroke, that counts as zero.
 const SAME: f64 = 1e-9;

@@ -20,11 +20,12 @@ mod table;
 use super::template::{Value, context, render, template};
 use super::{ExportOptions, ExportRequest, ExportTarget, Exported, FEED_FORWARD, File, named};
 use drive::{PeriodicDrive, answer};
-use piezoid::error::{Error, positive};
+use piezoid::error::Error;
 use piezoid::hammerstein::Model;
-use piezoid::number::{round, short};
-use piezoid::series::ends;
 use piezoid::system::System;
+use piezoid_numerics::error::positive;
+use piezoid_numerics::number::{round, short};
+use piezoid_numerics::series::ends;
 use table::{Figures, TableCapacity, WaveTable};
 
 pub(super) const TARGET: ExportTarget = ExportTarget {
@@ -76,8 +77,8 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     match &buffer {
         Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?.into())),
 None => exported.notes.push(
-    "no NV200 file is written, because its points are in percent of a voltage range: give --range with the voltages \
-     of 0 % and 100 %"
+    "no NV200 file is written, because its points are in percent of a voltage range: give the option `range` with \
+     the voltages of 0 % and 100 %"
     .into(),
 ),
 }

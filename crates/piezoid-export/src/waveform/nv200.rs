@@ -23,8 +23,8 @@
 use super::table::{TableCapacity, WaveTable};
 use crate::template::{render, template};
 use piezoid::error::Error;
-use piezoid::number::{round, short};
-use piezoid::series::ends;
+use piezoid_numerics::number::{round, short};
+use piezoid_numerics::series::ends;
 
 /// Capacity of its buffer, and its time base.
 const ROOM: TableCapacity = TableCapacity { cycle: 5e-5, points: 1024, cycles: 65535 };

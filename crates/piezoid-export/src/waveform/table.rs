@@ -16,9 +16,9 @@ use super::drive::{Answer, PeriodicDrive, answer};
 use crate::template::{Value, context};
 use piezoid::error::Error;
 use piezoid::hammerstein::Model;
-use piezoid::number::short;
-use piezoid::series::ends;
 use piezoid::system::System;
+use piezoid_numerics::number::short;
+use piezoid_numerics::series::ends;
 
 /// Relative deviation of a sample from whole cycles that counts as zero.
 const NONE: f64 = 1e-9;

@@ -10,7 +10,8 @@ mod waves;
 
 use axis::SimulatedAxis;
 use piezoid::plant::{Plant, Preset, Spec};
-use piezoid::{Error, OptionKind, OptionRow, options};
+use piezoid::{Error, OptionKind, OptionRow};
+use piezoid_numerics::options::options;
 use std::io::{BufRead, BufReader, ErrorKind, Write};
 use std::net::{TcpListener, TcpStream};
 use waves::Waves;
@@ -18,8 +19,8 @@ use waves::Waves;
 options! {
     /// What is simulated.
     pub struct Simulation {
-        /// The plant (see `piezoid plants`).
-        plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME"));
+        /// The plant (see {list}).
+        plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME")).list("plants");
         /// Seed of the noise of its sensor.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
         /// Voltage that an open-loop value of 1 gives.

@@ -32,9 +32,9 @@ def called(**names: str) -> Iterator[None]:
     try:
         yield
     except PiezoidError as error:
-        for theirs, ours in names.items():
-            if (told := str(error)).startswith(f"{theirs} = "):
-                raise PiezoidError(f"{ours}{told[len(theirs) :]}") from None
+        name, value, rule = getattr(error, "setting", ("", "", ""))
+        if name in names:
+            raise PiezoidError(f"{names[name]} = {value}: {rule}") from None
         raise
 
 

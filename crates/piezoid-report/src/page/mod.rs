@@ -34,8 +34,8 @@ use std::fmt::Write;
 /// The button for light and dark; hidden without scripts.
 const TOGGLE: &str = include_str!("toggle.js");
 
-/// The plots of figures: web/src/report.ts, written by `cargo xtask generate page`. Hidden from readers of XML, whose markup it
-/// would be.
+/// The plots of figures: web/src/report.ts, written by `cargo xtask generate page`. Hidden from readers of XML, whose
+/// markup it would be.
 const PLOTS: &str = concat!("<script>//<![CDATA[\n", include_str!("figures.js"), "//]]></script>\n");
 
 /// A report: one self-contained HTML document.

@@ -374,7 +374,7 @@ mod tests {
         let t = ramp(n as usize);
         let regular = of(Series::line(&t, &wave));
         assert!(regular["x"].is_null(), "every so many samples of a smooth curve");
-        let ends = |made: &Value| piezoid::series::ends(numbers(&made["y"]));
+        let ends = |made: &Value| piezoid_numerics::series::ends(numbers(&made["y"]));
         assert_close(&[ends(&regular).1], &[1.0], 0.0, 1e-4);
         assert_eq!(ends(&of(Series::line(&t, &spike))).1, 7.0);
         assert!(numbers(&of(Series::line(&turn, &wave))["y"]).len() <= MANY);

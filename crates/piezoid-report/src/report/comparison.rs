@@ -3,9 +3,10 @@
 use super::loops::{self, FreeRun};
 use crate::page::{Cell, Fact, Page, PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
-use piezoid::number::short;
-use piezoid::validation::{Bin, Source};
+use piezoid::validation::Bin;
 use piezoid::{Compared, ComparedModel, ModelComparison};
+use piezoid_numerics::number::short;
+use piezoid_validation::Source;
 
 /// Number of colours.
 const COLOURS: usize = 5;

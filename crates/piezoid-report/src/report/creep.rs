@@ -3,7 +3,7 @@
 use crate::page::{PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Series};
 use piezoid::creep::{Creep, Lag};
-use piezoid::number::{round, short};
+use piezoid_numerics::number::{round, short};
 
 /// Points of the curve per decade.
 const FINE: i32 = 30;

@@ -4,9 +4,9 @@
 //! the largest, a middle one and a small one.
 
 use piezoid::Record;
-use piezoid::number::short;
-use piezoid::series::ends;
-use piezoid::waveform::{Cycle, cycles};
+use piezoid_numerics::number::short;
+use piezoid_numerics::series::ends;
+use piezoid_records::waveform::{Cycle, cycles};
 use std::ops::Range;
 
 /// Number of samples drawn of an input without cycles: more of them are a filled area.

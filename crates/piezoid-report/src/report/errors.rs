@@ -3,8 +3,9 @@
 use crate::page::{PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
-use piezoid::number::short;
-use piezoid::validation::{Bin, Source};
+use piezoid::validation::Bin;
+use piezoid_numerics::number::short;
+use piezoid_validation::Source;
 
 /// Adds figures and tables of the bins of all records, if there are several bins.
 pub(super) fn by_all(section: Section, records: &[Compared]) -> Section {

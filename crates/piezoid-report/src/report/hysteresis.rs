@@ -5,8 +5,8 @@ use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
 use piezoid::hammerstein::Model;
 use piezoid::hysteresis::Hysteresis;
-use piezoid::number::{round, short};
-use piezoid::series::ends;
+use piezoid_numerics::number::{round, short};
+use piezoid_numerics::series::ends;
 use serde_json::Value;
 use std::f64::consts::PI;
 

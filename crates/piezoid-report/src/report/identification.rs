@@ -3,7 +3,7 @@
 use crate::page::{Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Identification;
-use piezoid::number::short;
+use piezoid_numerics::number::short;
 
 /// The section; `None` if there is nothing to tell.
 pub(super) fn section(made: &Identification) -> Option<Section> {

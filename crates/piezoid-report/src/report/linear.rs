@@ -4,9 +4,9 @@ use crate::page::{Fact, PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Series};
 use piezoid::hammerstein::Model;
 use piezoid::linear::{Arx, ModalForm};
-use piezoid::number::short;
-use piezoid::series::ends;
 use piezoid::system::System;
+use piezoid_numerics::number::short;
+use piezoid_numerics::series::ends;
 use std::f64::consts::{PI, TAU};
 
 /// Number of frequencies of the curves, evenly spaced over three decades up to half the sampling rate.

@@ -1,5 +1,6 @@
 //! The reports: on a model and its validation, block by block, on several models, and on control schemes.
 
+use piezoid::StatedVerdict;
 mod comparison;
 mod creep;
 mod cycles;
@@ -19,10 +20,10 @@ pub use tracking::tracking;
 
 use crate::page::{Fact, Page, PageTable, Section, sentence};
 use piezoid::hammerstein::Model;
-use piezoid::number::short;
 use piezoid::system::System;
 use piezoid::validation::{Floor, Metrics};
 use piezoid::{Compared, Identification, Validated, Verdict};
+use piezoid_numerics::number::short;
 
 /// The report on a model: one self-contained file.
 pub fn report(model: &Model, validated: &Validated) -> Page {
@@ -100,6 +101,7 @@ fn validation(title: &str, verdict: Option<&Verdict>, validated: &Validated) -> 
 mod tests {
     use super::*;
     use piezoid::Record;
+    use piezoid::Validate;
     use piezoid::hysteresis::OPERATORS;
     use piezoid::linear::Arx;
     use serde_json::json;

@@ -5,7 +5,7 @@ use crate::page::Section;
 use piezoid::Compared;
 use piezoid::driver::DriverModel;
 use piezoid::hammerstein::{Domain, Model};
-use piezoid::number::{round, short};
+use piezoid_numerics::number::{round, short};
 use std::f64::consts::TAU;
 
 /// The section on the model.

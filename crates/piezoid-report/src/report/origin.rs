@@ -1,8 +1,9 @@
 //! Origin of the model: the entries of `piezoid identify` in the model's file, if any.
 
 use crate::page::{Cell, PageTable, Section, Text, sentence};
+use piezoid::StatedVerdict;
 use piezoid::hammerstein::Model;
-use piezoid::number::short;
+use piezoid_numerics::number::short;
 use serde_json::Value;
 
 /// The operators tried, the parameters with their standard errors, and the command; `None` without any of them.

@@ -5,8 +5,9 @@ use super::{cycles, residuals};
 use crate::page::{PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Compared;
-use piezoid::number::{round, short};
-use piezoid::validation::{LoopShape, Offset};
+use piezoid::validation::Offset;
+use piezoid_numerics::number::{round, short};
+use piezoid_validation::LoopShape;
 use std::ops::Range;
 
 pub(super) fn section(trial: &Compared) -> Section {

@@ -3,8 +3,8 @@
 use crate::page::{Section, sentence};
 use crate::plot::{Axes, Figure, Role, Series};
 use piezoid::Compared;
-use piezoid::number::short;
 use piezoid::validation::Whiteness;
+use piezoid_numerics::number::short;
 
 /// Adds the noise floor, and the correlations of the residuals with their bounds.
 pub(super) fn residuals(section: Section, trial: &Compared) -> Section {

@@ -3,9 +3,9 @@
 use crate::page::{Fact, Page, PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::control::{Comparison, FEED_FORWARDS, NamedReference, ReferenceResult, SchemeResult};
-use piezoid::number::short;
 use piezoid::system::System;
-use piezoid::waveform::period;
+use piezoid_numerics::number::short;
+use piezoid_records::waveform::period;
 
 /// Samples shown of a reference that is not periodic.
 const SHOWN: usize = 1600;

@@ -13,6 +13,7 @@ use piezoid::plant::{Plant, Saturation, Spec};
 use piezoid::record::{Record, Units};
 use piezoid::system::System;
 use piezoid::validation::Metrics;
+use piezoid_identification::large_signal::proportional;
 use std::sync::Arc;
 
 /// A drive signal [V] by its amplitude [V].
@@ -131,7 +132,7 @@ impl Bench {
                     (series(Arc::new(block), arx, offset)?, width(found))
                 }
                 MethodModel::Gain => {
-                    let (gain, offset) = own.0.proportional(own.1, std::slice::from_ref(&sine))?;
+                    let (gain, offset) = proportional(&own.0, own.1, std::slice::from_ref(&sine))?;
                     (series(Arc::new(Proportional::new(TS, gain)?), &own.0, offset)?, 0.0)
                 }
                 MethodModel::Joint => (joint.clone(), width(&of_joint.found)),

@@ -98,7 +98,7 @@ pub(super) fn courses(study: &Study) -> Figure {
 /// Gain and phase of the printed and of the estimated block.
 pub(super) fn response(study: &Study) -> Figure {
     let hz: Vec<f64> = (0..=300).map(|k| 2.0 * (450.0f64).powf(f64::from(k) / 300.0)).collect();
-    let curve = |arx: &Arx, what: &dyn Fn(piezoid::linear::Response) -> f64| {
+    let curve = |arx: &Arx, what: &dyn Fn(piezoid_models::linear::Response) -> f64| {
         hz.iter().map(|&f| what(arx.response(f))).collect::<Vec<f64>>()
     };
     let (printed, own) = (&study.blocks[0].arx, &study.blocks[1].arx);

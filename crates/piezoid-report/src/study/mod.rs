@@ -30,7 +30,9 @@ use piezoid::plant::Preset;
 use piezoid::progress::{Progress, Stage};
 use piezoid::record::Record;
 use piezoid::validation::Metrics;
-use piezoid::{File, IdentifyOptions, OptionKind, OptionRow, Records, options};
+use piezoid::{File, IdentifyOptions, OptionKind, OptionRow, Records};
+use piezoid_numerics::options::options;
+use serde::Serialize;
 
 /// Sampling period [s], the paper's.
 const TS: f64 = 5e-4;
@@ -69,12 +71,13 @@ const OPERATORS: &str = "bouc-wen, preisach";
 const LEVELS: usize = 20;
 
 /// A method to predict the test signal: a row of [`METHODS`].
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct StudyMethod {
     /// Name in tables and files.
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
+    #[serde(skip)]
     way: MethodModel,
 }
 
@@ -222,8 +225,8 @@ pub struct Study {
 options! {
     /// Which plants to study.
     pub struct StudyOptions {
-        /// The plant to study (see `piezoid plants`).
-        plant: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).absent("paper and pl140");
+        /// The plant to study (see {list}).
+        plant: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).list("plants").absent("paper and pl140");
         /// Seed of the swarm and of the plant's noise.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
     }

@@ -4,7 +4,7 @@ use super::words::{self, mse, percent};
 use super::{Frequency, METHODS, RANGE_USED, RISING, Study, StudyBlock, StudyRow, figures};
 use crate::page::{Cell, Fact, Page, PageTable, Section, Text, sentence};
 use piezoid::hammerstein::OperatorTrial;
-use piezoid::series::ends;
+use piezoid_numerics::series::ends;
 
 impl Study {
     /// The report on one or more studies: one file that opens from disk.

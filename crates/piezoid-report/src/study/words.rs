@@ -2,9 +2,9 @@
 
 use super::figures::FLOOR;
 use super::{AMPLITUDE, Frequency, METHODS, RISING, Study, TS, TestSignal};
-use piezoid::number::join;
 use piezoid::plant::Saturation;
-use piezoid::series::ends;
+use piezoid_numerics::number::join;
+use piezoid_numerics::series::ends;
 
 /// Four decimals as in the paper's Table 1, or one digit with its power of ten below them.
 pub(super) fn mse(x: f64) -> String {

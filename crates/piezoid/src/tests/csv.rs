@@ -1,7 +1,8 @@
 //! CSV files: measured, written, and arbitrary bytes.
 
-use crate::formats::{ColumnSelection, Table};
-use crate::{Error, Record};
+use piezoid_numerics::error::Error;
+use piezoid_records::formats::{ColumnSelection, Table};
+use piezoid_records::record::Record;
 use proptest::prelude::*;
 
 fn record(bytes: &[u8]) -> Result<Record, Error> {

@@ -1,9 +1,9 @@
 //! Output error and modes compared with scipy; `golden/*.py` write the numbers.
 
 use super::golden::{number, numbers, rows, text};
-use crate::Record;
-use crate::linear::{ModalFit, Orders, OutputError, Refinement};
-use crate::progress::Stage;
+use piezoid_models::linear::{ModalFit, Orders, OutputError, Refinement};
+use piezoid_numerics::progress::Stage;
+use piezoid_records::record::Record;
 use piezoid_testing::assert_named_close;
 use serde_json::Value;
 
@@ -45,7 +45,8 @@ fn modes_and_delay_simulated_by_scipy_are_found() {
         let record = Record::new(number(row, "ts"), numbers(row, "u"), numbers(row, "y")).expect("a record");
         let hz = numbers(row, "hz");
         let found = ModalFit::fit(&[record], hz.len(), 3, &Refinement::default(), &mut Stage::ignore).expect("modes");
-        let of = |what: fn(&crate::linear::FittedMode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
+        let of =
+            |what: fn(&piezoid_models::linear::FittedMode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
         assert_named_close(name, &of(|m| m.hz.value), &hz, 1e-7, 0.0);
         assert_named_close(name, &of(|m| m.damping.value), &numbers(row, "damping"), 1e-6, 0.0);
         assert_named_close(name, &of(|m| m.share.value), &numbers(row, "share"), 1e-6, 0.0);

@@ -1,7 +1,7 @@
 //! Excitations compared with scipy; `golden/*.py` write the numbers.
 
 use super::golden::{number, numbers, rows, text};
-use crate::excitation::{Chirp, Prbs};
+use piezoid_records::excitation::{Chirp, Prbs};
 use piezoid_testing::assert_named_close;
 
 /// The bits of a PRBS of 1 V, in the format of scipy's script.

@@ -1,10 +1,11 @@
 //! The linear block and its fits compared with scipy and numpy; `golden/*.py` write the numbers.
 
 use super::golden::{number, numbers, rows, text};
-use crate::linear::{self, Arx, Orders};
-use crate::optimize::{least_absolute, swarm};
-use crate::progress::Stage;
-use crate::{Record, System};
+use piezoid_models::linear::{self, Arx, Orders};
+use piezoid_numerics::optimize::{least_absolute, swarm};
+use piezoid_numerics::progress::Stage;
+use piezoid_numerics::system::System;
+use piezoid_records::record::Record;
 use piezoid_testing::assert_named_close;
 use serde_json::Value;
 

@@ -1,7 +1,7 @@
 //! Hysteresis operators compared with their definitions in numpy and scipy; `golden/operators.py` writes the numbers.
 
 use super::golden::{numbers, rows, text};
-use crate::hysteresis::Operator;
+use piezoid_models::hysteresis::Operator;
 use piezoid_testing::assert_named_close;
 
 #[test]

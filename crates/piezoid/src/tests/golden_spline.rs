@@ -1,7 +1,7 @@
 //! Splines compared with scipy; `golden/cubic_spline.py` writes the numbers.
 
 use super::golden::{numbers, rows, text};
-use crate::spline::Spline;
+use piezoid_numerics::spline::Spline;
 use piezoid_testing::assert_named_close;
 
 /// Relative to the value, plus the same share of the largest knot: near zero, the rounding error is relative to the

@@ -1,9 +1,13 @@
 //! Both methods of identification on measured data: a P-885.91 stack at 1 Hz (Aye & Ang, ICSTSD 2018).
 
-use crate::formats::{ColumnSelection, Table};
-use crate::hammerstein::Identified;
-use crate::validation::{Offset, ValidateOptions};
-use crate::{IdentifyOptions, Method, Record, identify};
+use crate::IdentifyOptions;
+use crate::Method;
+use crate::identify;
+use piezoid_identification::Identified;
+use piezoid_records::formats::{ColumnSelection, Table};
+use piezoid_records::record::Record;
+use piezoid_validation::Validate;
+use piezoid_validation::{Offset, ValidateOptions};
 
 /// The transient at the start of every file [s]: 300 samples.
 const START: f64 = 1.5;

@@ -1,9 +1,10 @@
 //! The vector files (a model of every operator, inputs and outputs), the reference of every language: library, exports
 //! and Python reproduce them bit-identically. `bench/src/vectors.rs` writes them.
 
-use crate::compensation::{Causal, FeedForwardSettings};
-use crate::hysteresis::OPERATORS;
-use crate::{Model, System};
+use piezoid_control::compensation::{Causal, FeedForwardSettings};
+use piezoid_models::hammerstein::Model;
+use piezoid_models::hysteresis::OPERATORS;
+use piezoid_numerics::system::System;
 use serde_json::Value;
 use std::path::Path;
 

@@ -1,13 +1,14 @@
 //! Several models on the same records.
 
+use super::validate::ValidateRecords;
 use super::validate::records;
 use super::{File, Source, Validated, short};
-use crate::error::Error;
-use crate::hammerstein::Model;
-use crate::options::{OptionKind, OptionRow, options};
-use crate::record::Record;
-use crate::system::System;
-use crate::validation::ValidateOptions;
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::system::System;
+use piezoid_records::record::Record;
+use piezoid_validation::ValidateOptions;
 use serde_json::{Value, json};
 
 options! {
@@ -99,7 +100,7 @@ impl ModelComparison {
     /// The comparison in one sentence; `None` if all errors are undefined.
     pub fn summary(&self) -> Option<String> {
         let best = self.best()?;
-        let error = |one: &ComparedModel| crate::validation::rough(one.validated.total().rms_pp_percent);
+        let error = |one: &ComparedModel| piezoid_validation::rough(one.validated.total().rms_pp_percent);
         let others = self.models.iter().filter(|one| one.name != best.name);
         let others: Vec<String> = others.map(|one| format!("{} {} %", one.name, error(one))).collect();
         let than = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
@@ -126,9 +127,9 @@ impl ModelComparison {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::formats::ColumnSelection;
-    use crate::hysteresis::Proportional;
-    use crate::linear::Arx;
+    use piezoid_models::hysteresis::Proportional;
+    use piezoid_models::linear::Arx;
+    use piezoid_records::formats::ColumnSelection;
     use std::sync::Arc;
 
     fn model(name: &str, gain: f64) -> File {

@@ -1,17 +1,18 @@
 //! The voltage for a requested displacement.
 
+use super::verdict::StatedVerdict;
 use super::{File, Verdict, blamed, verdict};
-use crate::compensation::shaping::Shaping;
-use crate::compensation::{Compensated, FeedForward, FeedForwardSettings};
-use crate::error::Error;
-use crate::excitation::LimitOptions;
-use crate::formats::{ColumnSelection, Table};
-use crate::hammerstein::Model;
-use crate::options::{OptionKind, OptionRow, options};
-use crate::record::Units;
-use crate::system::System;
-use crate::validation::Metrics;
 use libm::hypot;
+use piezoid_control::compensation::shaping::Shaping;
+use piezoid_control::compensation::{Compensated, FeedForward, FeedForwardSettings};
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::system::System;
+use piezoid_records::excitation::LimitOptions;
+use piezoid_records::formats::{ColumnSelection, Table};
+use piezoid_records::record::Units;
+use piezoid_validation::Metrics;
 use serde_json::{Value, json};
 
 options! {

@@ -1,22 +1,23 @@
 //! Control schemes along references, on a simulated actuator.
 
 use super::same_actuator::matched;
+use super::verdict::StatedVerdict;
 use super::{File, blamed};
-use crate::compensation::{FeedForward, FeedForwardSettings};
-use crate::control::{
+use piezoid_control::compensation::{FeedForward, FeedForwardSettings};
+use piezoid_control::feedback::{
     ClosedLoopRun, Comparison, ControlLoop, MarginTarget, NamedReference, Reference, ReferenceResult, Scheme,
     Tolerance, TunedScheme,
 };
-use crate::error::Error;
-use crate::excitation::LimitOptions;
-use crate::formats::{ColumnSelection, Table};
-use crate::hammerstein::Model;
-use crate::number::{round, short};
-use crate::options::{OptionKind, OptionRow, options};
-use crate::plant::Spec;
-use crate::progress::Progress;
-use crate::record::Units;
-use crate::system::System;
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::{round, short};
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::progress::Progress;
+use piezoid_numerics::system::System;
+use piezoid_records::excitation::LimitOptions;
+use piezoid_records::formats::{ColumnSelection, Table};
+use piezoid_records::record::Units;
+use piezoid_twins::Spec;
 
 /// The schemes and references that are compared by default.
 const SCHEMES: [&str; 6] =
@@ -252,12 +253,20 @@ impl ControlOptions {
     }
 }
 
-impl Comparison {
+/// What is written of a comparison of controllers.
+pub trait ComparisonReport {
     /// The first run as a record with the reference, in a file of this name.
     ///
     /// # Errors
     /// Returns an error if there is no run. The errors of [`Table::write`].
-    pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
+    fn written(&self, name: &str) -> Result<Vec<u8>, Error>;
+
+    /// Remarks for the reader, one sentence each.
+    fn remarks(&self) -> Vec<String>;
+}
+
+impl ComparisonReport for Comparison {
+    fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
         let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
         let Some((drive, ReferenceResult { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
             return Err(Error::Content("there is no run to write: no controller could follow the reference".into()));
@@ -267,8 +276,7 @@ impl Comparison {
         Table::write(name, ts, &[(&names[0], u), (&names[1], y), (&names[2], r)])
     }
 
-    /// Remarks for the reader, one sentence each.
-    pub fn remarks(&self) -> Vec<String> {
+    fn remarks(&self) -> Vec<String> {
         let mut told = self.notes.clone();
         told.extend(self.driven.first().map(|d| d.drive.model().proven()));
         if let Some(hz) = self.driven.first().and_then(|d| d.drive.known_hz()) {
@@ -329,11 +337,11 @@ fn held(model: &Model, settings: FeedForwardSettings) -> Result<Held, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hammerstein::Domain;
-    use crate::hysteresis::Proportional;
-    use crate::linear::Arx;
-    use crate::plant::Preset;
-    use crate::progress::Stage;
+    use piezoid_models::hammerstein::Domain;
+    use piezoid_models::hysteresis::Proportional;
+    use piezoid_models::linear::Arx;
+    use piezoid_numerics::progress::Stage;
+    use piezoid_twins::Preset;
     use std::sync::Arc;
 
     const TS: f64 = 1e-3;
@@ -377,7 +385,7 @@ mod tests {
     #[test]
     fn a_displacement_on_one_side_of_zero_is_tracked_about_its_middle_with_the_zero_of_its_sensor() {
         let made = compared("p885", &model(0.15, -131.0, [0.0, 120.0]));
-        let (low, high) = crate::series::ends(made.wanted[0].r.iter().copied());
+        let (low, high) = piezoid_numerics::series::ends(made.wanted[0].r.iter().copied());
         assert!((0.5 * (low + high) + 122.0).abs() < 0.1 && (high - low - 15.84).abs() < 0.1, "{low} {high}");
         let notes = made.notes.join("\n");
         assert!(notes.contains("named references run about -122.0 um"), "{notes}");

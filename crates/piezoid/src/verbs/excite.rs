@@ -1,10 +1,10 @@
 //! A drive signal within the limits of a driver, or a reference of the same form.
 
-use crate::error::Error;
-use crate::excitation::{Excitation, LimitOptions, Usage};
-use crate::formats::Table;
-use crate::options::{OptionKind, OptionRow, options};
-use crate::record::plain;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::ascii_unit;
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_records::excitation::{Excitation, LimitOptions, Usage};
+use piezoid_records::formats::Table;
 use serde_json::Value;
 
 /// The unit of drive signals.
@@ -47,7 +47,7 @@ impl ExciteOptions {
     /// limits of a reference.
     pub fn run(&self, kind: &Excitation, given: Value) -> Result<Excited, Error> {
         let mut u = kind.samples(self.ts, self.duration, given)?;
-        let unit = plain(&self.unit);
+        let unit = ascii_unit(&self.unit);
         if unit.is_empty() || !unit.chars().all(char::is_alphanumeric) {
             return Err(Error::parameter("unit", &self.unit, "must be a unit such as V, um or mrad"));
         }

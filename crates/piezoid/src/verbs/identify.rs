@@ -1,15 +1,18 @@
 //! Identification of a model from records in files.
 
 use super::origin::{Origin, Training};
+use super::verdict::StatedVerdict;
 use super::{Compared, Source, Verdict};
-use crate::error::Error;
-use crate::hammerstein::{HiddenLoop, Identified, Model};
 use crate::identification::{IdentifyOptions, Method, Records};
-use crate::linear::{Arx, PoleShare};
-use crate::options::Options;
-use crate::progress::Progress;
-use crate::record::Record;
-use crate::validation::{Linearity, Offset, ValidateOptions};
+use piezoid_identification::Identified;
+use piezoid_models::hammerstein::{HiddenLoop, Model};
+use piezoid_models::linear::{Arx, PoleShare};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::options::Options;
+use piezoid_numerics::progress::Progress;
+use piezoid_records::record::Record;
+use piezoid_validation::Validate;
+use piezoid_validation::{Linearity, Offset, ValidateOptions};
 use serde_json::{Value, json};
 
 /// A model, the other results of its identification, and its errors on the training data.
@@ -180,8 +183,8 @@ fn modal_form(arx: &Arx) -> Value {
 mod tests {
     use super::*;
     use crate::File;
-    use crate::formats::ColumnSelection;
-    use crate::progress::Stage;
+    use piezoid_numerics::progress::Stage;
+    use piezoid_records::formats::ColumnSelection;
 
     #[test]
     fn records_of_two_rates_are_told_by_the_names_of_their_files() {

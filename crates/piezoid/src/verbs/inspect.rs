@@ -1,10 +1,10 @@
 //! What a file holds, how it is read, and what seems wrong with it.
 
 use super::File;
-use crate::error::Error;
-use crate::formats::{ColumnSelection, Format, Table};
-use crate::quality::{Finding, inspect};
-use crate::record::Record;
+use piezoid_numerics::error::Error;
+use piezoid_records::formats::{ColumnSelection, Format, Table};
+use piezoid_records::quality::{Finding, inspect};
+use piezoid_records::record::Record;
 use serde_json::{Value, json};
 use std::ops::Range;
 
@@ -43,9 +43,14 @@ impl File {
     }
 }
 
-impl Table {
+/// Inspection of a table.
+pub trait InspectTable {
     /// What a table with this name and format holds, as [`File::inspect`] gives it.
-    pub fn inspect(&self, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
+    fn inspect(&self, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>);
+}
+
+impl InspectTable for Table {
+    fn inspect(&self, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
         let read = self.record(columns);
         let (record, history, problems, defects) = match &read {
             Ok(record) => {

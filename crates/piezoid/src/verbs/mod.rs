@@ -17,21 +17,22 @@ mod verdict;
 
 pub use compare::{CompareOptions, ComparedModel, ModelComparison};
 pub use compensate::{CompensateOptions, Compensation};
-pub use control::{ControlOptions, TuneOptions};
+pub use control::{ComparisonReport, ControlOptions, TuneOptions};
 pub use excite::{ExciteOptions, Excited};
 pub use identify::Identification;
-pub use origin::Origin;
+pub use inspect::InspectTable;
+pub use origin::{IdentifyAgain, Origin};
 pub use plan::{Plan, PlanOptions, PlannedDrive};
 pub use prepare::{Source, Step};
 pub use simulate::{SimulateOptions, Simulated};
-pub use validate::{Compared, Validated};
-pub use verdict::Verdict;
+pub use validate::{Compared, ValidateRecords, Validated};
+pub use verdict::{StatedVerdict, Verdict};
 
-use crate::error::Error;
-use crate::formats::{ColumnSelection, Signal, Table, archive};
-use crate::hammerstein::Model;
-use crate::record::Record;
-use crate::system::System;
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::system::System;
+use piezoid_records::formats::{ColumnSelection, Signal, Table, archive};
+use piezoid_records::record::Record;
 use serde_json::Value;
 
 /// A file that a verb reads or writes: bytes with a name.
@@ -116,7 +117,7 @@ impl File {
     /// # Errors
     /// Returns an error if it contains no model.
     pub fn model(&self) -> Result<Model, Error> {
-        let known = |e| Error::Content(format!("{e}; give a file that `piezoid identify` wrote")).of(&self.name);
+        let known = |e| Error::Content(format!("{e}; give a file that `identify` wrote")).of(&self.name);
         Model::from_json(self.text()?).map_err(known)
     }
 }

@@ -18,14 +18,14 @@
 //! record for people. The `command` is the front end, the only member in which front ends differ.
 
 use super::{File, Identification, Source, Step, short};
-use crate::error::Error;
-use crate::formats::ColumnSelection;
-use crate::hammerstein::Model;
 use crate::identification::{IdentifyOptions, Records};
-use crate::options::{Options, by_name};
-use crate::progress::Progress;
-use crate::record::Record;
-use crate::system::System;
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::options::{Options, by_name};
+use piezoid_numerics::progress::Progress;
+use piezoid_numerics::system::System;
+use piezoid_records::formats::ColumnSelection;
+use piezoid_records::record::Record;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
@@ -119,14 +119,19 @@ struct Recipe {
 /// Two models are the same but for rounding if their free runs differ by less [of the stroke].
 const ROUNDING: f64 = 1e-6;
 
-impl Model {
+/// Identification of a model from the files that it names.
+pub trait IdentifyAgain {
     /// Identifies this model again, from its files in any order and under any names, with its own options. If it is
     /// not the same to the bit, the notes of the result say how far the two are apart.
     ///
     /// # Errors
     /// Returns an error if the model does not state how it was identified, or from records that were in no file; if a
     /// file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
-    pub fn again(&self, files: &[File], progress: &mut Progress) -> Result<Identification, Error> {
+    fn again(&self, files: &[File], progress: &mut Progress) -> Result<Identification, Error>;
+}
+
+impl IdentifyAgain for Model {
+    fn again(&self, files: &[File], progress: &mut Progress) -> Result<Identification, Error> {
         let older = |e| {
             let why = "it is of an older version, or was not made by `identify`: identify it anew";
             Error::Content(format!("the model does not state how it was identified ({e}): {why}"))
@@ -143,12 +148,12 @@ impl Model {
         let [small, large] = [Role::SmallSignal, Role::LargeSignal].map(|role| of(role, &sources));
         let mut again = options.run((&small, &large), &command, progress)?;
         if again.model != *self {
-            let mut apart = sources.iter().map(|source| self.apart(&again.model, &source.record()?));
+            let mut apart = sources.iter().map(|source| apart(self, &again.model, &source.record()?));
             let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;
             let this = env!("CARGO_PKG_VERSION");
             let versions = format!("it is of version {version}, and this is {this}");
             if apart > ROUNDING {
-                let percent = crate::number::short(100.0 * apart);
+                let percent = piezoid_numerics::number::short(100.0 * apart);
                 let why = "it was changed since, or another version or machine identified it";
                 return Err(Error::Content(format!(
                     "the model identified again is another one: their free runs on the training records differ by up \
@@ -162,16 +167,16 @@ impl Model {
         }
         Ok(again)
     }
+}
 
-    /// The largest difference of the free runs of two models on a record, over the stroke.
-    fn apart(&self, other: &Model, record: &Record) -> Result<f64, Error> {
-        Record::same_sampling("the model", self.ts(), "the model identified again", other.ts())?;
-        let (own, others) = (self.simulate(record.u()), other.simulate(record.u()));
-        let (low, high) = crate::series::ends(own.iter().copied());
-        let worst = own.iter().zip(&others).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        // Where nothing moves, any difference is one.
-        Ok(if worst == 0.0 { 0.0 } else { worst / (high - low) })
-    }
+/// The largest difference of the free runs of two models on a record, over the stroke.
+fn apart(model: &Model, other: &Model, record: &Record) -> Result<f64, Error> {
+    Record::same_sampling("the model", model.ts(), "the model identified again", other.ts())?;
+    let (own, others) = (model.simulate(record.u()), other.simulate(record.u()));
+    let (low, high) = piezoid_numerics::series::ends(own.iter().copied());
+    let worst = own.iter().zip(&others).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // Where nothing moves, any difference is one.
+    Ok(if worst == 0.0 { 0.0 } else { worst / (high - low) })
 }
 
 /// The sources of a model among these files, in the order of its origins.
@@ -201,7 +206,7 @@ fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
     match files.iter().zip(&hashes).find(|(_, hash)| origins.iter().all(|origin| origin.sha256 != **hash)) {
         Some((file, _)) => {
             let names: Vec<&str> = origins.iter().map(|origin| &*origin.file).collect();
-            let known = crate::number::join(&names);
+            let known = piezoid_numerics::number::join(&names);
             Err(Error::Content(format!(
                 "{} is no file that the model was identified from ({known}): leave it out",
                 file.name
@@ -214,8 +219,8 @@ fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::preparation::PrepareOptions;
-    use crate::progress::Stage;
+    use piezoid_numerics::progress::Stage;
+    use piezoid_records::preparation::PrepareOptions;
     use serde_json::json;
 
     /// A record of 4 Hz at 1 kHz, of a plant of this gain.

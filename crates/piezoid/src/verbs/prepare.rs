@@ -1,11 +1,11 @@
 //! The record of a file: how its columns are read, and the steps of its preparation.
 
 use super::{File, Origin};
-use crate::error::Error;
-use crate::formats::ColumnSelection;
-use crate::options::by_name;
-use crate::preparation::PrepareOptions;
-use crate::record::{Record, Units};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::options::by_name;
+use piezoid_records::formats::ColumnSelection;
+use piezoid_records::preparation::PrepareOptions;
+use piezoid_records::record::{Record, Units};
 use serde::{Deserialize, Serialize};
 
 /// A file, and how its record is made.

@@ -4,13 +4,13 @@
 //! the same, because controllers can be tried on any plant; but then the errors say nothing about the model. The zero
 //! of a sensor is no property of an actuator: if only that differs, the plant's sensor gets the zero of the model's.
 
-use crate::compensation::FeedForwardSettings;
-use crate::error::Error;
-use crate::hammerstein::Model;
-use crate::number::short;
-use crate::plant::{Plant, Spec};
-use crate::record::Units;
-use crate::system::System;
+use piezoid_control::compensation::FeedForwardSettings;
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::short;
+use piezoid_numerics::system::System;
+use piezoid_records::record::Units;
+use piezoid_twins::{Plant, Spec};
 
 /// Ratio of two strokes from which they are of different actuators.
 const FACTOR: f64 = 2.0;
@@ -62,7 +62,7 @@ pub(super) fn matched(
     if !different.is_empty() {
         let note = format!(
             "The plant `{name}` is not the actuator of this model: {}. The errors say nothing about the model. Choose \
-             the plant of its actuator, or make a plant of your own (see `piezoid plants`)",
+             the plant of its actuator, or make a plant of your own",
             different.join("; ")
         );
         return Ok((spec, Some(note)));

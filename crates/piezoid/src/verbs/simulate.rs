@@ -1,15 +1,15 @@
 //! The response of a plant or a model to a drive signal.
 
 use super::File;
-use crate::error::Error;
-use crate::formats::{ColumnSelection, Table};
-use crate::hammerstein::InitialCondition;
-use crate::number::quantity;
-use crate::options::{OptionKind, OptionRow, options};
-use crate::plant::{Plant, Spec};
-use crate::record::{Record, Units};
-use crate::series::ends;
-use crate::system::System;
+use piezoid_models::hammerstein::InitialCondition;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::quantity;
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::series::ends;
+use piezoid_numerics::system::System;
+use piezoid_records::formats::{ColumnSelection, Table};
+use piezoid_records::record::{Record, Units};
+use piezoid_twins::{Plant, Spec};
 
 const INITIAL_CONDITIONS: OptionKind = OptionKind::Choice(&[
     ("rest", "At rest, with a jump to the first input"),
@@ -151,7 +151,7 @@ impl Simulated {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plant::Preset;
+    use piezoid_twins::Preset;
 
     /// A sine of 50 Hz every 1 ms is planned with a seventh of the driver's current; the twin then told that the
     /// current was at its limit.

@@ -1,11 +1,12 @@
 //! Validation of a model on records in files.
 
 use super::{Source, merge, short};
-use crate::error::Error;
-use crate::hammerstein::Model;
-use crate::number::round;
-use crate::record::Record;
-use crate::validation::{Bin, Floor, Metrics, ValidateOptions, Validation, summary};
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::round;
+use piezoid_records::record::Record;
+use piezoid_validation::Validate;
+use piezoid_validation::{Bin, Floor, Metrics, ValidateOptions, Validation, summary};
 use serde_json::{Value, json};
 
 /// A record and the model's free run on it.
@@ -26,20 +27,27 @@ pub struct Validated {
     pub files: Vec<Compared>,
 }
 
-impl ValidateOptions {
+/// Validation of a model with several records.
+pub trait ValidateRecords {
     /// Compares a model with the records in files, in the unit of the first record.
     ///
     /// # Errors
     /// Returns an error for files without records. The errors of [`ValidateOptions::on`].
-    pub fn run(&self, model: &Model, data: &[Source]) -> Result<Validated, Error> {
-        self.on(model, &records(data)?)
-    }
+    fn run(&self, model: &Model, data: &[Source]) -> Result<Validated, Error>;
 
     /// Compares a model with named records, in the unit of the first.
     ///
     /// # Errors
     /// Returns an error for `skip` beyond the end of a record. The errors of [`Model::validate_with`].
-    pub fn on(&self, model: &Model, records: &[(String, Record)]) -> Result<Validated, Error> {
+    fn on(&self, model: &Model, records: &[(String, Record)]) -> Result<Validated, Error>;
+}
+
+impl ValidateRecords for ValidateOptions {
+    fn run(&self, model: &Model, data: &[Source]) -> Result<Validated, Error> {
+        self.on(model, &records(data)?)
+    }
+
+    fn on(&self, model: &Model, records: &[(String, Record)]) -> Result<Validated, Error> {
         let compare = |(name, record): &(String, Record)| {
             let record = record.clone().output_in(&records[0].1.units().y)?;
             if self.skip >= record.duration() {

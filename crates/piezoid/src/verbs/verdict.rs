@@ -1,12 +1,13 @@
 //! How good a model is, and where, in one sentence.
 
 use super::{Compared, Validated};
-use crate::hammerstein::{Domain, Identified, MIN_SAMPLES_PER_PARAMETER, Model};
-use crate::quality::{around, excites};
-use crate::record::Record;
-use crate::series::{ends, mean};
-use crate::system::System;
-use crate::validation::{Validation, inner_reversals, rough};
+use piezoid_identification::{Identified, MIN_SAMPLES_PER_PARAMETER};
+use piezoid_models::hammerstein::{Domain, Model};
+use piezoid_numerics::series::{ends, mean};
+use piezoid_numerics::system::System;
+use piezoid_records::quality::{around, excites};
+use piezoid_records::record::Record;
+use piezoid_validation::{Validation, inner_reversals, rough};
 use serde::{Deserialize, Serialize};
 
 /// Share of the whole range from which a record counts as a large signal.
@@ -268,14 +269,21 @@ impl std::fmt::Display for Verdict {
     }
 }
 
-impl Model {
+/// The verdict of the identification of a model, as its file states it.
+pub trait StatedVerdict {
     /// How good this model was at its identification; `None` if its file does not say so.
-    pub fn verdict(&self) -> Option<Verdict> {
+    fn verdict(&self) -> Option<Verdict>;
+
+    /// The verdict in words, for what is made of this model.
+    fn proven(&self) -> String;
+}
+
+impl StatedVerdict for Model {
+    fn verdict(&self) -> Option<Verdict> {
         Verdict::deserialize(&self.provenance()["verdict"]).ok()
     }
 
-    /// The verdict in words, for what is made of this model.
-    pub fn proven(&self) -> String {
+    fn proven(&self) -> String {
         proven(self.verdict().as_ref())
     }
 }
@@ -298,12 +306,13 @@ impl Validated {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::hysteresis::Proportional;
+    use crate::ValidateRecords;
     use crate::identification::{IdentifyOptions, Records};
-    use crate::linear::Arx;
-    use crate::progress::Stage;
-    use crate::validation::ValidateOptions;
+    use piezoid_models::hysteresis::Proportional;
+    use piezoid_models::linear::Arx;
+    use piezoid_numerics::progress::Stage;
     use piezoid_testing::noise;
+    use piezoid_validation::ValidateOptions;
     use serde_json::json;
     use std::sync::Arc;
 

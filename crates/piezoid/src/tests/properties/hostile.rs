@@ -1,14 +1,17 @@
 //! Whatever JSON loads as a model can be used: no use panics, and all end. The calls of the page are tried in
-//! crates/piezoid-calls/tests/hostile.rs.
+//! crates/piezoid-operations/tests/hostile.rs.
 
 use super::strategies::*;
-use crate::compensation::{Causal, FeedForward, FeedForwardSettings};
-use crate::creep::Creep;
-use crate::driver::DriverModel;
-use crate::hysteresis::OPERATORS;
-use crate::linear::Arx;
-use crate::{Model, Record, System};
+use piezoid_control::compensation::{Causal, FeedForward, FeedForwardSettings};
+use piezoid_models::creep::Creep;
+use piezoid_models::driver::DriverModel;
+use piezoid_models::hammerstein::Model;
+use piezoid_models::hysteresis::OPERATORS;
+use piezoid_models::linear::Arx;
+use piezoid_numerics::system::System;
+use piezoid_records::record::Record;
 use piezoid_testing::hostile::{CHANGES, changed};
+use piezoid_validation::Validate;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 

@@ -1,11 +1,12 @@
 //! Linear blocks, their inverses, their estimation and its cost.
 
 use super::strategies::*;
-use crate::excitation::Prbs;
-use crate::linear::{self, AbsoluteError, Arx, Orders};
-use crate::optimize::swarm::{self, Cost};
-use crate::progress::Stage;
-use crate::{Record, System};
+use piezoid_models::linear::{self, AbsoluteError, Arx, Orders};
+use piezoid_numerics::optimize::swarm::{self, Cost};
+use piezoid_numerics::progress::Stage;
+use piezoid_numerics::system::System;
+use piezoid_records::excitation::Prbs;
+use piezoid_records::record::Record;
 use piezoid_testing::assert_named_close;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};

@@ -1,12 +1,15 @@
 //! Models, hysteresis, records, figures of merit and limits.
 
 use super::strategies::*;
-use crate::excitation::Limits;
-use crate::hysteresis::{HeldInput, Pair, RateScheduled, TwoBranch};
-use crate::linear::Arx;
-use crate::validation::Metrics;
-use crate::{Model, Record, System, Units};
+use piezoid_models::hammerstein::Model;
+use piezoid_models::hysteresis::{HeldInput, Pair, RateScheduled, TwoBranch};
+use piezoid_models::linear::Arx;
+use piezoid_numerics::system::System;
+use piezoid_records::excitation::Limits;
+use piezoid_records::record::Record;
+use piezoid_records::record::Units;
 use piezoid_testing::assert_named_close;
+use piezoid_validation::Metrics;
 use proptest::prelude::*;
 
 /// Any finite number, often one that is not a finite decimal.

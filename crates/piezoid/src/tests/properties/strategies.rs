@@ -1,7 +1,7 @@
 //! Strategies for random inputs, blocks and operators.
 
-use crate::hysteresis::*;
-use crate::linear::Arx;
+use piezoid_models::hysteresis::*;
+use piezoid_models::linear::Arx;
 use proptest::prelude::*;
 use std::sync::Arc;
 

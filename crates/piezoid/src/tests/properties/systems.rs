@@ -1,8 +1,9 @@
 //! The contract of every system: a run is repeated steps, and can be split anywhere.
 
 use super::strategies::*;
-use crate::plant::{PLANTS, Plant};
-use crate::{Model, System};
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::system::System;
+use piezoid_twins::{PLANTS, Plant};
 use proptest::prelude::*;
 
 /// Asserts that a run is repeated steps, from a state of the right length, and can be split anywhere.

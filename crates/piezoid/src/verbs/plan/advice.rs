@@ -11,15 +11,16 @@
 //! Reference: Ljung, System Identification: Theory for the User, 1999, chapter 13, DOI 10.1002/047134608X.W1046.
 
 use super::Plan;
-use crate::creep::{Creep, Lag};
-use crate::error::Error;
-use crate::hammerstein::{InitialCondition, Model};
-use crate::linear::{Arx, Pole};
-use crate::number::{round, short};
-use crate::series::mean;
-use crate::system::System;
+use crate::verbs::verdict::StatedVerdict;
 use libm::{cos, exp};
 use nalgebra::DMatrix;
+use piezoid_models::creep::{Creep, Lag};
+use piezoid_models::hammerstein::{InitialCondition, Model};
+use piezoid_models::linear::{Arx, Pole};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::{round, short};
+use piezoid_numerics::series::mean;
+use piezoid_numerics::system::System;
 use serde_json::Value;
 use std::f64::consts::TAU;
 
@@ -61,7 +62,7 @@ pub(super) fn advise(model: &Model, plan: &Plan) -> Result<String, Error> {
     let relative = |k: usize| known[k].error / known[k].value.abs();
     let Some(worst) = (0..known.len()).max_by(|&p, &q| relative(p).total_cmp(&relative(q))) else {
         return Err(none(
-            "its file states no standard error of a creep gain or a mode: identify it with `--method joint`",
+            "its file states no standard error of a creep gain or a mode: identify it by the joint method",
         ));
     };
     let sigma =

@@ -1,10 +1,10 @@
 //! The drives of a plan: a shape between -1 and 1 about the middle, with the amplitude that the limits allow.
 
 use super::{MOST, PlannedDrive, Rig};
-use crate::error::Error;
-use crate::excitation::{Multisine, RisingSine, minimum_jerk};
-use crate::number::{quantity, round};
 use libm::{cos, sin};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::{quantity, round};
+use piezoid_records::excitation::{Multisine, RisingSine, minimum_jerk};
 use std::f64::consts::TAU;
 
 /// Part of the slew and current limits that is used: the rest is for capacitance at large signals and for ripple.

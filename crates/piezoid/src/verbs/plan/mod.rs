@@ -10,14 +10,14 @@ mod page;
 mod tests;
 
 use super::File;
-use crate::error::Error;
-use crate::excitation::{Actuator, Amplifier, LimitOptions, Limits, Usage};
-use crate::formats::Table;
-use crate::hammerstein::Model;
-use crate::number::{quantity, round};
-use crate::options::{OptionKind, OptionRow, options};
-use crate::record::Record;
-use crate::system::System;
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::{quantity, round};
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::system::System;
+use piezoid_records::excitation::{Actuator, Amplifier, LimitOptions, Limits, Usage};
+use piezoid_records::formats::Table;
+use piezoid_records::record::Record;
 use serde_json::{Value, json};
 
 /// Maximum number of samples of a drive: identification takes minutes beyond it.
@@ -51,8 +51,8 @@ options! {
             the actuator");
         /// Highest frequency of the application.
         bandwidth: f64 = 50.0, OptionRow::positive("Hz").required();
-        /// The actuator, for its range, capacitance and resonance (see `piezoid actuators`).
-        actuator: Option<String> = None, OptionRow::new(OptionKind::Text("NAME"));
+        /// The actuator, for its range, capacitance and resonance (see {list}).
+        actuator: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).list("actuators");
         /// Sampling period of all drives.
         ts: Option<f64> = None, OptionRow::positive("s").absent("from bandwidth and resonance");
     } with limits: LimitOptions

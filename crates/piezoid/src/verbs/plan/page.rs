@@ -1,8 +1,8 @@
 //! The page of a plan: what to measure, why, within which limits, and what to run afterwards.
 
 use super::{Plan, PlannedDrive};
-use crate::excitation::Peak;
-use crate::number::{quantity, round};
+use piezoid_numerics::number::{quantity, round};
+use piezoid_records::excitation::Peak;
 
 /// Why each record is measured.
 const WHY: [(&str, &str); 6] = [

@@ -1,11 +1,11 @@
 use super::advice::{expected, information, uncertain};
 use super::{MOST, Plan, PlanOptions, PlannedDrive};
-use crate::creep::{Creep, Lag};
-use crate::error::Error;
-use crate::hammerstein::Model;
-use crate::hysteresis::Proportional;
-use crate::linear::Arx;
-use crate::options::Options;
+use piezoid_models::creep::{Creep, Lag};
+use piezoid_models::hammerstein::Model;
+use piezoid_models::hysteresis::Proportional;
+use piezoid_models::linear::Arx;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::options::Options;
 use piezoid_testing::assert_close;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -202,7 +202,7 @@ fn a_bender_is_not_planned_for_a_driver_whose_limits_are_not_about_its_middle() 
 #[test]
 fn the_current_of_every_second_is_one_that_the_driver_gives_continuously() {
     let plan = planned(json!({"range": [-50, 50], "bandwidth": 50, "driver": "bd150", "capacitance": 5e-6})).unwrap();
-    let limit = crate::excitation::Amplifier::find("bd150").unwrap().continuous.unwrap();
+    let limit = piezoid_records::excitation::Amplifier::find("bd150").unwrap().continuous.unwrap();
     for PlannedDrive { name, u, .. } in &plan.drives {
         let squares: Vec<f64> = u.windows(2).map(|w| (5e-6 * (w[1] - w[0]) / plan.ts).powi(2)).collect();
         let second = ((1.0 / plan.ts) as usize).min(squares.len());

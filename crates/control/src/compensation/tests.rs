@@ -1,0 +1,292 @@
+use super::*;
+use piezoid::{IdentifyOptions, Records, identify};
+use piezoid_models::creep::Creep;
+use piezoid_models::driver::DriverModel;
+use piezoid_models::hysteresis::{OPERATORS, Operator};
+use piezoid_models::linear::Arx;
+use piezoid_records::excitation::{Prbs, RisingSine, Triangle};
+use piezoid_records::record::{Record, Units};
+use piezoid_testing::assert_close;
+use piezoid_twins::Plant;
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+const TS: f64 = 5e-4;
+
+const PLAYS: &str = "prandtl-ishlinskii";
+
+/// A beam with hysteresis, creep and possibly a driver; +-30 V hold about +-1 mm.
+fn model(operator: &str, driver: Option<DriverModel>) -> Model {
+    let ts = TS / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
+    let hysteresis = (Operator::find(operator).unwrap().example)(ts).unwrap();
+    let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.5, 3.2]).unwrap();
+    let creep = Creep::logarithmic(TS, 0.01, 0.05, 5.0).unwrap();
+    Model::driven(driver, hysteresis, block, 5.0).unwrap().with_creep(creep).unwrap()
+}
+
+fn inverse_of(model: &Model) -> FeedForward {
+    inverse_with(model, FeedForwardSettings::default())
+}
+
+fn inverse_with(model: &Model, settings: FeedForwardSettings) -> FeedForward {
+    FeedForward::new(model, settings).unwrap()
+}
+
+/// A sine about `bias`, constant at first, which starts without a corner.
+fn sine(bias: f64, height: f64, hz: f64, n: usize) -> Vec<f64> {
+    let begins = |t: f64| (t / 0.05).min(1.0).powi(2);
+    let at = |t: f64| bias + if t > 0.0 { height * begins(t) * (TAU * hz * t).sin() } else { 0.0 };
+    (0..n).map(|t| at((t as f64 - 80.0) * TS)).collect()
+}
+
+#[test]
+fn the_free_run_follows_the_reference_for_every_operator_without_jumps_and_with_a_driver() {
+    for o in OPERATORS.iter().filter(|o| o.minor_loops && o.wipes_out) {
+        for driver in [None, Some(DriverModel::new(1e-4, Some(6e4)).unwrap())] {
+            let model = model(o.name, driver);
+            let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
+            let inverse = inverse_with(&model, FeedForwardSettings { limits, ..Default::default() });
+            let (low, high) = inverse.reach();
+            let r = sine(0.5 * (low + high), 0.3 * (high - low), 20.0, 600);
+            let made = inverse.whole(&r).unwrap();
+            assert_close(&model.resume(&mut model.settled(made.u[0]), &made.u), &made.reached, 0.0, 1e-6);
+            let error = rms_error(&r, &made.reached) / (high - low);
+            assert!(error < 3e-4 && made.clipped == 0, "{}: {error:e}", o.name);
+        }
+    }
+}
+
+#[test]
+fn if_the_hysteresis_jumps_over_the_reference_the_nearest_value_is_used_and_noted() {
+    let inverse = inverse_of(&model("maxwell-slip", None));
+    let (low, high) = inverse.reach();
+    let made = inverse.whole(&sine(0.5 * (low + high), 0.3 * (high - low), 5.0, 1200)).unwrap();
+    let noted = made.notes.iter().any(|n| n.contains("(it jumps)"));
+    assert!(made.clipped == 0 && noted, "{:?}", made.notes);
+}
+
+#[test]
+fn the_preview_covers_a_long_delay_of_the_block() {
+    let error = |delay: usize| {
+        let plays = (Operator::find(PLAYS).unwrap().example)(TS).unwrap();
+        let b = [vec![0.0; delay], vec![3.5, 3.2]].concat();
+        let model = Model::new(plays, Arx::new(TS, vec![1.7424, -0.9453], b).unwrap(), 0.0).unwrap();
+        let r = sine(0.0, 300.0, 10.0, 1200);
+        rms_error(&r[200..], &inverse_of(&model).whole(&r).unwrap().reached[200..])
+    };
+    assert!(error(1) < 0.01 && error(100) < 0.1, "{} {}", error(1), error(100));
+}
+
+#[test]
+fn a_constant_displacement_is_held_exactly() {
+    let made = inverse_of(&model(PLAYS, None)).whole(&[321.0; 500]).unwrap();
+    assert_close(&made.reached, &[321.0; 500], 1e-9, 0.0);
+    assert_close(&made.u, &[made.u[0]; 500], 1e-9, 0.0);
+}
+
+#[test]
+fn a_reference_that_ends_in_motion_is_followed_to_its_end() {
+    let r = sine(0.0, 700.0, 40.0, 1000);
+    let made = inverse_of(&model(PLAYS, None)).whole(&r).unwrap();
+    assert!((r[999] - r[998]).abs() > 50.0, "it moves at its end");
+    assert_close(&made.reached[900..], &r[900..], 0.0, 0.5);
+}
+
+#[test]
+fn for_a_reference_that_starts_too_fast_the_error_asks_for_a_constant_start() {
+    let r: Vec<f64> = (0..400).map(|t| 700.0 * (TAU * 200.0 * TS * f64::from(t)).sin()).collect();
+    let message = inverse_of(&model(PLAYS, None)).whole(&r).unwrap_err().to_string();
+    assert!(
+        message.contains("at sample 0 (0 s)") && message.contains("begin the reference with some milliseconds"),
+        "{message}"
+    );
+}
+
+#[test]
+fn sweeps_reduce_the_error_of_the_free_run_and_are_noted() {
+    let model = model("preisach", None);
+    let r: Vec<f64> = sine(0.0, 400.0, 40.0, 800).iter().map(|r| 50.0 * (r / 50.0).round()).collect();
+    let smooth = Fir::smooth(TS, 0.004).unwrap().whole(&r);
+    let swept = |sweeps| {
+        let settings = FeedForwardSettings { sweeps, clip: true, ..Default::default() };
+        let made = inverse_with(&model, settings).whole(&smooth).unwrap();
+        (rms_error(&smooth, &made.reached), made.notes.iter().any(|note| note.contains("correction sweeps")))
+    };
+    let (none, some) = (swept(0), swept(10));
+    assert!(some.0 < 0.7 * none.0 && some.1 && !none.1, "{none:?} {some:?}");
+}
+
+#[test]
+fn values_out_of_reach_are_errors_or_clipped_and_counted() {
+    let model = model(PLAYS, None);
+    let r = sine(0.0, 3000.0, 5.0, 1000);
+    let message = |r: &[f64]| inverse_of(&model).whole(r).unwrap_err().to_string();
+    assert!(
+        message(&r).contains("the reference cannot be reached") && message(&r).contains("reduce its amplitude"),
+        "{}",
+        message(&r)
+    );
+    let clip = FeedForwardSettings { clip: true, ..Default::default() };
+    let made = inverse_with(&model, clip).whole(&r).unwrap();
+    assert!(made.clipped > 300 && made.notes[0].contains("of 1000 samples are clipped"), "{:?}", made.notes);
+    assert!(made.u.iter().all(|u| u.abs() <= 30.0 * (1.0 + 2.0 * BEYOND) + 1e-9));
+    let step = [vec![0.0; 80], vec![600.0; 400]].concat();
+    assert!(message(&step).contains("slow it down or smooth it"), "{}", message(&step));
+}
+
+#[test]
+fn limits_of_slew_and_current_are_errors_or_kept() {
+    let model = model(PLAYS, None);
+    let limits = Limits { current: Some(0.02), capacitance: Some(8.2e-6), ..Default::default() };
+    let r = sine(0.0, 700.0, 20.0, 1000);
+    let whole = |clip| {
+        let settings = FeedForwardSettings { limits, clip, ..Default::default() };
+        inverse_with(&model, settings).whole(&r)
+    };
+    let message = whole(false).unwrap_err().to_string();
+    assert!(message.contains("current") && message.contains("limit 0.02 A"), "{message}");
+    let made = whole(true).unwrap();
+    assert!(limits.refuse(&made.u, TS).is_ok() && made.clipped > 100);
+    assert!(made.usage.current.is_some_and(|peak| peak.share.is_some_and(|share| share > 0.99)));
+}
+
+#[test]
+fn invalid_references_and_models_are_errors() {
+    let inverse = inverse_of(&model(PLAYS, None));
+    assert!(inverse.whole(&[0.0, f64::NAN]).unwrap_err().to_string().starts_with("reference[1] is NaN"));
+    assert!(inverse.whole(&[]).unwrap_err().to_string().contains("the reference has 0 samples"));
+    let refused = |model: Model, settings| FeedForward::new(&model, settings).unwrap_err().to_string();
+    let proportional = |k: f64| Arc::new(piezoid_models::hysteresis::Proportional::new(TS, k).unwrap());
+    let plain = |k: f64| Model::new(proportional(k), Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+    assert!(refused(plain(1.0), FeedForwardSettings::default()).contains("driver = none"));
+    let volts = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
+    let within = FeedForwardSettings { limits: volts, ..Default::default() };
+    assert!(refused(plain(0.0), within).contains("no inverse of its hysteresis"));
+    let units = Units { u: "counts".into(), y: "um".into() };
+    assert!(refused(plain(1.0).with_units(units), within).contains("counts"));
+    let limits = Limits { low: Some(50.0), high: Some(60.0), ..Default::default() };
+    let high = FeedForwardSettings { limits, ..Default::default() };
+    assert!(refused(model("preisach", None), high).contains("must overlap"));
+    let differences = Arx::new(TS, vec![], vec![1.0, -1.0]).unwrap();
+    let no_gain = Model::new(proportional(1.0), differences, 0.0).unwrap();
+    assert!(refused(no_gain, within).contains("no bounded inverse"));
+}
+
+#[test]
+fn sample_by_sample_the_displacement_has_the_given_delay() {
+    let model = model("generalised-prandtl-ishlinskii", Some(DriverModel::new(1e-4, None).unwrap()));
+    let (low, high) = inverse_of(&model).reach();
+    let r = sine(0.5 * (low + high), 0.25 * (high - low), 10.0, 1200);
+    for late in [1, 4, 16] {
+        let causal = Causal::new(&model, FeedForwardSettings::default(), late).unwrap();
+        let u = causal.resume(&mut causal.settled(r[0]), &r);
+        let y = model.resume(&mut model.settled(u[0]), &u);
+        let error = rms_error(&r[..r.len() - late], &y[late..]) / (high - low);
+        assert!(causal.late() == late && error < 2e-3, "{late}: {error:e}");
+    }
+    let causal = Causal::new(&model, FeedForwardSettings::default(), 2).unwrap();
+    let rest = model.simulate(&[0.0; 4000])[3999];
+    assert!(causal.simulate(&[rest; 50]).iter().all(|u| u.abs() < 1e-9));
+}
+
+#[test]
+fn sample_by_sample_invalid_values_are_replaced_by_the_previous_and_others_clipped() {
+    let model = model("preisach", None);
+    let causal = Causal::new(&model, FeedForwardSettings::default(), 2).unwrap();
+    let r: Vec<f64> = sine(0.0, 400.0, 10.0, 300);
+    let with = |at: &[(usize, f64)]| {
+        let mut r = r.clone();
+        at.iter().for_each(|(t, value)| r[*t] = *value);
+        causal.resume(&mut causal.settled(0.0), &r)
+    };
+    assert_eq!(with(&[(150, f64::NAN), (151, f64::INFINITY)]), with(&[(150, r[149]), (151, r[149])]));
+    let high = inverse_of(&model).ends.1;
+    let far = with(&[(150, 1e6)]);
+    assert!(far.iter().all(|u| u.is_finite()) && far[150..155].contains(&high));
+}
+
+/// The twin of a bender and a model identified on records of it.
+fn identified() -> (Plant, Model) {
+    let plant = Plant::named("pl140", TS).unwrap();
+    let record = |u: Vec<f64>| {
+        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+        Record::new(TS, u, y).unwrap()
+    };
+    let small_signal = [record(Prbs::default().samples(TS, 4094).unwrap())];
+    let rising = |frequency: f64, n| {
+        record(RisingSine { amplitude: 28.0, frequency, ..Default::default() }.samples(TS, n).unwrap())
+    };
+    let large_signal = [rising(2.0, 6000), rising(40.0, 3000)];
+    let operator = "generalised-prandtl-ishlinskii".into();
+    let options = IdentifyOptions { operator, order: Some(5), seed: 0, ..Default::default() };
+    let records = Records { small_signal: &small_signal, large_signal: &large_signal };
+    let model = identify(records, &options).unwrap().model;
+    (plant, model)
+}
+
+#[test]
+fn on_the_twin_the_inverse_is_ten_times_better_than_a_gain_and_learning_is_better_still() {
+    let (plant, model) = identified();
+    let inverse = inverse_of(&model);
+    let answer = |u: &[f64]| plant.run(u).y.iter().map(|y| 1e6 * y).collect::<Vec<_>>();
+    let (low, high) = inverse.reach();
+    let gain = (high - low) / (inverse.ends.1 - inverse.ends.0);
+    for hz in [5.0, 40.0] {
+        let r = sine(0.0, 800.0, hz, 1500);
+        let none = rms_error(&r, &answer(&r.iter().map(|r| r / gain).collect::<Vec<_>>()));
+        let made = rms_error(&r, &answer(&inverse.whole(&r).unwrap().u));
+        assert!(10.0 * made < none, "{hz} Hz: {made} um instead of {none} um");
+    }
+    // 40 Hz; for the triangle a tenth of a percent of the stroke.
+    let sine: Vec<f64> = (0..50).map(|t| 800.0 * (TAU * f64::from(t) / 50.0).sin()).collect();
+    let triangle = Triangle { amplitude: 800.0, frequency: 40.0, ..Default::default() }.samples(TS, 50).unwrap();
+    for (period, most) in [(sine, 0.5), (triangle, 1.6)] {
+        let mut x = plant.initial();
+        let mut trial = |u: &[f64]| {
+            let last = (0..4).map(|_| plant.resume(&mut x, u)).last().unwrap();
+            last.iter().map(|y| 1e6 * y).collect()
+        };
+        let learned = Learning::default().run(&mut trial, &inverse, &period).unwrap();
+        let best = rms_error(&period, &learned.y);
+        assert!(best < most && best < 0.5 * learned.rms[0], "{:?}", learned.rms);
+    }
+}
+
+#[test]
+fn learning_adapts_to_a_resonance_at_another_frequency() {
+    // 166 Hz in the model, 135 Hz on the plant, both with a damping of 0.03: at 140 Hz the response has the opposite
+    // sign.
+    let beam = |hz: f64| {
+        let (decay, angle) = (0.03 * TAU * hz * 5e-4, TAU * hz * 5e-4);
+        let a = vec![2.0 * (-decay).exp() * angle.cos(), -(-2.0 * decay).exp()];
+        let b = 30.0 * (1.0 - a.iter().sum::<f64>());
+        Arx::new(5e-4, a, vec![0.0, b]).unwrap()
+    };
+    let plays = (Operator::find(PLAYS).unwrap().example)(5e-4).unwrap();
+    let of = |hz| Model::new(plays.clone(), beam(hz), 0.0).unwrap();
+    let inverse = inverse_of(&of(166.0));
+    let r = Triangle { amplitude: 300.0, frequency: 20.0, ..Default::default() }.samples(5e-4, 100).unwrap();
+    let (truth, mut x) = (of(135.0), of(135.0).initial());
+    let mut trial = |u: &[f64]| {
+        (0..8).for_each(|_| drop(truth.resume(&mut x, u)));
+        truth.resume(&mut x, u)
+    };
+    let learned = (Learning { trials: 31, ..Default::default() }).run(&mut trial, &inverse, &r).unwrap();
+    let least = learned.rms.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!(least < 0.05 * learned.rms[0], "{:?}", learned.rms);
+}
+
+#[test]
+fn learning_checks_the_responses_and_discards_bad_trials() {
+    let inverse = inverse_of(&model(PLAYS, None));
+    let r: Vec<f64> = (0..100).map(|t| 500.0 * (TAU * f64::from(t) / 100.0).sin()).collect();
+    let learnt = |plant: &mut dyn FnMut(&[f64]) -> Vec<f64>| Learning::default().run(plant, &inverse, &r);
+    assert!(learnt(&mut |_| vec![0.0; 3]).unwrap_err().to_string().contains("has 3 samples"));
+    assert!(learnt(&mut |_| vec![f64::NAN; 100]).unwrap_err().to_string().contains("NaN"));
+    // An actuator with the opposite sign: every correction increases the error.
+    let first = learnt(&mut |u| u.iter().map(|u| -20.0 * u).collect()).unwrap();
+    let best = first.rms.iter().copied().fold(f64::INFINITY, f64::min);
+    assert_close(&[rms_error(&r, &first.y)], &[best], 1e-12, 0.0);
+    let none = Learning { gain: 0.0, ..Default::default() };
+    assert!(none.run(&mut |u| u.to_vec(), &inverse, &r).unwrap_err().to_string().starts_with("gain = 0"));
+}

@@ -1,0 +1,36 @@
+//! The common parts of controllers as programs.
+
+use piezoid_models::program::Block;
+
+/// The block of a controller's state, with the functions that all controllers share: error and limits.
+pub(super) fn block(about: &str, limits: (f64, f64)) -> Block {
+    Block::new("control_state", about).constant("low", limits.0).constant("high", limits.1).text(SHARED)
+}
+
+const SHARED: &str = "
+// The tracking error r - y; 0 if it is not finite, so that the state does not change.
+fn missing(r, y) {
+    let off = r - y;
+    let answered = 0.0;
+    if magnitude(off) <= most { answered = off; }
+    return answered;
+}
+
+// The feed-forward, clipped to the limits; 0 if it is not finite.
+fn fed(feed) {
+    let given = 0.0;
+    if magnitude(feed) <= most { given = feed; }
+    return clamp(given, low, high);
+}
+";
+
+/// The same as [`super::integrating`], for a state with an `integral`.
+pub(super) const INTEGRATING: &str = "
+// The feed-forward plus w, clipped to the limits. The integral grows by gain, except if that would drive the input further beyond a limit.
+fn integrating(s: control_state, feed, w, gain) {
+    let v = fed(feed) + w;
+    let u = clamp(v, low, high);
+    if u == v || (v - u) * gain < 0.0 { s.integral += gain; }
+    return u;
+}
+";

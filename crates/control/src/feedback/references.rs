@@ -1,0 +1,103 @@
+//! References for tracking tests, each with a peak and a frequency.
+//!
+//! They are the excitations of [`excitation`](piezoid_records::excitation) in output units, and a random reference.
+
+use crate::compensation::Fir;
+use piezoid_numerics::error::{Error, positive, row};
+use piezoid_records::excitation::{Multisine, Sine, Staircase, Triangle};
+use serde::Serialize;
+
+/// One kind of reference: a row of [`REFERENCES`].
+#[derive(Debug, Clone, Copy, Serialize)]
+pub struct Reference {
+    /// Name in options and files.
+    pub name: &'static str,
+    /// One line.
+    pub summary: &'static str,
+    /// `n` samples every `ts` [s], with this peak [output unit] and frequency [Hz]. Returns an error for invalid
+    /// values.
+    #[serde(skip)]
+    pub samples: fn(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error>,
+}
+
+/// All references.
+pub static REFERENCES: &[Reference] = &[
+    Reference {
+        name: "sine",
+        summary: "one frequency",
+        samples: |ts, n, peak, hz| Sine { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
+    },
+    Reference {
+        name: "triangle",
+        summary: "triangle wave, as in a raster scan: constant speed",
+        samples: |ts, n, peak, hz| Triangle { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
+    },
+    Reference {
+        name: "staircase",
+        summary: "nine levels with minimum-jerk moves between them: settling and creep",
+        samples: staircase,
+    },
+    Reference {
+        name: "random",
+        summary: "a smooth random signal with all frequencies up to the given one",
+        samples: random,
+    },
+];
+
+/// A staircase whose steps are moves of half the duration of its shortest level. No actuator can follow a jump.
+fn staircase(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
+    let steps = Staircase { amplitude: peak, frequency: hz, levels: 9, ..Default::default() }.samples(ts, n)?;
+    Ok(Fir::smooth(ts, 1.0 / (48.0 * hz))?.whole(&steps))
+}
+
+/// Sines up to `hz` of equal amplitude with random phases, starting from rest within two periods of `hz`. The period is
+/// 20 s, or 20 periods of `hz` if that is longer.
+fn random(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
+    positive("hz", hz, "Hz")?;
+    let period = 20.0f64.max(20.0 / hz);
+    let sines = Multisine {
+        amplitude: peak,
+        frequency_low: hz / 20.0,
+        frequency_high: hz,
+        period,
+        seed: 1,
+        ..Default::default()
+    };
+    let rise = 2.0 / (hz * ts);
+    let smooth = |share: f64| share * share * (3.0 - 2.0 * share);
+    let path = sines.samples(ts, n)?;
+    Ok(path.iter().enumerate().map(|(t, r)| r * smooth((t as f64 / rise).min(1.0))).collect())
+}
+
+impl Reference {
+    /// The reference called `name`.
+    ///
+    /// ```
+    /// let sine = piezoid::control::Reference::find("sine")?;
+    /// let r = (sine.samples)(5e-4, 400, 800.0, 5.0)?;
+    /// assert_eq!((r[0], r[100]), (0.0, 800.0));
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] with the known names.
+    pub fn find(name: &str) -> Result<&'static Self, Error> {
+        row("reference", REFERENCES.iter(), |row| row.name, name)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_reference_starts_at_rest_and_stays_within_its_peak() {
+        for kind in REFERENCES {
+            let r = (kind.samples)(5e-4, 40_000, 800.0, 5.0).unwrap();
+            let most = r.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+            assert!(r.len() == 40_000 && r[0].abs() < 1.0 && most <= 800.0 && most > 600.0, "{}: {most}", kind.name);
+            assert!((kind.samples)(5e-4, 100, 800.0, 5000.0).is_err(), "{}", kind.name);
+            assert_eq!(Reference::find(kind.name).unwrap().summary, kind.summary);
+        }
+    }
+}

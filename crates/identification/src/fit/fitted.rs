@@ -1,0 +1,58 @@
+//! A fitted estimate, with what belongs to single records and its errors.
+
+use super::estimate::Estimate;
+use super::held_out::HeldOut;
+use super::runs::TrainingRecord;
+use piezoid_models::hammerstein::InitialCondition;
+use piezoid_numerics::series::mean;
+
+/// A fitted estimate.
+#[derive(Debug, Clone)]
+pub(crate) struct Fitted {
+    pub(crate) estimate: Estimate,
+    /// The initial condition of each run.
+    pub(crate) initial_conditions: Vec<InitialCondition>,
+    /// Initial states and constant of each run.
+    pub(crate) own: Vec<Vec<f64>>,
+    pub(crate) held_out: HeldOut,
+    /// For each run, the mean squared error over the squared peak-to-peak.
+    pub(crate) residuals: Vec<f64>,
+    /// The minimised sum of squares and penalties.
+    pub(crate) minimum: f64,
+}
+
+impl Fitted {
+    /// Mean over the runs of the mean squared error over the squared peak-to-peak.
+    pub(crate) fn cost(&self) -> f64 {
+        mean(&self.residuals)
+    }
+
+    /// Sets the initial conditions of the runs to those of this fit: later fits may have tried others.
+    pub(crate) fn apply_initial_conditions(&self, runs: &mut [TrainingRecord], range: (f64, f64)) {
+        let others = runs.iter_mut().zip(&self.initial_conditions).filter(|(run, initial)| run.initial != **initial);
+        others.for_each(|(run, initial)| run.start_from(*initial, range));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::refine::refine;
+    use super::super::solve::FreeParameters;
+    use super::super::{runs::training_records, testing::estimate};
+    use super::*;
+    use piezoid_records::record::Record;
+
+    #[test]
+    fn the_initial_conditions_of_a_fit_are_applied_to_the_runs() {
+        let u: Vec<f64> = (0..900).map(|t| 28.0 * (0.01 * f64::from(t)).cos()).collect();
+        let records = [Record::new(5e-4, u.clone(), u).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("prandtl-ishlinskii", 6);
+        let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
+        let (initial, before) = (runs[0].initial, runs[0].before.clone());
+        runs[0].start_from(InitialCondition::FromAbove, (-28.0, 28.0));
+        assert_ne!(runs[0].before, before);
+        fit.apply_initial_conditions(&mut runs, (-28.0, 28.0));
+        assert_eq!((runs[0].initial, &runs[0].before), (initial, &before));
+    }
+}

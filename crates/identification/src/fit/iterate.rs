@@ -1,0 +1,150 @@
+//! A point of the search for the minimum: an estimate, its equations, and what these predict.
+
+use super::equations::{RecordEquations, ReducedEquations, equations};
+use super::estimate::Estimate;
+use super::fitted::Fitted;
+use super::held_out::{HeldOut, Smoothness, cross_validate};
+use super::hidden::Hidden;
+use super::products::{Segment, products};
+use super::runs::TrainingRecord;
+use super::solve::{FreeParameters, Prior};
+use nalgebra::DVector;
+
+/// Initial damping of a step, relative to the diagonal of the equations.
+pub(crate) const INITIAL_DAMPING: f64 = 1e-7;
+
+/// Mean squared error over squared peak-to-peak that is next to nothing: one step of Gauss-Newton does not predict the
+/// end of the search.
+const NEGLIGIBLE_ERROR: f64 = 1e-8;
+
+/// Number of weights above which a step is first tried with z alone, which is much less work than all columns.
+const MANY_WEIGHTS: usize = 64;
+
+/// An estimate and its equations.
+pub(crate) struct Iterate {
+    pub(super) estimate: Estimate,
+    pub(super) prior: Prior,
+    segments: Vec<Segment>,
+    pub(super) normal: ReducedEquations,
+    each: Vec<RecordEquations>,
+    /// The parameters that the equations have.
+    pub(super) free: FreeParameters,
+}
+
+impl Iterate {
+    pub(crate) fn at(estimate: Estimate, runs: &[TrainingRecord], own: &[Vec<f64>], free: FreeParameters) -> Self {
+        let segments = products(&estimate, runs, own, free);
+        let (normal, each) = equations(&estimate, &segments, |_| true);
+        Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each, free }
+    }
+
+    /// The current parameters as the unknowns of the equations.
+    fn unknowns(&self) -> DVector<f64> {
+        self.prior.steps(self.prior.current())
+    }
+
+    pub(crate) fn cost(&self, lambda: f64) -> f64 {
+        self.cost_at(self.prior.current(), lambda)
+    }
+
+    /// At an estimate whose weights are known too, with the runs' own coefficients of this estimate.
+    pub(super) fn known(estimate: Estimate, runs: &[TrainingRecord], free: FreeParameters) -> Self {
+        let Some(alone) = Iterate::alone(&estimate, runs) else {
+            let point = Iterate::at(estimate, runs, &[], free);
+            let own = point.own(point.prior.current());
+            return Iterate::at(point.estimate, runs, &own, free);
+        };
+        Iterate::at(estimate, runs, &alone.own(alone.prior.current()), free)
+    }
+
+    /// With z in place of the columns of the weights; `None` if the weights give no operator.
+    fn alone(estimate: &Estimate, runs: &[TrainingRecord]) -> Option<Self> {
+        let hidden = Hidden::of_all(estimate, runs).ok()?;
+        let runs: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
+        let alone = Hidden::alone(estimate.lags.clone(), estimate.linear.clone()).ok()?;
+        Some(Iterate::at(alone, &runs, &[], FreeParameters::All))
+    }
+
+    /// The cost of a next estimate with z alone, if that saves work; the penalty is scaled by the present equations.
+    pub(super) fn cost_of(&self, next: &Estimate, runs: &[TrainingRecord], lambda: f64) -> Option<f64> {
+        let alone = (next.weights.len() > MANY_WEIGHTS).then(|| Iterate::alone(next, runs))??;
+        let prior = Prior::of(next);
+        Some(alone.normal.residual(&alone.unknowns()) + prior.penalty(&self.normal, lambda, prior.current()))
+    }
+
+    /// True if the linearised equations promise less than `ratio` times the minimum of a fit, or next to nothing.
+    pub(super) fn promises(&self, ratio: f64, fit: &Fitted) -> bool {
+        self.predicted(fit.held_out.lambda) < (ratio * fit.minimum).max(NEGLIGIBLE_ERROR * self.normal.samples)
+    }
+
+    /// The sum of squares and penalties at the solution of the linearised equations.
+    pub(crate) fn predicted(&self, lambda: f64) -> f64 {
+        let mut positive = vec![true; self.prior.current().len()];
+        let x = self.prior.solve(&self.normal, lambda, INITIAL_DAMPING, self.free, &mut positive);
+        x.map_or(f64::INFINITY, |x| self.cost_at(&x, lambda))
+    }
+
+    pub(super) fn cost_at(&self, x: &DVector<f64>, lambda: f64) -> f64 {
+        self.normal.residual(&self.prior.steps(x)) + self.prior.penalty(&self.normal, lambda, x)
+    }
+
+    /// The held-out errors by the linearised equations.
+    pub(super) fn held_out(&self, free: FreeParameters, smoothness: Smoothness) -> HeldOut {
+        cross_validate(&self.estimate, &self.prior, &self.segments, INITIAL_DAMPING, free, smoothness)
+    }
+
+    /// The runs' own coefficients at `x`.
+    pub(super) fn own(&self, x: &DVector<f64>) -> Vec<Vec<f64>> {
+        let steps = self.prior.steps(x);
+        self.each.iter().map(|run| run.own(&steps)).collect()
+    }
+
+    /// For each run, the mean squared error over the squared peak-to-peak.
+    pub(super) fn residuals(&self, runs: &[TrainingRecord]) -> Vec<f64> {
+        let unknowns = self.unknowns();
+        let of =
+            |run: &RecordEquations| run.normal.residual(&unknowns) / run.normal.samples / runs[run.run].heavier.powi(2);
+        self.each.iter().map(of).collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{runs::training_records, testing::estimate};
+    use super::*;
+    use piezoid_models::creep::Lag;
+    use piezoid_models::driver::DriverModel;
+    use piezoid_models::hammerstein::InitialCondition;
+    use piezoid_models::linear::Arx;
+    use piezoid_records::record::Record;
+
+    #[test]
+    fn the_cost_with_z_alone_is_that_of_all_columns() {
+        let range = (-23.0, 33.0);
+        let wave = |t: u32| 5.0 + 28.0 * (0.3 + 0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).cos();
+        let u: Vec<f64> = (0..1500).map(wave).collect();
+        let mut y: Vec<f64> = u.iter().map(|u| u + 0.01 * u * u).collect();
+        y[700] = 1e4;
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        assert!(!runs[0].usable[700]);
+        runs[0].heavier = 3.0;
+        for driver in [None, Some(DriverModel::new(1e-3, None).unwrap())] {
+            for initial in InitialCondition::of(records[0].u()) {
+                runs[0].start_from(initial, range);
+                let lags = vec![Lag { tau_s: 0.02, gain: 0.05 }, Lag { tau_s: 0.1, gain: 0.02 }];
+                let start = Estimate { driver, seeks_lag: driver.is_some(), lags, ..estimate("preisach", 15) };
+                let weights = (0..start.weights.len()).map(|k| (k as f64).sin().powi(2)).collect();
+                let start = Estimate { weights, ..start };
+                let next = start.with_linear(Arx::new(5e-4, vec![0.5], vec![1.6]).unwrap());
+                let point = Iterate::at(start, &runs, &[], FreeParameters::All);
+                let alone = point.cost_of(&next, &runs, 0.1).unwrap();
+                let all = Iterate::at(next, &runs, &[], FreeParameters::All);
+                let residual = all.normal.residual(&all.unknowns());
+                let penalty = all.prior.penalty(&point.normal, 0.1, all.prior.current());
+                let off = (alone / (residual + penalty) - 1.0).abs();
+                assert!(off < 1e-9 && penalty > 0.01 * residual, "{initial:?} {alone:e} {residual:e} {penalty:e}");
+            }
+        }
+    }
+}

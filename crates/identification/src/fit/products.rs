@@ -1,0 +1,131 @@
+//! The products of the columns of the linearised free-run error with each other and with y, by run and fold.
+//!
+//! They are summed in blocks of samples, so records may have any length.
+
+use super::columns::{FILTERED_SAMPLES, RunColumns};
+use super::estimate::Estimate;
+use super::gram;
+use super::layout::ColumnLayout;
+use super::runs::TrainingRecord;
+use super::solve::FreeParameters;
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+use std::collections::BTreeMap;
+
+/// Rows per block.
+const BLOCK_ROWS: usize = 256;
+
+/// Maximum number of large-signal rows kept of all runs: neighbouring rows have similar information.
+const MAX_ROWS: usize = 20_000;
+
+/// Products of the columns with each other and with y, over all samples of a run in one fold.
+#[derive(Debug, Clone)]
+pub(crate) struct Segment {
+    /// Index of the run.
+    pub(crate) run: usize,
+    /// The fold it is held out in; `None` is never held out.
+    pub(crate) fold: Option<usize>,
+    /// True if its held-out error counts, as for large-signal records.
+    pub(crate) judged: bool,
+    /// True if its output drifts.
+    pub(crate) drifts: bool,
+    /// All columns, then y.
+    pub(crate) gram: DMatrix<f64>,
+    /// Number of usable samples, kept or not.
+    pub(crate) samples: f64,
+}
+
+impl Segment {
+    /// The sum of squares for the parameters `x` and the run's own coefficients.
+    pub(crate) fn residual(&self, x: &DVector<f64>, own: &[f64]) -> f64 {
+        let n = self.gram.nrows() - 1;
+        let all = DVector::from_iterator(n, x.iter().chain(own).copied());
+        let (h, g) = (self.gram.view((0, 0), (n, n)), self.gram.view((0, n), (n, 1)));
+        (self.gram[(n, n)] + all.dot(&(h * &all - g * 2.0).column(0))).max(0.0)
+    }
+}
+
+/// The products of each fold of each run. `own` are the last own coefficients of the runs; empty at first. The
+/// columns of the shape are zero if it is not among the `free` parameters.
+pub(crate) fn products(
+    estimate: &Estimate,
+    runs: &[TrainingRecord],
+    own: &[Vec<f64>],
+    free: FreeParameters,
+) -> Vec<Segment> {
+    let large_signal: usize = runs.iter().filter(|r| r.large_signal).map(|r| r.record.len()).sum();
+    let thin = large_signal.div_ceil(MAX_ROWS).max(1);
+    let layout = ColumnLayout::of(estimate);
+    let of = |(k, run): (usize, &TrainingRecord)| {
+        let own = own.get(k).map_or(&[] as &[f64], Vec::as_slice);
+        let columns = RunColumns::new(estimate, run, &layout, own, free);
+        of_run(columns, k, if run.large_signal { thin } else { 1 })
+    };
+    runs.par_iter().enumerate().flat_map_iter(of).collect()
+}
+
+fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
+    let run = columns.run;
+    columns.pass_earlier_inputs();
+    let size = columns.layout.columns() + 1;
+    let weight = run.scale * run.heavier * (thin as f64).sqrt();
+    let selected = |t: usize| run.usable[t] && kept(t, thin);
+    // Per fold: its products, and rows that are not in them yet.
+    let mut parts: BTreeMap<Option<usize>, (Segment, Vec<f64>)> = BTreeMap::new();
+    let mut rows = vec![0.0; size * FILTERED_SAMPLES];
+    let mut start = 0;
+    for &(end, fold) in &run.segments {
+        let (segment, waiting) = parts.entry(fold).or_insert_with(|| {
+            let gram = DMatrix::zeros(size, size);
+            let segment =
+                Segment { run: index, fold, judged: run.large_signal, drifts: run.drifts, gram, samples: 0.0 };
+            (segment, Vec::with_capacity(size * BLOCK_ROWS))
+        });
+        for from in (start..end).step_by(FILTERED_SAMPLES) {
+            let added = columns.advance(from..end.min(from + FILTERED_SAMPLES), selected, &mut rows);
+            waiting.extend(rows[..added * size].iter().map(|v| v * weight));
+            if waiting.len() > size * (BLOCK_ROWS - FILTERED_SAMPLES) {
+                gram::add(&mut segment.gram, waiting);
+                waiting.clear();
+            }
+        }
+        segment.samples += run.usable[start..end].iter().filter(|usable| **usable).count() as f64;
+        start = end;
+    }
+    let whole = |(mut segment, waiting): (Segment, Vec<f64>)| {
+        gram::add(&mut segment.gram, &waiting);
+        segment.gram.fill_upper_triangle_with_lower_triangle();
+        segment
+    };
+    parts.into_values().map(whole).collect()
+}
+
+/// True if row `t` is kept: one of every `thin` rows, at non-periodic places.
+fn kept(t: usize, thin: usize) -> bool {
+    let golden = ((t / thin) as f64 * 0.618_033_988_749_895).fract();
+    t % thin == (golden * thin as f64) as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::testing::{TS, full_estimate};
+    use super::*;
+    use piezoid_models::hysteresis::OPERATORS;
+    use piezoid_records::record::Record;
+
+    #[test]
+    fn products_are_relative_to_the_level_and_exclude_unusable_samples() {
+        let estimate = full_estimate(OPERATORS[0], None);
+        let u: Vec<f64> = (0..600).map(|t| 20.0 * (0.1 * f64::from(t)).sin()).collect();
+        let sums = |offset: f64, spike: f64| {
+            let y = u.iter().enumerate().map(|(t, u)| u + offset + if t == 300 { spike } else { 0.0 }).collect();
+            let record = Record::new(TS, u.clone(), y).unwrap();
+            let usable = (0..600).map(|t| t != 300).collect();
+            let run = TrainingRecord::new(&record, "record", true, usable).unwrap();
+            products(&estimate, &[run], &[], FreeParameters::All)[0].gram.clone()
+        };
+        let plain = sums(0.0, 0.0);
+        assert_eq!(plain, sums(0.0, 1e9));
+        assert!((&plain - sums(1e6, 0.0)).amax() < 1e-9 * plain.amax());
+    }
+}

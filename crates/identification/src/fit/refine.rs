@@ -1,0 +1,235 @@
+//! Refinement of all parts: Gauss-Newton on the free-run error, with the damping of Levenberg and Marquardt if a step
+//! does not lower it.
+//!
+//! First only the weights, then also the gains of creep, then all parameters.
+
+use super::dynamics::{creep_pole, is_damped, slowest_observable};
+use super::estimate::Estimate;
+use super::fitted::Fitted;
+use super::held_out::{ROUNDING_ERROR, Smoothness};
+use super::iterate::{INITIAL_DAMPING, Iterate};
+use super::runs::TrainingRecord;
+use super::solve::FreeParameters;
+use piezoid_models::linear::Arx;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::series::mean;
+
+/// Maximum number of steps, and of tries per step.
+const MAX_STEPS: usize = 60;
+const MAX_TRIES: usize = 8;
+
+/// The step from which record weights are fixed.
+const RECORD_WEIGHT_STEPS: usize = 3;
+
+/// Maximum number of changes of the smoothness after the first.
+const MAX_SMOOTHNESS_CHANGES: usize = 3;
+
+/// Relative decrease of the cost below which the search ends.
+const MIN_COST_DECREASE: f64 = 3e-4;
+
+/// The same by the linearised equations, below which a step is not tried.
+const MIN_PREDICTED_DECREASE: f64 = 1e-4;
+
+/// Ratio of the costs with z alone up to which all columns decide: the scale of the penalty may have changed.
+const SCREENING_COST_RATIO: f64 = 1.01;
+
+/// Smallest damping, and its factor after a step that lowered the cost.
+const MIN_DAMPING: f64 = 1e-9;
+const DAMPING_DECREASE: f64 = 0.1;
+
+/// Maximum weight of small-signal samples over large-signal ones.
+const MAX_SMALL_SIGNAL_WEIGHT: f64 = 30.0;
+
+/// Called before each step; an error ends the work.
+pub(crate) type StepCallback<'a> = &'a mut dyn FnMut(usize) -> Result<(), Error>;
+
+/// Fits the `free` parameters from `start`; its weights need not be known.
+///
+/// # Errors
+/// The errors of `watch`, which is called before each step.
+pub(crate) fn refine(
+    start: Estimate,
+    runs: &mut [TrainingRecord],
+    free: FreeParameters,
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    runs.iter_mut().for_each(|run| run.heavier = 1.0);
+    refine_from(start, Smoothness::Any, runs, free, watch)
+}
+
+/// Fits the `free` parameters from `start`. Without a known smoothness the start is its linear block and shape; with
+/// one it is all its parameters, and for a fixed one the minimum never exceeds the value at the start.
+pub(crate) fn refine_from(
+    start: Estimate,
+    smoothness: Smoothness,
+    runs: &mut [TrainingRecord],
+    free: FreeParameters,
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let point = match smoothness {
+        Smoothness::Any => Iterate::at(start, runs, &[], free),
+        _ => Iterate::known(start, runs, free),
+    };
+    descend(point, smoothness, &|_| true, runs, watch)
+}
+
+/// Lowers the cost from `point` on, to its minimum or to the first linear block that is not `possible`.
+fn descend(
+    mut point: Iterate,
+    smoothness: Smoothness,
+    possible: &dyn Fn(&Arx) -> bool,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let free = point.free;
+    let (is_start, is_fixed) = (smoothness == Smoothness::Any, matches!(smoothness, Smoothness::Fixed(_)));
+    let (mut lambda, mut damping) = (smoothness.lambda(), INITIAL_DAMPING);
+    let mut changes = if is_fixed { 0 } else { MAX_SMOOTHNESS_CHANGES };
+    for step in 0..MAX_STEPS {
+        watch(step)?;
+        let now = match (step, free) {
+            _ if !is_start => free,
+            (0, _) => FreeParameters::Weights,
+            (1, FreeParameters::All) => FreeParameters::Creep,
+            (_, free) => free,
+        };
+        if step == 0 && !is_fixed {
+            lambda = point.held_out(now, smoothness).lambda;
+        }
+        let cost = if is_start && step == 0 { f64::INFINITY } else { point.cost(lambda) };
+        let next = lower(&point, runs, cost, lambda, &mut damping, now);
+        let fall = next.as_ref().map_or(0.0, |next| 1.0 - next.cost(lambda) / cost);
+        point = next.unwrap_or(point);
+        if !possible(&point.estimate.linear) {
+            break;
+        }
+        if is_start && step + 1 < RECORD_WEIGHT_STEPS && weigh(runs, &point.residuals(runs)) {
+            let own = point.own(point.prior.current());
+            point = Iterate::at(point.estimate, runs, &own, free);
+        }
+        let ends = fall < MIN_COST_DECREASE || point.cost(lambda) < ROUNDING_ERROR * point.normal.samples;
+        if ends && now != free {
+            // More parameters are free in the next step.
+            damping = INITIAL_DAMPING;
+        } else if ends {
+            let best = if changes > 0 { point.held_out(free, Smoothness::Near(lambda)).lambda } else { lambda };
+            if best == lambda {
+                break;
+            }
+            (lambda, damping, changes) = (best, INITIAL_DAMPING, changes - 1);
+        }
+    }
+    let own = point.own(point.prior.current());
+    let (held_out, residuals) = (point.held_out(free, Smoothness::Fixed(lambda)), point.residuals(runs));
+    let minimum = point.cost(lambda);
+    let initial_conditions = runs.iter().map(|run| run.initial).collect();
+    Ok(Fitted { estimate: point.estimate, initial_conditions, own, held_out, residuals, minimum })
+}
+
+/// Fits all parameters from each start that promises less than `ratio` times the minimum of `from`, or next to nothing,
+/// by the linearised equations, while its linear block is `possible`; returns their names too.
+pub(crate) fn refine_promising(
+    starts: Vec<(String, Estimate)>,
+    from: &Fitted,
+    ratio: f64,
+    possible: &dyn Fn(&Arx) -> bool,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Vec<(String, Fitted)>, Error> {
+    let smoothness = Smoothness::Fixed(from.held_out.lambda);
+    let mut found = Vec::new();
+    for (name, start) in starts {
+        let point = Iterate::known(start, runs, FreeParameters::All);
+        if point.promises(ratio, from) {
+            let fit = descend(point, smoothness, possible, runs, watch)?;
+            found.extend(Some((name, fit)).filter(|(_, fit)| possible(&fit.estimate.linear)));
+        }
+    }
+    Ok(found)
+}
+
+/// Fits weights and creep from the parameters of `from`, if that promises a lower minimum with the present initial
+/// conditions of the runs.
+pub(crate) fn refine_if_better(
+    from: &Fitted,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Option<Fitted>, Error> {
+    let point = Iterate::known(from.estimate.clone(), runs, FreeParameters::Creep);
+    let smoothness = Smoothness::Near(from.held_out.lambda);
+    point.promises(1.0, from).then(|| descend(point, smoothness, &|_| true, runs, watch)).transpose()
+}
+
+/// The next point with lower cost, if one is found.
+fn lower(
+    point: &Iterate,
+    runs: &[TrainingRecord],
+    cost: f64,
+    lambda: f64,
+    damping: &mut f64,
+    free: FreeParameters,
+) -> Option<Iterate> {
+    let slowest = slowest_observable(runs.iter().map(|run| run.record));
+    let (mut positive, mut harder) = (vec![true; point.prior.current().len()], 2.0);
+    for _ in 0..MAX_TRIES {
+        let x = point.prior.solve(&point.normal, lambda, *damping, free, &mut positive)?;
+        if cost.is_finite() && 1.0 - point.cost_at(&x, lambda) / cost < MIN_PREDICTED_DECREASE {
+            return None;
+        }
+        let moved = point.estimate.moved(x.as_slice());
+        let possible = |linear: &Arx| creep_pole(linear, slowest).is_none() && is_damped(linear);
+        if let Some(estimate) = moved.filter(|next| possible(&next.linear) || !possible(&point.estimate.linear)) {
+            let own = point.own(&x);
+            // Any step lowers an infinite cost.
+            let alone = cost.is_finite().then(|| point.cost_of(&estimate, runs, lambda)).flatten();
+            let next = alone
+                .is_none_or(|next| next < SCREENING_COST_RATIO * cost)
+                .then(|| Iterate::at(estimate, runs, &own, point.free));
+            if let Some(next) = next.filter(|next| next.cost(lambda) < cost) {
+                *damping = (*damping * DAMPING_DECREASE).max(MIN_DAMPING);
+                return Some(next);
+            }
+        }
+        // Nielsen's rule: the damping grows faster with each failure.
+        *damping *= harder;
+        harder *= 2.0;
+    }
+    None
+}
+
+/// Weights the two kinds of records by their residuals; returns true if that changes anything.
+fn weigh(runs: &mut [TrainingRecord], residuals: &[f64]) -> bool {
+    let of = |large_signal: bool| {
+        let kind = runs.iter().zip(residuals).filter(|(run, _)| run.large_signal == large_signal);
+        mean(&kind.map(|(_, residual)| *residual).collect::<Vec<_>>())
+    };
+    let heavier = (of(true) / of(false)).sqrt().clamp(1.0, MAX_SMALL_SIGNAL_WEIGHT);
+    if !heavier.is_finite() {
+        return false;
+    }
+    for run in runs.iter_mut().filter(|run| !run.large_signal) {
+        run.heavier = heavier;
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{runs::training_records, testing::estimate};
+    use super::*;
+    use piezoid_numerics::system::System;
+    use piezoid_records::record::Record;
+
+    #[test]
+    fn a_start_without_damping_is_fitted_too() {
+        let radius = 0.9999f64;
+        let block = Arx::new(5e-4, vec![2.0 * radius * 0.9, -radius * radius], vec![0.1]).unwrap();
+        assert!(!is_damped(&block));
+        let u: Vec<f64> = (0..900).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let records = [Record::new(5e-4, u.clone(), block.simulate(&u)).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("prandtl-ishlinskii", 6).with_linear(block);
+        let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
+        assert!(fit.cost() < 1e-4, "{:e}", fit.cost());
+    }
+}

@@ -1,0 +1,123 @@
+//! Records of the joint method: with an initial condition, a scale, and parts that are held out in turn.
+//!
+//! Why: docs/decisions/identification.md, "Every record has its own linear trend".
+
+use super::folds::fold;
+use crate::called;
+use piezoid_models::hammerstein::InitialCondition;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::series::{ends, scatter};
+use piezoid_records::quality::{DRIFT, bridged, compare, inspect};
+use piezoid_records::record::Record;
+
+/// A record with what the fit needs.
+#[derive(Debug, Clone)]
+pub(crate) struct TrainingRecord<'a> {
+    pub(crate) record: &'a Record,
+    /// Its name in messages.
+    pub(crate) name: String,
+    /// True if it exercises the hysteresis; false for a small-signal record.
+    pub(crate) large_signal: bool,
+    /// The state before it.
+    pub(crate) initial: InitialCondition,
+    /// The initial conditions selected so far.
+    pub(crate) tried: Vec<InitialCondition>,
+    /// The inputs before it, from rest; never empty.
+    pub(crate) before: Vec<f64>,
+    /// 1 / peak-to-peak of y, the factor of its errors.
+    pub(crate) scale: f64,
+    /// The middle of y, its origin.
+    pub(crate) level: f64,
+    /// True if its output drifts; then its trend may be large.
+    pub(crate) drifts: bool,
+    /// Weight of its kind.
+    pub(crate) heavier: f64,
+    /// True for samples that are fitted.
+    pub(crate) usable: Vec<bool>,
+    /// End of each segment, and its fold; `None` is never held out.
+    pub(crate) segments: Vec<(usize, Option<usize>)>,
+}
+
+impl<'a> TrainingRecord<'a> {
+    /// `None` if the usable part of the output is constant.
+    pub(crate) fn new(record: &'a Record, name: &str, large_signal: bool, usable: Vec<bool>) -> Option<Self> {
+        let (low, high) = ends(sound(record.y(), &usable));
+        let initial = InitialCondition::of(record.u())[0];
+        (low < high).then(|| TrainingRecord {
+            record,
+            name: name.into(),
+            large_signal,
+            initial,
+            tried: vec![initial],
+            before: initial.inputs_before(record.u(), ends(record.u().iter().copied())),
+            scale: 1.0 / (high - low),
+            level: 0.5 * (low + high),
+            drifts: false,
+            heavier: 1.0,
+            usable,
+            segments: vec![(record.len(), None)],
+        })
+    }
+
+    /// Number of inputs before the record that pass creep and linear block too: those of a record in motion.
+    pub(crate) fn moving(&self) -> usize {
+        if self.initial == InitialCondition::Motion { self.record.len().min(self.before.len() - 1) } else { 0 }
+    }
+
+    /// Sets the initial condition.
+    pub(crate) fn start_from(&mut self, initial: InitialCondition, range: (f64, f64)) {
+        self.initial = initial;
+        self.before = initial.inputs_before(self.record.u(), range);
+    }
+
+    /// Mean square of the output about its mean, over the squared peak-to-peak.
+    pub(crate) fn power(&self) -> f64 {
+        let y: Vec<f64> = sound(self.record.y(), &self.usable).collect();
+        self.scale.powi(2) * scatter(&y) / y.len() as f64
+    }
+
+    /// The output with unusable samples interpolated.
+    pub(crate) fn bridged(&self) -> Vec<f64> {
+        bridged(self.record.y(), &self.usable)
+    }
+}
+
+/// The usable samples of a series.
+fn sound<'s>(x: &'s [f64], usable: &'s [bool]) -> impl Iterator<Item = f64> + 's {
+    x.iter().zip(usable).filter(|(_, usable)| **usable).map(|(x, _)| *x)
+}
+
+/// All records, with their folds; adds their defects to `notes`.
+///
+/// # Errors
+/// Returns an error if nothing can be identified from a record.
+pub(crate) fn training_records<'a>(
+    small: &'a [Record],
+    large_signal: &'a [Record],
+    notes: &mut Vec<String>,
+) -> Result<Vec<TrainingRecord<'a>>, Error> {
+    let mut runs = Vec::new();
+    for (kind, records, is_large) in
+        [("small-signal record", small, false), ("large-signal record", large_signal, true)]
+    {
+        for (k, record) in records.iter().enumerate() {
+            let (inspection, name) = (inspect(record), called(kind, k, records.len()));
+            let refused = |because: String| Error::Unidentifiable {
+                what: "a model".into(),
+                because: format!("{name}: {because}"),
+            };
+            match inspection.sound() {
+                Err(Error::Unidentifiable { because, .. }) => return Err(refused(because)),
+                sound => sound?,
+            }
+            notes.extend(inspection.findings.iter().map(|finding| format!("{name}: {}", finding.text)));
+            let drifts = inspection.has(&DRIFT);
+            let run = TrainingRecord::new(record, &name, is_large, inspection.usable);
+            let still = || refused("the valid samples of the output are constant: measure again".into());
+            runs.push(TrainingRecord { drifts, ..run.ok_or_else(still)? });
+        }
+    }
+    compare(&runs.iter().map(|run| (&*run.name, run.record)).collect::<Vec<_>>(), notes)?;
+    fold(&mut runs);
+    Ok(runs)
+}

@@ -1,0 +1,291 @@
+//! One step: regularised, sign-constrained least squares in all parameters.
+//!
+//! ```text
+//! min |error|^2 + S lambda |D w|^2 + mu |steps|^2,   w_k >= 0 if physics requires it,  g_i >= 0
+//! ```
+//! D takes second differences of neighbouring weights. S is the mean size of the weights' columns, so lambda has no
+//! unit. The gain of a creep lag is drawn to that of the next faster lag, the fastest to a usual value. The static gain
+//! of G is fixed, because G and w can share any factor.
+//!
+//! Why: docs/decisions/identification.md, "Creep lags are half a decade apart".
+
+use super::equations::ReducedEquations;
+use super::estimate::{Estimate, of_differences};
+use super::layout::ColumnLayout;
+use nalgebra::{DMatrix, DVector};
+use piezoid_numerics::optimize::non_negative;
+
+/// Weight that keeps undetermined weights at their values.
+const WEIGHT_RIDGE: f64 = 1e-12;
+
+/// Weight that draws the gain of a lag to that of the next faster one, over the mean size of their columns, up to the
+/// usual gain: by the logarithmic law they are equal, and records are too short for the slowest.
+const EQUAL_GAIN_WEIGHT: f64 = 0.03;
+const USUAL_CREEP_GAIN: f64 = 0.015;
+
+/// Largest gain of a creep lag in ceramics.
+pub(crate) const MAX_CREEP_GAIN: f64 = 0.1;
+
+/// The free parameters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum FreeParameters {
+    /// The weights.
+    Weights,
+    /// The weights and the gains of creep.
+    Creep,
+    /// All.
+    All,
+}
+
+/// What a gain of creep is drawn to.
+enum Target {
+    None,
+    /// The gain of the next faster lag.
+    Faster,
+    Usual,
+}
+
+/// Knowledge about the parameters in addition to the data.
+#[derive(Debug)]
+pub(crate) struct Prior {
+    layout: ColumnLayout,
+    /// The current parameters.
+    current: DVector<f64>,
+    /// D'D.
+    smooth: DMatrix<f64>,
+    /// True for parameters that must not be negative.
+    signed: Vec<bool>,
+    /// The derivative of ln(static gain of G).
+    gain: DVector<f64>,
+}
+
+impl Prior {
+    pub(crate) fn of(estimate: &Estimate) -> Self {
+        let layout = ColumnLayout::of(estimate);
+        let (a, b) = (estimate.linear.a(), estimate.linear.b());
+        let gains = estimate.lags.iter().map(|lag| lag.gain);
+        let shape = estimate.basis.shape().into_iter().map(|shape| shape.value);
+        let lag = estimate.driver.filter(|_| estimate.seeks_lag).map(|driver| driver.lag_s);
+        let now = estimate.weights.iter().copied().chain(gains).chain(shape).chain(lag).chain(of_differences(a));
+        let now = now.chain(of_differences(&b[estimate.linear.delay()..]));
+
+        let mut smooth = DMatrix::zeros(layout.weights.len(), layout.weights.len());
+        for row in estimate.basis.roughness() {
+            for &(i, p) in &row {
+                row.iter().for_each(|&(j, q)| smooth[(i, j)] += p * q);
+            }
+        }
+        let mut signed = estimate.basis.non_negative();
+        signed.resize(layout.gains.end, true);
+        signed.resize(layout.parameters(), false);
+
+        let (fed_back, fed_forward) = (1.0 - a.iter().sum::<f64>(), b.iter().sum::<f64>());
+        let mut gain = DVector::zeros(layout.parameters());
+        // Differences of a constant are zero: only the coefficients of order 0 enter.
+        gain.rows_range_mut(layout.a.clone()).iter_mut().take(1).for_each(|g| *g = 1.0 / fed_back);
+        gain.rows_range_mut(layout.b.clone()).iter_mut().take(1).for_each(|g| *g = 1.0 / fed_forward);
+        Prior { current: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain }
+    }
+
+    /// The current parameters.
+    pub(crate) fn current(&self) -> &DVector<f64> {
+        &self.current
+    }
+
+    /// The current values that must not be negative.
+    pub(crate) fn signed(&self) -> impl Iterator<Item = f64> {
+        self.current.iter().zip(&self.signed).filter(|(_, signed)| **signed).map(|(value, _)| *value)
+    }
+
+    /// `x` as unknowns of the equations: the weights, and the steps of the others.
+    pub(crate) fn steps(&self, x: &DVector<f64>) -> DVector<f64> {
+        let mut steps = x - &self.current;
+        steps.rows_range_mut(self.layout.weights.clone()).copy_from(&x.rows_range(self.layout.weights.clone()));
+        steps
+    }
+
+    /// The penalties of roughness and of unlike gains of creep at `x`.
+    pub(crate) fn penalty(&self, normal: &ReducedEquations, lambda: f64, x: &DVector<f64>) -> f64 {
+        let w = x.rows_range(self.layout.weights.clone());
+        let unlike = |k: usize| match self.target(k, x) {
+            Target::Faster => (x[k] - x[k - 1]).powi(2),
+            Target::Usual => (x[k] - USUAL_CREEP_GAIN).powi(2),
+            Target::None => 0.0,
+        };
+        let unlike: f64 = self.layout.gains.clone().map(unlike).sum();
+        self.size(normal) * lambda * w.dot(&(&self.smooth * w)) + self.alike(normal) * unlike
+    }
+
+    /// What the gain `k` is drawn to at `x`.
+    fn target(&self, k: usize, x: &DVector<f64>) -> Target {
+        match k > self.layout.gains.start {
+            true if x[k - 1] < USUAL_CREEP_GAIN => Target::Faster,
+            false if x[k] < USUAL_CREEP_GAIN => Target::None,
+            _ => Target::Usual,
+        }
+    }
+
+    /// The weight of the penalty of unlike gains.
+    fn alike(&self, normal: &ReducedEquations) -> f64 {
+        let gains = self.layout.gains.clone();
+        EQUAL_GAIN_WEIGHT * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64
+    }
+
+    /// The solution of `normal`, with only the `free` parameters moving. `damping` limits the steps of all but the
+    /// weights. `positive` guesses which parameters are positive, and is updated. `None` if the equations have no
+    /// solution.
+    pub(crate) fn solve(
+        &self,
+        normal: &ReducedEquations,
+        lambda: f64,
+        damping: f64,
+        free: FreeParameters,
+        positive: &mut [bool],
+    ) -> Option<DVector<f64>> {
+        let (layout, size) = (&self.layout, self.size(normal));
+        let weights = layout.weights.len();
+        let (mut h, mut g) = (normal.h.clone(), normal.g.clone());
+        let mut w = h.view_mut((0, 0), (weights, weights));
+        w += &self.smooth * (size * lambda);
+        for k in 0..layout.parameters() {
+            let stiff = if k < weights { size * WEIGHT_RIDGE + 1e-14 * h[(k, k)] } else { damping * h[(k, k)] };
+            h[(k, k)] += stiff + f64::MIN_POSITIVE;
+            // Unknowns are the weights themselves and the steps of the others.
+            g[k] += if k < weights { stiff * self.current[k] } else { 0.0 };
+        }
+        // Gains enter by their steps, but must not be negative: solve for the gains themselves.
+        for k in layout.gains.clone() {
+            g.axpy(self.current[k], &normal.h.column(k), 1.0);
+            g[k] += (h[(k, k)] - normal.h[(k, k)]) * self.current[k];
+        }
+        let alike = self.alike(normal);
+        for k in layout.gains.clone() {
+            match self.target(k, &self.current) {
+                Target::None => continue,
+                Target::Usual => g[k] += alike * USUAL_CREEP_GAIN,
+                Target::Faster => {
+                    h[(k - 1, k - 1)] += alike;
+                    h[(k - 1, k)] -= alike;
+                    h[(k, k - 1)] -= alike;
+                }
+            }
+            h[(k, k)] += alike;
+        }
+        let held = self.hold_static_gain(&mut h, &mut g);
+
+        let end = match free {
+            FreeParameters::Weights => weights,
+            FreeParameters::Creep => layout.gains.end,
+            FreeParameters::All => layout.parameters(),
+        };
+        if free == FreeParameters::Weights {
+            layout.gains.clone().for_each(|k| g.axpy(-self.current[k], &h.column(k), 1.0));
+        }
+        let moving: Vec<usize> = (0..end).filter(|k| held.as_ref().is_none_or(|held| held.0 != *k)).collect();
+        // Columns of equal size, for the factorisation.
+        let unit: Vec<f64> = moving.iter().map(|&k| h[(k, k)].sqrt().recip()).collect();
+        let n = moving.len();
+        let scaled = DMatrix::from_fn(n, n, |i, j| h[(moving[i], moving[j])] * unit[i] * unit[j]);
+        let target = DVector::from_fn(n, |i, _| g[moving[i]] * unit[i]);
+        let signed: Vec<bool> = moving.iter().map(|&k| self.signed[k]).collect();
+        let mut solved = non_negative(&scaled, &target, &signed, &mut positive[..n])?;
+        // Lags with more than creep of ceramics have the largest gain of creep: they are something else.
+        let top = |j: usize| MAX_CREEP_GAIN / unit[j];
+        let mut held_at: Vec<usize> = Vec::new();
+        let over = |solved: &DVector<f64>, held_at: &[usize]| {
+            (0..n).find(|j| self.layout.gains.contains(&moving[*j]) && !held_at.contains(j) && solved[*j] > top(*j))
+        };
+        while let Some(j) = over(&solved, &held_at) {
+            held_at.push(j);
+            let rest: Vec<usize> = (0..n).filter(|j| !held_at.contains(j)).collect();
+            let h = scaled.select_rows(&rest).select_columns(&rest);
+            let known = |i: usize| held_at.iter().map(|&j| scaled[(i, j)] * top(j)).sum::<f64>();
+            let g = DVector::from_fn(rest.len(), |k, _| target[rest[k]] - known(rest[k]));
+            let signed: Vec<bool> = rest.iter().map(|&i| signed[i]).collect();
+            let mut free: Vec<bool> = rest.iter().map(|&i| positive[i]).collect();
+            let found = non_negative(&h, &g, &signed, &mut free)?;
+            rest.iter().zip(&found).for_each(|(&i, x)| solved[i] = *x);
+            rest.iter().zip(&free).for_each(|(&i, free)| positive[i] = *free);
+            held_at.iter().for_each(|&j| solved[j] = top(j));
+        }
+
+        let mut x = self.current.clone();
+        for ((&k, solved), unit) in moving.iter().zip(&solved).zip(unit) {
+            x[k] = solved * unit + if k < layout.gains.end { 0.0 } else { self.current[k] };
+        }
+        if let Some((held, ratios)) = held {
+            let steps: f64 = (layout.shape.end..end).map(|k| ratios[k] * (x[k] - self.current[k])).sum();
+            x[held] = self.current[held] - steps;
+        }
+        Some(x)
+    }
+
+    /// Eliminates one b from the equations, because the static gain of G is fixed: its index, and its decrease per
+    /// increase of each other parameter. `None` if G has no parameters.
+    fn hold_static_gain(&self, h: &mut DMatrix<f64>, g: &mut DVector<f64>) -> Option<(usize, DVector<f64>)> {
+        let held = self.layout.b.clone().max_by(|&j, &k| self.gain[j].abs().total_cmp(&self.gain[k].abs()))?;
+        let mut ratios = &self.gain / self.gain[held];
+        ratios[held] = 0.0;
+        let (column, pivot) = (h.column(held).into_owned(), h[(held, held)]);
+        h.ger(-1.0, &ratios, &column, 1.0);
+        h.ger(-1.0, &column, &ratios, 1.0);
+        h.ger(pivot, &ratios, &ratios, 1.0);
+        g.axpy(-g[held], &ratios, 1.0);
+        Some((held, ratios))
+    }
+
+    /// The mean size of the weights' columns.
+    fn size(&self, normal: &ReducedEquations) -> f64 {
+        self.layout.weights.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / self.layout.weights.len() as f64
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::equations::equations;
+    use super::super::testing::{estimate, segment};
+    use super::*;
+
+    #[test]
+    fn the_weights_satisfy_the_optimality_conditions() {
+        let estimate = estimate("prandtl-ishlinskii", 12);
+        let layout = ColumnLayout::of(&estimate);
+        let mut held = 0;
+        for (seed, lambda) in [(1, 0.0), (2, 1e-6), (3, 1e-3), (4, 0.1)] {
+            let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, seed)], |_| true);
+            let prior = Prior::of(&estimate);
+            let mut positive = vec![true; layout.parameters()];
+            let x = prior.solve(&normal, lambda, 1e-6, FreeParameters::Weights, &mut positive).unwrap();
+            // Only the weights move.
+            assert_eq!(x.rows_range(layout.weights.end..), prior.current().rows_range(layout.weights.end..));
+            let w = x.rows_range(layout.weights.clone()).into_owned();
+            let n = w.len();
+            let smooth = &prior.smooth * (lambda * prior.size(&normal));
+            let gradient = (normal.h.view((0, 0), (n, n)) + smooth) * &w - normal.g.rows(0, n);
+            for (k, (w, slope)) in w.iter().zip(&gradient).enumerate() {
+                let slope = slope / normal.g.amax();
+                held += usize::from(*w == 0.0);
+                match (prior.signed[k], *w) {
+                    (true, 0.0) => assert!(slope > -1e-7, "weight {k} at zero falls: {slope}"),
+                    (signed, w) => {
+                        assert!(slope.abs() < 1e-7 && (w > 0.0 || !signed), "weight {k} = {w}: slope {slope}");
+                    }
+                }
+            }
+        }
+        assert!(held > 0, "no weight was held at zero");
+    }
+
+    #[test]
+    fn the_static_gain_of_the_linear_block_is_fixed() {
+        let estimate = estimate("prandtl-ishlinskii", 4);
+        let layout = ColumnLayout::of(&estimate);
+        let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, 5)], |_| true);
+        let prior = Prior::of(&estimate);
+        let mut positive = vec![true; layout.parameters()];
+        let x = prior.solve(&normal, 0.0, 1e-3, FreeParameters::All, &mut positive).unwrap();
+        let steps = &x - prior.current();
+        let moved = steps.rows_range(layout.a.start..layout.b.end).amax();
+        assert!(moved > 1e-9 && prior.gain.dot(&steps).abs() < 1e-9 * moved.max(1.0), "{steps}");
+    }
+}

@@ -1,0 +1,82 @@
+//! The result of an identification, by whichever method.
+
+use crate::fit::FittedParameter;
+use crate::search::OperatorTrial;
+use piezoid_models::hammerstein::{HiddenLoop, Model};
+use piezoid_models::linear::{Arx, Fit};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::short;
+pub(crate) use piezoid_records::quality::{around, excites};
+use piezoid_records::record::{Record, Units};
+
+/// The linear block with its offset and its origin.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LinearPart {
+    /// The block.
+    pub arx: Arx,
+    /// Offset of the output [output unit].
+    pub offset: f64,
+    /// The fit to small-signal or large-signal records; `None` if only a gain was found.
+    pub fit: Option<Fit>,
+    /// How it was found, and why.
+    pub reason: String,
+}
+
+/// A model and the results of its identification.
+#[derive(Debug, Clone)]
+pub struct Identified {
+    /// The model.
+    pub model: Model,
+    /// The linear block with its fit.
+    pub linear: LinearPart,
+    /// The loops of the hysteresis block, by rising frequency.
+    pub loops: Vec<HiddenLoop>,
+    /// The operators tried; only the joint method tries several.
+    pub trials: Vec<OperatorTrial>,
+    /// Physical parameters with standard errors; only the joint method has them.
+    pub parameters: Vec<FittedParameter>,
+    /// Decrease of the sum of squared errors that another step of the search promises, if the fit is not at its minimum
+    /// [%]; only the joint method knows it.
+    pub left_percent: Option<f64>,
+    /// Why this linear block and this operator, and how the search ended.
+    pub reasons: Vec<String>,
+    /// Remarks for the user.
+    pub notes: Vec<String>,
+}
+
+impl Identified {
+    /// All that is told about an identification: the reasons, then the remarks.
+    pub fn told(&self) -> Vec<String> {
+        [&self.reasons[..], &self.notes].concat()
+    }
+}
+
+/// The name of record `k` of `of` records of a kind.
+pub fn called(which: &str, k: usize, of: usize) -> String {
+    if of > 1 { format!("{which} {}", k + 1) } else { which.to_string() }
+}
+
+/// A note if no record excites the resonance of the linear block.
+pub fn unexcited_resonance<'a>(arx: &Arx, mut records: impl Iterator<Item = &'a Record>) -> Option<String> {
+    let resonance = arx.resonance()?;
+    let excited = |record: &Record| excites(record.u(), record.ts(), around(resonance.hz));
+    (!records.any(excited)).then(|| {
+        format!(
+            "linear block: no record has power near its resonance at {} Hz, so it is uncertain: add a PRBS",
+            short(resonance.hz)
+        )
+    })
+}
+
+/// The units of the first record; the others must agree in sampling and input unit.
+pub fn common_units<'a>(mut records: impl Iterator<Item = &'a Record>) -> Result<Units, Error> {
+    let Some(first) = records.next() else { return Ok(Units::default()) };
+    for record in records {
+        Record::same_sampling("the first record", first.ts(), "another record", record.ts())?;
+        if record.units().u != first.units().u {
+            let (found, wanted) = (record.units().u.clone(), first.units().u.clone());
+            return Err(Error::Units { what: "the input of a record".into(), found, wanted });
+        }
+    }
+    Ok(first.units().clone())
+}

@@ -1,0 +1,106 @@
+//! The joint method: identification of all parts together, without inverting any.
+//!
+//! ```text
+//! y = G(q) C(q) sum_k w_k phi_k[u; p] + c
+//! ```
+//! For given G, creep C and shape p, the weights w are the solution of a convex least-squares problem on the filtered
+//! responses, with smoothness and physical signs. Then all parameters are refined by Gauss-Newton on the free-run
+//! error, with exact derivatives. Each record has an offset, a trend, initial states of G and creep, and an initial
+//! condition of the hysteresis; errors are relative to the peak-to-peak of their record, so all records count. Held-out
+//! parts determine the smoothness, the structure of G if there are no small-signal records, and the operator: the
+//! simplest that predicts as well as the best.
+//!
+//! Two rooms: `fit` is the mathematics, for a given structure, operator and initial conditions; `search` is the policy
+//! that selects these, a table of moves with their thresholds in one struct.
+//!
+//! Separable least squares: Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201. Hammerstein models by
+//! over-parametrised and iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017,
+//! DOI 10.1016/j.automatica.2017.06.044 (a survey). Not here: hysteresis inside the feedback of the dynamics.
+//!
+//! Why: docs/decisions/identification.md, "The joint method never inverts a block".
+//! Why: docs/decisions/identification.md, "Creep lags are half a decade apart".
+
+// Tests compare with the C library.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
+mod check;
+mod fit;
+mod identified;
+pub mod large_signal;
+mod records;
+mod result;
+mod search;
+#[cfg(test)]
+mod tests;
+
+pub use check::MIN_SAMPLES_PER_PARAMETER;
+pub use fit::FittedParameter;
+pub use identified::{Identified, LinearPart, called, common_units, unexcited_resonance};
+pub use search::OperatorTrial;
+
+use piezoid_models::driver::DriverModel;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::progress::Progress;
+use piezoid_records::record::Record;
+use records::Records;
+use search::Search;
+
+/// Maximum number of thresholds, levels or knots.
+const MAX_ELEMENTS: usize = 1000;
+
+/// Options of the joint method.
+#[derive(Debug, Clone, PartialEq)]
+pub struct JointOptions {
+    /// Name of the hysteresis operator. Of several (separated by commas), or of all (`auto`), the simplest is selected
+    /// that predicts held-out data as well as the best.
+    pub operator: String,
+    /// Order of the linear block; `None` selects it.
+    pub order: Option<usize>,
+    /// Thresholds, levels or knots of the operator; `None` is the operator's default.
+    pub elements: Option<usize>,
+    /// True to identify creep.
+    pub creep: bool,
+    /// The driver; `None` if it is unknown.
+    pub driver: Option<DriverModel>,
+    /// Seed of the swarm that searches the shape of operators.
+    pub seed: u64,
+}
+
+impl Default for JointOptions {
+    fn default() -> Self {
+        JointOptions { operator: "auto".into(), order: None, elements: None, creep: true, driver: None, seed: 0 }
+    }
+}
+
+impl JointOptions {
+    fn check(&self) -> Result<(), Error> {
+        match self.elements {
+            Some(n) if n > MAX_ELEMENTS => {
+                Err(Error::parameter("elements", n, format!("must be at most {MAX_ELEMENTS}")))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// Identifies all parts together. `small` are small-signal records (a PRBS) and may be empty; `large_signal` exercise
+/// the hysteresis.
+///
+/// # Errors
+/// Returns an error if sampling periods differ, units cannot be converted, there is no usable record, or an operator is
+/// unknown; [`Error::Cancelled`].
+pub fn identify_joint(
+    small: &[Record],
+    large_signal: &[Record],
+    settings: &JointOptions,
+    progress: &mut Progress,
+) -> Result<Identified, Error> {
+    settings.check()?;
+    let records = Records::of(small, large_signal)?;
+    let mut notes = Vec::new();
+    let operators = search::suitable_operators(&settings.operator, &records, &mut notes)?;
+    let runs = fit::training_records(records.beside(), &records.large_signal, &mut notes)?;
+    let mut search = Search::new(settings, &records, runs, operators, notes, progress)?;
+    let candidate = search.run()?;
+    result::identified(candidate, search, &records, settings)
+}

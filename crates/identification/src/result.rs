@@ -1,0 +1,68 @@
+//! The result of the search: the model, the reasons for it, and what the user should know.
+
+use super::fit::{MAX_CREEP_GAIN, offset, optimality, parameters};
+use super::records::Records;
+use super::search::{Candidate, Search, reason_for_operator};
+use super::{FittedParameter, JointOptions, check};
+use crate::LinearPart;
+use crate::{Identified, unexcited_resonance};
+use piezoid_models::hammerstein::{Domain, Model};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::short;
+
+/// The result.
+///
+/// # Errors
+/// [`Error::Unidentifiable`] if the model does not predict the held-out data.
+pub(super) fn identified(
+    candidate: Candidate,
+    search: Search,
+    records: &Records,
+    settings: &JointOptions,
+) -> Result<Identified, Error> {
+    let Candidate { structure, fitted, .. } = candidate;
+    let (trials, runs) = (search.operator_trials(), &search.runs);
+    let (mut notes, mut reasons) = (search.notes.clone(), Vec::new());
+    // Of a specified order it says if it is too low.
+    let of_block = if settings.order.is_some() { &mut notes } else { &mut reasons };
+    of_block.push(format!("linear block: {}", structure.reason));
+    let end = optimality(&fitted, runs);
+    if end.left_percent.is_none() { &mut reasons } else { &mut notes }.push(end.note);
+    notes.extend(check::check_fit(&fitted, runs)?);
+    reasons.extend(reason_for_operator(&trials).map(|why| format!("operator: {why}")));
+    let offset = offset(&fitted, runs, &mut notes, &records.units.y);
+    let model = fitted.estimate.model(offset)?.with_units(records.units.clone());
+    let model = match Domain::of(records.iter()) {
+        Some(domain) => model.with_identified(domain),
+        None => model,
+    };
+    let parameters = parameters(&fitted);
+    notes.extend(note_on_unknown(&parameters));
+    notes.extend(notes_on_creep(&model));
+    notes.extend(check::long_delay(model.linear()));
+    let is_in_free_decays = model.linear().resonance().is_some_and(|mode| search.is_in_free_decays(mode.hz));
+    notes.extend(unexcited_resonance(model.linear(), records.iter()).filter(|_| !is_in_free_decays));
+    let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason: structure.reason };
+    let left_percent = end.left_percent;
+    Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, left_percent, reasons, notes })
+}
+
+/// The note on parameters that the records do not determine.
+fn note_on_unknown(parameters: &[FittedParameter]) -> Option<String> {
+    let unknown = parameters.iter().filter(|p| p.is_unknown());
+    let unknown = unknown.map(|p| format!("{} = {} (standard error {})", p.name, short(p.value), short(p.error)));
+    let unknown = unknown.collect::<Vec<_>>().join(", ");
+    let is_any = !unknown.is_empty();
+    is_any.then(|| format!("these records do not determine {unknown}: ignore these values, or add records"))
+}
+
+/// The notes on lags of creep with the largest gain that creep has.
+fn notes_on_creep(model: &Model) -> impl Iterator<Item = String> {
+    model.creep().lags().iter().filter(|lag| lag.gain >= MAX_CREEP_GAIN).map(|lag| {
+        let (tau, percent) = (short(lag.tau_s), short(100.0 * lag.gain));
+        format!(
+            "creep of {tau} s adds {percent} %, more than creep of ceramics: it may represent a lag of driver, \
+             mechanics or sensor that is missing in the linear block"
+        )
+    })
+}

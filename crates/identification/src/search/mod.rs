@@ -1,0 +1,195 @@
+//! The search: which structure, operator and initial conditions the model has.
+//!
+//! The first candidate has a linear block and a coarse hysteresis ([`start`]). Then each of the [`moves`] may replace
+//! the candidate by a better one. The thresholds of all decisions are in [`policy`]; the fits are the work of `fit`.
+
+mod candidate;
+mod extensions;
+mod initial_conditions;
+mod mode_evidence;
+mod moves;
+mod operators;
+mod policy;
+mod shape_swarm;
+mod start;
+mod structure;
+mod structure_search;
+mod trials;
+
+pub(super) use candidate::Candidate;
+pub use trials::OperatorTrial;
+pub(super) use trials::{reason_for_operator, suitable_operators};
+
+use super::records::Records;
+use super::{JointOptions, fit};
+use fit::{Estimate, TrainingRecord};
+use moves::MOVES;
+use piezoid_models::creep::Lag;
+use piezoid_models::driver::DriverModel;
+use piezoid_models::hysteresis::{BasisDesign, Operator};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::progress::{Progress, Stage};
+use piezoid_numerics::series::ends;
+use piezoid_records::record::Record;
+use piezoid_records::waveform::dominant_frequency;
+use policy::POLICY;
+use structure_search::StructureSearch;
+use trials::Trial;
+
+/// A search: its records, what may be selected, and what was found so far.
+pub(super) struct Search<'a> {
+    settings: &'a JointOptions,
+    records: &'a Records,
+    /// The records of the fit. Each move changes their initial conditions.
+    pub(super) runs: Vec<TrainingRecord<'a>>,
+    /// The records of `runs` with unusable samples interpolated.
+    bridged: Vec<Record>,
+    operators: Vec<&'static Operator>,
+    lags: Vec<Lag>,
+    /// How a basis is made.
+    design: BasisDesign,
+    structures: StructureSearch,
+    /// The operators that were compared.
+    trials: Vec<Trial>,
+    /// For each move that was made, its name, and the held-out error before and after it.
+    history: Vec<(&'static str, f64, f64)>,
+    /// What the user should know.
+    pub(super) notes: Vec<String>,
+    reporter: Reporter<'a>,
+}
+
+impl<'a> Search<'a> {
+    /// The search for the best of these operators.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; the error of a record without usable samples.
+    pub(crate) fn new(
+        settings: &'a JointOptions,
+        records: &'a Records,
+        runs: Vec<TrainingRecord<'a>>,
+        operators: Vec<&'static Operator>,
+        notes: Vec<String>,
+        progress: &'a mut Progress<'a>,
+    ) -> Result<Self, Error> {
+        let (ts, total) = (records.ts(), 2 * operators.len() + 1);
+        let mut reporter = Reporter { progress, total };
+        let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
+        let lags = if settings.creep { creep_lags(ts, longest) } else { Vec::new() };
+        let large_signal = records.large_signal.iter();
+        let design = BasisDesign {
+            ts: basis_ts(ts, settings.driver.is_some()),
+            range: ends(runs.iter().flat_map(|run| run.record.u()).copied()),
+            elements: settings.elements,
+            frequencies: large_signal.filter_map(|record| dominant_frequency(record.u(), ts)).collect(),
+        };
+        reporter.report(Stage::new(LINEAR_BLOCK, 0, total))?;
+        let bridged = runs.iter().map(|run| records.bridged(run)).collect::<Result<Vec<_>, _>>()?;
+        let structures = StructureSearch::new(&bridged, settings.driver.is_some(), settings.order, &lags, design.range);
+        let (trials, history) = (Vec::new(), Vec::new());
+        Ok(Search {
+            settings,
+            records,
+            runs,
+            bridged,
+            operators,
+            lags,
+            design,
+            structures,
+            trials,
+            history,
+            notes,
+            reporter,
+        })
+    }
+
+    /// The best candidate that the moves find.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; an error if no operator can be fitted.
+    pub(crate) fn run(&mut self) -> Result<Candidate, Error> {
+        let mut candidate = start::first_candidate(self)?;
+        self.apply_initial_conditions(&candidate);
+        for step in MOVES {
+            if !(step.applies)(self) {
+                continue;
+            }
+            let before = candidate.error();
+            if let Some(next) = (step.run)(&candidate, self)? {
+                candidate = next;
+            }
+            self.apply_initial_conditions(&candidate);
+            self.history.push((step.name, before, candidate.error()));
+        }
+        Ok(candidate)
+    }
+
+    /// The operators that were compared, with their errors.
+    pub(super) fn operator_trials(&self) -> Vec<OperatorTrial> {
+        self.trials.iter().map(|trial| trial.result.clone()).collect()
+    }
+
+    /// True if free decays in the records show a mode of this frequency [Hz].
+    pub(super) fn is_in_free_decays(&self, hz: f64) -> bool {
+        self.structures.evidence.is_in_free_decays(hz)
+    }
+
+    /// Sets the initial conditions of the records to those of a candidate.
+    fn apply_initial_conditions(&mut self, candidate: &Candidate) {
+        candidate.fitted.apply_initial_conditions(&mut self.runs, self.design.range);
+    }
+
+    /// The held-out errors before and after the last move of this name; `None` if it was not made.
+    fn errors_of(&self, name: &str) -> Option<(f64, f64)> {
+        self.history.iter().rfind(|(made, ..)| *made == name).map(|(_, before, after)| (*before, *after))
+    }
+
+    /// How the basis of an operator is made for the driver of an estimate.
+    fn design_for(&self, estimate: &Estimate) -> BasisDesign {
+        BasisDesign { ts: basis_ts(estimate.ts(), estimate.driver.is_some()), ..self.design.clone() }
+    }
+}
+
+/// The sampling period of the hysteresis [s]: behind a driver it is shorter.
+fn basis_ts(ts: f64, has_driver: bool) -> f64 {
+    if has_driver { ts / DriverModel::SUBSTEPS as f64 } else { ts }
+}
+
+/// Name of the first stage in progress.
+const LINEAR_BLOCK: &str = "linear block";
+
+/// Reports progress; the caller may cancel.
+struct Reporter<'a> {
+    progress: &'a mut Progress<'a>,
+    /// Number of stages.
+    total: usize,
+}
+
+impl Reporter<'_> {
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn report(&mut self, stage: Stage) -> Result<(), Error> {
+        let Stage { what, done, .. } = stage;
+        match (self.progress)(Stage { total: self.total, ..stage }).is_break() {
+            true => Err(Error::Cancelled { what: what.into(), done, total: self.total }),
+            false => Ok(()),
+        }
+    }
+
+    /// A callback for the steps of a fit in the stage `what`, after `done` others.
+    fn stage<'s>(&'s mut self, what: &'s str, done: usize) -> impl FnMut(usize) -> Result<(), Error> + 's {
+        let total = self.total;
+        move |_| self.report(Stage::new(what, done, total))
+    }
+
+    /// The same in the last stage.
+    fn last_stage<'s>(&'s mut self, what: &'s str) -> impl FnMut(usize) -> Result<(), Error> + 's {
+        self.stage(what, self.total - 1)
+    }
+}
+
+/// Lags half a decade apart.
+fn creep_lags(ts: f64, longest: f64) -> Vec<Lag> {
+    let (shortest, longest) = (POLICY.shortest_creep_lag * ts, POLICY.longest_creep_lag * longest);
+    let steps = std::iter::successors(Some(shortest), |tau| Some(10f64.sqrt() * tau)).take_while(|tau| *tau <= longest);
+    steps.map(|tau_s| Lag { tau_s, gain: 0.0 }).collect()
+}

@@ -1,0 +1,35 @@
+//! The moves of the search, in their order.
+//!
+//! A move takes a candidate and returns a better one, or `None`. Each begins with the records in the initial conditions
+//! of the candidate, and may leave others: the search sets those of the candidate that it keeps.
+
+use super::{Candidate, Search, initial_conditions, operators, structure_search};
+use piezoid_numerics::error::Error;
+
+/// A move.
+pub(super) struct Move {
+    pub(super) name: &'static str,
+    /// True if the move can find something.
+    pub(super) applies: fn(&Search) -> bool,
+    /// Returns a better candidate, if there is one.
+    pub(super) run: fn(&Candidate, &mut Search) -> Result<Option<Candidate>, Error>,
+}
+
+/// All moves, from the first candidate on, which has a coarse hysteresis.
+pub(super) const MOVES: &[Move] = &[
+    Move { name: "comparison of the operators", applies: |_| true, run: operators::compare },
+    // A coarse hysteresis may not show which initial conditions are right.
+    Move { name: "other initial conditions", applies: |_| true, run: initial_conditions::retry_initial_conditions },
+    // Small-signal records show the specified order best.
+    Move {
+        name: structure_search::NAME,
+        applies: |search| search.settings.order.is_none() || search.records.is_large_signal_alone(),
+        run: structure_search::search_with_operator,
+    },
+    // What the linear block lacked may have hidden how the operators differ.
+    Move {
+        name: "comparison of the closest operators",
+        applies: |search| search.errors_of(structure_search::NAME).is_some_and(operators::is_worth_repeating),
+        run: operators::compare_closest,
+    },
+];

@@ -1,0 +1,285 @@
+//! Comparison of the operators, in two steps: with the linear block held, then, those that may be the best, with all
+//! parameters.
+
+use super::fit::{
+    Estimate, Fitted, FreeParameters, Smoothness, StepCallback, TrainingRecord, free_run_residual, refine, refine_from,
+};
+use super::initial_conditions::fit_with_other_initial_conditions;
+use super::shape_swarm::best_shape;
+use super::structure::with_other_blocks;
+use super::trials::{OperatorTrial, Trial, select};
+use super::{Candidate, POLICY, Reporter, Search, structure_search};
+use piezoid_models::hysteresis::{BasisDesign, Operator};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::short;
+use piezoid_numerics::progress::Stage;
+use piezoid_numerics::series::mean;
+
+/// The move: the candidate with the operator that is the simplest of those as good as the best.
+pub(super) fn compare(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
+    let blocks = &candidate.fitted.estimate;
+    let design = search.design_for(blocks);
+    let Search { settings, operators, runs, reporter, trials, .. } = search;
+    *trials = comparison(operators, &design, blocks, settings.seed, runs, reporter)?;
+    let (selected, fitted) = select(trials)?;
+    Ok(Some(Candidate { operator: Some(operators[selected]), ..candidate.with_fit(fitted) }))
+}
+
+/// True if the structure search has lowered the held-out error of the selected operator so much, from the first value
+/// to the second, that the closest operators are compared again.
+pub(super) fn is_worth_repeating((before, after): (f64, f64)) -> bool {
+    after <= POLICY.repeated_comparison_ratio * before
+}
+
+/// The move: the operators that were close to the selected one are fitted again with the other parts of the candidate.
+pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
+    let errors = search.errors_of(structure_search::NAME);
+    let design = search.design_for(&candidate.fitted.estimate);
+    let Search { operators, runs, reporter, trials, notes, .. } = search;
+    let (Some(operator), Some((before, after))) = (candidate.operator, errors) else { return Ok(None) };
+    let Some(previous) = trials.iter().position(|trial| trial.result.is_selected()) else { return Ok(None) };
+    let watch = &mut reporter.last_stage(operator.name);
+    if !refit_closest(trials, previous, &candidate.fitted, &design, runs, watch)? {
+        return Ok(None);
+    }
+    let result = trial_of(operator, &candidate.fitted, runs, design.range);
+    trials[previous] = Trial { result, fitted: Some(candidate.fitted.clone()) };
+    let (selected, fitted) = select(trials)?;
+    notes.push(format!(
+        "operators: the last linear block lowered the held-out error of {} from {} to {} % rms/pp, so those \
+         close to it were compared again with this block",
+        operator.name,
+        short(100.0 * before),
+        short(100.0 * after)
+    ));
+    Ok(Some(Candidate { operator: Some(operators[selected]), ..candidate.with_fit(fitted) }))
+}
+
+/// The trials of the operators, each with its fit. `blocks` are the other parts of the model.
+///
+/// # Errors
+/// The error of the only operator; those of the reporter, which gets the number of fits done, and after each fit its
+/// errors.
+fn comparison(
+    operators: &[&'static Operator],
+    design: &BasisDesign,
+    blocks: &Estimate,
+    seed: u64,
+    runs: &mut [TrainingRecord],
+    reporter: &mut Reporter,
+) -> Result<Vec<Trial>, Error> {
+    let (mut starts, mut least) = (Vec::new(), f64::INFINITY);
+    for (k, row) in operators.iter().enumerate() {
+        let (stage, most) = (1 + k, POLICY.searched_shape_ratio * least);
+        let fits = shapes(row, design, blocks, seed, most, runs, &mut reporter.stage(row.name, stage));
+        starts.push(match fits {
+            Err(why) if matches!(why, Error::Cancelled { .. }) || operators.len() == 1 => return Err(why),
+            fits => fits.map_err(|why| OperatorTrial::refused(row, why.to_string())),
+        });
+        if let Some(Ok([best, ..])) = starts.last().map(|fits| fits.as_deref()) {
+            least = least.min(best.held_out.rms_pp());
+            let figures = [("held_out_percent", 100.0 * best.held_out.rms_pp())];
+            reporter.report(Stage { figures: &figures, ..Stage::new(row.name, stage, 0) })?;
+        }
+    }
+    let mut trials = Vec::new();
+    for (k, (row, start)) in operators.iter().zip(starts).enumerate() {
+        let (stage, most) = (1 + operators.len() + k, POLICY.refined_operator_ratio * least);
+        trials.push(match start {
+            Err(result) => Trial { result, fitted: None },
+            Ok(shapes) => {
+                let fits = refined(row, shapes, most, runs, design.range, &mut reporter.stage(row.name, stage));
+                let (result, fitted) = fits?;
+                reporter.report(Stage { figures: &result.figures(), ..Stage::new(row.name, stage, 0) })?;
+                Trial { result, fitted: Some(fitted) }
+            }
+        });
+    }
+    Ok(trials)
+}
+
+/// Fits the operators that were close to the `selected` one again, with the other parts of its present fit: what they
+/// lacked may have hidden how the operators differ. Returns true if there was another to fit.
+fn refit_closest(
+    trials: &mut [Trial],
+    selected: usize,
+    fitted: &Fitted,
+    design: &BasisDesign,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<bool, Error> {
+    let most = POLICY.close_operator_ratio * trials[selected].result.error();
+    let Estimate { driver, seeks_lag, lags, linear, .. } = &fitted.estimate;
+    let mut is_any = false;
+    for (_, trial) in trials.iter_mut().enumerate().filter(|(k, trial)| *k != selected && trial.result.error() <= most)
+    {
+        let Some(other) = &trial.fitted else { continue };
+        let row = Operator::find(trial.result.operator)?;
+        let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..design.clone() });
+        let start = with_other_blocks(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis);
+        let smoothness = Smoothness::Near(other.held_out.lambda);
+        other.apply_initial_conditions(runs, design.range);
+        match start.and_then(|start| refine_from(start, smoothness, runs, FreeParameters::All, watch)) {
+            Err(why @ Error::Cancelled { .. }) => return Err(why),
+            // It keeps the fit of the comparison.
+            Err(_) => {}
+            Ok(fit) => {
+                let result = trial_of(row, &fit, runs, design.range);
+                *trial = Trial { result, fitted: Some(fit) };
+                is_any = true;
+            }
+        }
+    }
+    Ok(is_any)
+}
+
+/// Fits with the linear block held, the best first: with the operator's own shape, and, if its error is at most `most`,
+/// with the best shape of a swarm, and the better of these with other initial conditions, if that is clearly better.
+/// Not all initial conditions suit every operator.
+fn shapes(
+    row: &Operator,
+    design: &BasisDesign,
+    blocks: &Estimate,
+    seed: u64,
+    most: f64,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Vec<Fitted>, Error> {
+    let own = || Ok::<_, Error>(blocks.with_basis((row.basis)(design)?));
+    watch(0)?;
+    let mut fits = vec![refine(own()?, runs, FreeParameters::Creep, watch)?];
+    if fits[0].held_out.rms_pp() > most {
+        return Ok(fits);
+    }
+    if let Some(reshaped) = best_shape(&own()?, runs, seed)? {
+        fits.push(refine(reshaped, runs, FreeParameters::Creep, watch)?);
+    }
+    fits.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
+    if let Some(other) = fit_with_other_initial_conditions(&fits[0], runs, design.range, watch)? {
+        fits.insert(0, other);
+    }
+    Ok(fits)
+}
+
+/// The better refinement, in all parameters, of the best two of these sorted fits; none if their errors exceed `most`.
+fn refined(
+    row: &Operator,
+    mut shapes: Vec<Fitted>,
+    most: f64,
+    runs: &mut [TrainingRecord],
+    range: (f64, f64),
+    watch: StepCallback,
+) -> Result<(OperatorTrial, Fitted), Error> {
+    let near = POLICY.second_shape_ratio * shapes[0].held_out.rms_pp();
+    if shapes[0].held_out.rms_pp() > most {
+        let fit = shapes.swap_remove(0);
+        return Ok((trial_of(row, &fit, runs, range), fit));
+    }
+    shapes.retain(|fit| fit.held_out.rms_pp() <= near);
+    shapes.truncate(POLICY.refined_shapes);
+    let mut refine = |fit: Fitted| {
+        fit.apply_initial_conditions(runs, range);
+        let smoothness = Smoothness::Near(fit.held_out.lambda);
+        let fit = refine_from(fit.estimate, smoothness, runs, FreeParameters::All, watch)?;
+        Ok((trial_of(row, &fit, runs, range), fit))
+    };
+    let other = shapes.split_off(1).pop();
+    let best = refine(shapes.remove(0))?;
+    Ok(match other.map(refine).transpose()? {
+        Some(other) if other.0.error() < best.0.error() => other,
+        _ => best,
+    })
+}
+
+/// The trial of a fit, with its free-run error. The runs start as in the fit.
+fn trial_of(row: &Operator, fitted: &Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> OperatorTrial {
+    fitted.apply_initial_conditions(runs, range);
+    OperatorTrial::of(row, fitted, free_run(fitted, runs))
+}
+
+/// Free-run rms error of the large-signal records over their peak-to-peak, each with its own offset.
+fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
+    let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
+    let large_signal = runs.iter().filter(|run| run.large_signal);
+    let errors: Vec<f64> = large_signal.map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).collect();
+    mean(&errors).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fit::{estimate, training_records};
+    use super::*;
+    use piezoid_models::hammerstein::InitialCondition;
+    use piezoid_models::linear::Arx;
+    use piezoid_numerics::system::System;
+    use piezoid_records::record::Record;
+
+    #[test]
+    fn an_operator_may_have_other_initial_conditions_than_the_records_started_with() {
+        let u: Vec<f64> = (0..3000).map(|t| 3e-2 * f64::from(t).min(900.0) * (0.02 * f64::from(t)).cos()).collect();
+        let row = Operator::find("prandtl-ishlinskii").unwrap();
+        let pi = (row.example)(5e-4).unwrap();
+        let records = [Record::new(5e-4, u.clone(), pi.simulate(&u)).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let design = BasisDesign { ts: 5e-4, range: (-27.0, 27.0), elements: Some(20), frequencies: Vec::new() };
+        let blocks = estimate("prandtl-ishlinskii", 20).with_linear(Arx::gain(5e-4, 1.0).unwrap());
+        for initial in [InitialCondition::FromBelow, runs[0].initial] {
+            runs[0].start_from(initial, design.range);
+            let fits = shapes(row, &design, &blocks, 1, f64::INFINITY, &mut runs, &mut |_| Ok(())).unwrap();
+            assert_ne!(fits[0].initial_conditions, [InitialCondition::FromBelow], "{initial:?}");
+            assert_eq!(runs[0].initial, initial);
+        }
+    }
+
+    #[test]
+    fn close_operators_are_compared_again_with_the_linear_block_that_lowered_the_error() {
+        let gain = Arx::gain(5e-4, 1.3).unwrap();
+        let mode = Arx::new(5e-4, vec![1.9, -0.95], vec![0.065]).unwrap();
+        let u: Vec<f64> = (0..4000).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.07 * f64::from(t)).sin()).collect();
+        let pi = (Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let records = [Record::new(5e-4, u.clone(), mode.simulate(&pi.simulate(&u))).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let mut fit = |name: &str, linear: &Arx| {
+            let start = estimate(name, 20).with_linear(linear.clone());
+            refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap()
+        };
+        let mut trials: Vec<_> = ["stop", "proportional", "prandtl-ishlinskii"]
+            .map(|name| (Operator::find(name).unwrap(), fit(name, &gain)))
+            .map(|(row, fit)| Trial { result: OperatorTrial::of(row, &fit, 0.0), fitted: Some(fit) })
+            .into();
+        let with_mode = fit("prandtl-ishlinskii", &mode);
+        let [stop, none] = [0, 1].map(|k| trials[k].result.held_out_percent);
+        assert!(none > 1.5 * stop, "{none} {stop}");
+
+        let design = BasisDesign { ts: 5e-4, range: (-30.0, 30.0), elements: Some(20), frequencies: Vec::new() };
+        let before = trials[2].result.held_out_percent / 100.0;
+        let after = with_mode.held_out.rms_pp();
+        assert!(is_worth_repeating((before, after)) && !is_worth_repeating((before, before)));
+        assert!(refit_closest(&mut trials, 2, &with_mode, &design, &mut runs, &mut |_| Ok(())).unwrap());
+        assert!(trials[0].result.held_out_percent < 0.1 * stop, "{} {stop}", trials[0].result.held_out_percent);
+        assert_eq!(trials[0].fitted.as_ref().unwrap().estimate.linear.a().len(), 2);
+        assert_eq!(trials[1].result.held_out_percent, none);
+    }
+
+    #[test]
+    fn of_operators_with_like_held_out_errors_the_free_run_decides() {
+        let u: Vec<f64> = (0..4000).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.07 * f64::from(t)).sin()).collect();
+        let pi = (Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let rough = |(t, y): (usize, f64)| y + 0.1 * ((t * t) as f64 * 0.618_034).fract();
+        let y = pi.simulate(&u).into_iter().enumerate().map(rough).collect();
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let gain = Arx::gain(5e-4, 1.0).unwrap();
+        let mut trial = |name: &str, free_run: f64| {
+            let start = estimate(name, 20).with_linear(gain.clone());
+            let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
+            Trial { result: OperatorTrial::of(Operator::find(name).unwrap(), &fit, free_run), fitted: Some(fit) }
+        };
+        // Both are the same law; the proportional one is far from it, whatever its free run.
+        for (pi, stop, best) in [(0.01, 0.1, 1), (0.1, 0.01, 2)] {
+            let mut trials = [trial("proportional", 0.0), trial("prandtl-ishlinskii", pi), trial("stop", stop)];
+            assert_eq!(select(&mut trials).unwrap().0, best);
+            assert_eq!(trials.map(|trial| trial.result.as_good), [false, best == 1, best == 2]);
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The first candidate: a linear block and initial conditions, with a coarse hysteresis.
+//!
+//! Small-signal records determine order and delay directly. With large-signal records alone, a coarse Preisach grid
+//! represents the hysteresis, its z replaces the input, and each structure, from a pure gain on, is refined together
+//! with it. Records with few frequencies determine few coefficients: a block of order n needs n + 1 frequencies. The
+//! simplest structure is selected that predicts held-out data as well as the best.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "A grown block has limits, a specified order has none".
+
+use super::candidate::SelectedStructure;
+use super::fit::{
+    Estimate, FreeParameters, Hidden, creep_pole, refine, slowest_observable, slowest_pole, with_slow_lags_limited,
+};
+use super::initial_conditions::fit_with_initial_conditions;
+use super::structure::{Structure, rescaled, select};
+use super::{Candidate, JointOptions, LINEAR_BLOCK, POLICY, Search};
+use crate::large_signal::{affine, lines, proportional, require_excitation};
+use piezoid_models::creep::Lag;
+use piezoid_models::driver::DriverModel;
+use piezoid_models::hammerstein::Model;
+use piezoid_models::hysteresis::{BasisDesign, Operator, Proportional};
+use piezoid_models::linear::{
+    Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, refine as refine_alone, select as select_order,
+};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::optimize::swarm;
+use piezoid_numerics::progress::Stage;
+use piezoid_numerics::series::{mean, scatter};
+use piezoid_numerics::system::System;
+use piezoid_records::record::Record;
+use piezoid_records::waveform::dominant_frequency;
+use std::cmp::Reverse;
+use std::sync::Arc;
+
+/// The first candidate.
+///
+/// # Errors
+/// Returns an error if the records do not excite the linear block; [`Error::Cancelled`].
+pub(super) fn first_candidate(search: &mut Search) -> Result<Candidate, Error> {
+    if search.records.is_large_signal_alone() { from_large_signal(search) } else { from_small_signal(search) }
+}
+
+/// An estimate with a coarse hysteresis and this linear block.
+fn coarse(linear: Arx, settings: &JointOptions, design: &BasisDesign, lags: &[Lag]) -> Result<Estimate, Error> {
+    let design = BasisDesign { elements: Some(POLICY.coarse_rows), ..design.clone() };
+    let basis = (Operator::find("preisach")?.basis)(&design)?;
+    Ok(Estimate::new(settings.driver, basis, lags.to_vec(), linear))
+}
+
+/// The linear block from small-signal records. Its gain has the sign of the large-signal records: hysteresis with jumps
+/// at reversals may invert small signals.
+fn from_small_signal(search: &mut Search) -> Result<Candidate, Error> {
+    let Search { settings, records, runs, bridged, lags, design, reporter, .. } = search;
+    let (small, large_signal) = (&bridged[..records.small.len()], &bridged[records.beside().len()..]);
+    let (linear, reason) = select_on_small_signal(small, settings, lags)?;
+    let linear = with_slow_lags_limited(linear, slowest_observable(small.iter().chain(large_signal)))?;
+    let inverted = proportional(&linear, 0.0, large_signal)?.0 < 0.0;
+    let linear = if inverted { rescaled(&linear, -linear.dc_gain())? } else { linear };
+    let start = || coarse(linear.clone(), settings, design, lags);
+    let watch = &mut reporter.stage(LINEAR_BLOCK, 0);
+    let fitted = fit_with_initial_conditions(&start, runs, design.range, watch)?;
+    Ok(Candidate { structure: SelectedStructure { reason, simpler: Vec::new() }, operator: None, fitted })
+}
+
+fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag]) -> Result<(Arx, String), Error> {
+    let slowest = slowest_pole(lags);
+    require_excitation(small, 1)?;
+    let driven: Vec<Record> = small.iter().map(|record| behind_driver(record, settings)).collect::<Result<_, _>>()?;
+    let max_order = lines(small).len().saturating_sub(1).clamp(1, POLICY.max_order);
+    if let Some(n) = settings.order {
+        require_excitation(small, n)?;
+        return of_order(&driven, n);
+    }
+    let limits = OrderSearch { order: max_order, delay: POLICY.max_delay, parallel: true, ..OrderSearch::default() };
+    let found = select_order(&driven, &limits, &mut Stage::ignore)?;
+    let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
+    if !creeps(&found.fit.arx) {
+        return Ok((found.fit.arx, found.reason));
+    }
+    // A slow lag of the linear block is creep, which has its own block.
+    let most = POLICY.block_without_creep_ratio * found.candidates[found.chosen].held_out;
+    let near = found.candidates.iter().filter(|c| !creeps(&c.arx) && c.held_out <= most);
+    let Some(near) = near.min_by_key(|c| (c.orders.na, Reverse(c.orders.delay))) else {
+        return Ok((found.fit.arx, found.reason));
+    };
+    let fit = refine_alone(&driven, &near.arx, &Refinement::default(), &mut Stage::ignore)?;
+    let (n, delay) = (near.orders.na, near.orders.delay);
+    let reason =
+        format!("order {n} with delay {delay}, because the better block has a lag as slow as creep ({})", found.reason);
+    Ok((fit.arx, reason))
+}
+
+/// The block of order `n`, with the best delay.
+fn of_order(records: &[Record], n: usize) -> Result<(Arx, String), Error> {
+    let of = |delay| {
+        OutputError::fit(records, Orders { delay, ..Orders::of(n) }, &Refinement::default(), &mut Stage::ignore)
+    };
+    let tried: Vec<_> = (0..=POLICY.max_delay).map(of).collect::<Result<_, _>>()?;
+    let least = tried.iter().map(|fit| fit.minimum.cost).fold(f64::INFINITY, f64::min);
+    // The longest delay at the same cost.
+    let chosen = tried.into_iter().rfind(|fit| fit.minimum.cost <= POLICY.longer_delay_ratio * least);
+    let chosen = chosen.ok_or_else(|| Error::Content("no delay was tried".into()))?;
+    let delay = chosen.orders.delay;
+    let reason = format!("order {n} as specified, with delay {delay}, which gives the smallest residual");
+    let predicted = Estimator::find("least-squares")?.fit(
+        records,
+        Orders::of(n),
+        &swarm::SwarmSettings::default(),
+        &mut Stage::ignore,
+    );
+    let doubt = predicted.ok().and_then(|fit| fit.order_too_low(records)).unwrap_or_default();
+    Ok((chosen.arx, reason + &doubt))
+}
+
+/// The record with the driver's output as its input.
+fn behind_driver(record: &Record, settings: &JointOptions) -> Result<Record, Error> {
+    if settings.driver.is_none() {
+        return Ok(record.clone());
+    }
+    let ts = record.ts();
+    let unit = Arc::new(Proportional::new(ts / DriverModel::SUBSTEPS as f64, 1.0)?);
+    let alone = Model::driven(settings.driver, unit, Arx::gain(ts, 1.0)?, 0.0)?;
+    let u = alone.resume(&mut alone.settled(record.u()[0]), record.u());
+    Ok(Record::new(ts, u, record.y().to_vec())?.with_units(record.units().clone()))
+}
+
+/// The simplest structure of the linear block that large-signal records alone show, and that is as good as the best.
+fn from_large_signal(search: &mut Search) -> Result<Candidate, Error> {
+    let Search { settings, runs, bridged, lags, design, structures, reporter, .. } = search;
+    let large_signal = &bridged[..];
+    let ts = large_signal[0].ts();
+    let watch = &mut reporter.stage(LINEAR_BLOCK, 0);
+    let start = |linear: Arx| coarse(linear, settings, design, lags);
+    let (gain, first) = start_gain(large_signal)?;
+    let delayed_gain = |d: usize, next: f64| {
+        let b = [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat();
+        Arx::new(ts, Vec::new(), b)
+    };
+    let plain = fit_with_initial_conditions(&|| start(delayed_gain(first, 0.0)?), runs, design.range, watch)?;
+    let hidden: Vec<Record> = Hidden::crept(&plain, runs)?.into_iter().map(|z| z.record).collect();
+    let best_delay = delay(&hidden);
+    let mut tried = vec![Structure::new(String::new(), plain)];
+    if settings.order.unwrap_or(0) == 0 {
+        if best_delay > first {
+            let fit = refine(start(delayed_gain(best_delay, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
+            tried.push(Structure::new(String::new(), fit));
+        }
+        let from = best_delay.saturating_sub(1);
+        let fit = refine(start(delayed_gain(from, 0.5)?)?, runs, FreeParameters::All, watch)?;
+        // A share outside 0 to 1 is not a delay.
+        if fit.estimate.linear.b()[from..].iter().all(|b| b * gain >= 0.0) {
+            tried.push(Structure::new("a delay between two samples".into(), fit));
+        }
+    }
+    // The best of these is the last.
+    let best = tried.iter().enumerate().min_by(|p, q| Structure::by_error(&p.1, &q.1)).map_or(0, |(k, _)| k);
+    tried.truncate(best + 1);
+    let preisach = Operator::find("preisach")?;
+    let basis = |ts: f64| (preisach.basis)(&BasisDesign { ts, elements: Some(POLICY.coarse_rows), ..design.clone() });
+    structures.extend(&mut tried, &basis, runs, watch)?;
+    let selected = select(tried, settings.order);
+    let structure = SelectedStructure { reason: selected.reason, simpler: selected.simpler };
+    Ok(Candidate { structure, operator: None, fitted: selected.fitted })
+}
+
+/// The initial gain and its delay [samples]. The sign is that of the slowest record, because near a resonance the
+/// output opposes the input. The delay is the one at which the output clearly correlates with the input.
+fn start_gain(large_signal: &[Record]) -> Result<(f64, usize), Error> {
+    let hz = |record: &&Record| dominant_frequency(record.u(), record.ts()).unwrap_or(0.0);
+    let slowest = large_signal.iter().min_by(|p, q| hz(p).total_cmp(&hz(q))).unwrap_or(&large_signal[0]);
+    let lagged = |d: usize| -> Result<f64, Error> {
+        let (u, y) = (&slowest.u()[..slowest.len() - d], &slowest.y()[d..]);
+        Ok(affine(&[Record::new(slowest.ts(), u.to_vec(), y.to_vec())?])?.0)
+    };
+    let direct = lagged(0)?;
+    let delayed = (1..=POLICY.max_delay.min(slowest.len() / 4))
+        .map(|d| Ok((lagged(d)?, d)))
+        .collect::<Result<Vec<_>, Error>>()?;
+    let strongest = delayed.into_iter().max_by(|p, q| p.0.abs().total_cmp(&q.0.abs()));
+    match strongest.filter(|(gain, _)| gain.abs() > POLICY.delayed_gain_ratio * direct.abs()) {
+        Some(delayed) => Ok(delayed),
+        None => Ok((affine(large_signal)?.0.copysign(direct), 0)),
+    }
+}
+
+/// The delay [samples] with the smallest residual of a gain, within limits.
+fn delay(hidden: &[Record]) -> usize {
+    let longest = hidden.iter().map(|r| r.len() / POLICY.hidden_delays_in_record).min();
+    let longest = longest.unwrap_or(0).min(POLICY.max_hidden_delay);
+    let residual = |d: usize| -> f64 {
+        let of = |r: &Record| {
+            let (z, y) = (&r.u()[..r.len() - d], &r.y()[d..]);
+            let (mz, my) = (mean(z), mean(y));
+            let crossed: f64 = z.iter().zip(y).map(|(z, y)| (z - mz) * (y - my)).sum();
+            1.0 - crossed * crossed / (scatter(z) * scatter(y))
+        };
+        hidden.iter().map(of).sum()
+    };
+    let (mut best, mut least) = (0, residual(0));
+    // Only up to the first minimum: after it comes the next period.
+    while best < longest && residual(best + 1) < least {
+        best += 1;
+        least = residual(best);
+    }
+    best
+}

@@ -1,0 +1,118 @@
+//! Structures of the linear block, their comparison, and the selection of the simplest that is as good as the best.
+
+use super::fit::{Estimate, Fitted};
+use super::{POLICY, basis_ts};
+use libm::hypot;
+use piezoid_models::creep::Lag;
+use piezoid_models::driver::DriverModel;
+use piezoid_models::hysteresis::Basis;
+use piezoid_models::linear::Arx;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::short;
+use piezoid_numerics::system::System;
+use std::cmp::Ordering;
+
+/// Held-out error, rms over peak-to-peak, that is rounding.
+const ROUNDING_RMS_PP: f64 = 1e-6;
+
+/// Makes the basis of an operator for a sampling period [s].
+pub(super) type MakeBasis<'a> = &'a dyn Fn(f64) -> Result<Box<dyn Basis>, Error>;
+
+/// A fit, and the last extension of its linear block; empty if there is none.
+#[derive(Debug)]
+pub(super) struct Structure {
+    extension: String,
+    pub(super) fitted: Fitted,
+}
+
+impl Structure {
+    pub(super) fn new(extension: String, fitted: Fitted) -> Self {
+        Structure { extension, fitted }
+    }
+
+    /// Orders by the held-out error, the smallest first.
+    pub(super) fn by_error(p: &&Structure, q: &&Structure) -> Ordering {
+        p.error().total_cmp(&q.error())
+    }
+
+    /// The held-out error: rms over peak-to-peak, with rounding.
+    pub(super) fn error(&self) -> f64 {
+        hypot(self.fitted.held_out.rms_pp(), ROUNDING_RMS_PP)
+    }
+
+    /// True if this is clearly better than `other`.
+    pub(super) fn gains_on(&self, other: &Structure) -> bool {
+        let of_whole = |t: &Structure| hypot(t.fitted.cost().sqrt(), ROUNDING_RMS_PP);
+        let (held_out, whole) = (self.error() / other.error(), of_whole(self) / of_whole(other));
+        held_out < POLICY.held_out_gain_ratio || (held_out <= 1.0 && whole < POLICY.whole_record_gain_ratio)
+    }
+
+    /// The order of the linear block.
+    pub(super) fn order(&self) -> usize {
+        self.fitted.estimate.linear.a().len()
+    }
+
+    /// Order and delay, and what was added last.
+    fn describe(&self) -> String {
+        let Estimate { linear, driver, seeks_lag, .. } = &self.fitted.estimate;
+        let (order, delay) = (linear.a().len(), linear.delay());
+        let block = if order == 0 { "a gain".into() } else { format!("order {order}") };
+        let delayed = if delay == 0 { String::new() } else { format!(", delay {delay}") };
+        let lag = driver.filter(|_| *seeks_lag).map_or(String::new(), |d| format!(", driver lag {} s", short(d.lag_s)));
+        let by = if self.extension.is_empty() { String::new() } else { format!(" by {}", self.extension) };
+        format!("{block}{delayed}{lag}{by}")
+    }
+}
+
+/// A structure that was selected.
+pub(super) struct Selected {
+    pub(super) fitted: Fitted,
+    pub(super) reason: String,
+    /// The simpler structures that may be as good with another operator.
+    pub(super) simpler: Vec<Estimate>,
+    /// True if there were others.
+    pub(super) of_several: bool,
+}
+
+/// The simplest structure that is as good as the best, of at least one, from the simplest on; of the specified order,
+/// if one has it.
+pub(super) fn select(mut tried: Vec<Structure>, order: Option<usize>) -> Selected {
+    let is_of_order = |structure: &Structure| order == Some(structure.order());
+    let is_specified = tried.iter().any(is_of_order);
+    let why = match is_specified {
+        true => "the best of the specified order is selected",
+        false => "the simplest that is as good as the best is selected",
+    };
+    let may = |t: &&Structure| !is_specified || is_of_order(t);
+    let selected = tried.iter().position(|t| may(&t) && !tried.iter().filter(may).any(|other| other.gains_on(t)));
+    let selected = selected.unwrap_or(tried.len().saturating_sub(1));
+    let listed = tried.iter().map(|t| format!("{} {} %", t.describe(), short(100.0 * t.error())));
+    let listed: Vec<String> = listed.collect();
+    let of_several = tried.len() > 1;
+    let structure = tried.remove(selected);
+    let reason = format!("{}: held-out error, rms/pp: {}; {why}", structure.describe(), listed.join(", "));
+    tried.truncate(selected);
+    tried.retain(|t| t.error() < POLICY.hopeless_structure_ratio * structure.error());
+    let simpler = tried.into_iter().map(|t| t.fitted.estimate).collect();
+    Selected { fitted: structure.fitted, reason, simpler, of_several }
+}
+
+/// The hysteresis of an estimate with another driver, and whether its lag is sought, other creep and another linear
+/// block.
+pub(super) fn with_other_blocks(
+    estimate: &Estimate,
+    (driver, seeks_lag): (Option<DriverModel>, bool),
+    lags: &[Lag],
+    linear: Arx,
+    basis: MakeBasis,
+) -> Result<Estimate, Error> {
+    let shape: Vec<f64> = estimate.basis.shape().iter().map(|shape| shape.value).collect();
+    let basis = basis(basis_ts(linear.ts(), driver.is_some()))?.reshaped(&shape)?.into();
+    Ok(Estimate { driver, seeks_lag, basis, weights: estimate.weights.clone(), lags: lags.to_vec(), linear })
+}
+
+/// The block with another static gain.
+pub(super) fn rescaled(arx: &Arx, gain: f64) -> Result<Arx, Error> {
+    let k = gain / arx.dc_gain();
+    Arx::new(arx.ts(), arx.a().to_vec(), arx.b().iter().map(|b| b * k).collect())
+}

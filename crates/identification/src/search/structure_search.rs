@@ -1,0 +1,232 @@
+//! The structure search: from the simplest linear block on, the extension that lowers the error most is added, until
+//! none lowers it clearly.
+//!
+//! The extended fit starts at the fit before it, with the same response, so its own error is never larger. The error
+//! that counts is that of the free run on segments of the records that were left out. Where no extension of the linear
+//! block helps, a lag before the hysteresis is tried: it does not commute with the hysteresis.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "The linear block grows from a gain".
+
+use super::candidate::SelectedStructure;
+use super::extensions::{PoleLimits, extensions, product};
+use super::fit::{
+    Estimate, Fitted, FreeParameters, Hidden, Smoothness, StepCallback, TrainingRecord, creep_pole, is_lag,
+    refine_from, refine_promising, slowest_pole, without_factor,
+};
+use super::initial_conditions::select_initial_conditions;
+use super::mode_evidence::ModeEvidence;
+use super::structure::{MakeBasis, Structure, rescaled, select, with_other_blocks};
+use super::{Candidate, POLICY, Search};
+use piezoid_models::creep::Lag;
+use piezoid_models::driver::DriverModel;
+use piezoid_models::hysteresis::BasisDesign;
+use piezoid_models::linear::{Arx, Orders, OutputError, Refinement};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::progress::Stage;
+use piezoid_numerics::system::System;
+use piezoid_records::record::Record;
+use std::f64::consts::TAU;
+
+/// Name of the move that searches the structure with the selected operator.
+pub(super) const NAME: &str = "structure search with the operator";
+
+/// What the structure search knows of the records and the settings.
+pub(super) struct StructureSearch {
+    limits: PoleLimits,
+    pub(super) evidence: ModeEvidence,
+    /// True if the driver is known.
+    has_driver: bool,
+    /// The specified order.
+    order: Option<usize>,
+    /// The lowest and the highest input.
+    range: (f64, f64),
+}
+
+impl StructureSearch {
+    /// The search in these records, small-signal ones included.
+    pub(super) fn new(
+        records: &[Record],
+        has_driver: bool,
+        order: Option<usize>,
+        lags: &[Lag],
+        range: (f64, f64),
+    ) -> Self {
+        let limits = PoleLimits { slowest: slowest_pole(lags), max_order: order.unwrap_or(POLICY.max_order) };
+        StructureSearch { limits, evidence: ModeEvidence::of(records, order.is_some()), has_driver, order, range }
+    }
+
+    /// Extends the last structure of `tried`, and its extensions, until that gains nothing.
+    pub(super) fn extend(
+        &self,
+        tried: &mut Vec<Structure>,
+        basis: MakeBasis,
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<(), Error> {
+        let mut is_lag_tried = self.has_driver;
+        while let Some(Structure { fitted: from, .. }) = tried.last() {
+            is_lag_tried |= from.estimate.driver.is_some();
+            let Some(best) = tried.iter().min_by(Structure::by_error) else { break };
+            let mut longer = self.extended(from, best, runs, watch)?;
+            if !longer.iter().any(|t| t.gains_on(best)) && !is_lag_tried {
+                is_lag_tried = true;
+                longer.extend(self.with_driver_lag(&best.fitted, basis, runs, watch)?);
+            }
+            longer.sort_by(|p, q| Structure::by_error(&p, &q));
+            let mut longer = longer.into_iter();
+            let Some(mut next) = longer.next() else { break };
+            if select_initial_conditions(&next.fitted, runs, self.range)? {
+                let smoothness = Smoothness::Fixed(next.fitted.held_out.lambda);
+                let same = next.fitted.estimate.clone();
+                next.fitted = refine_from(same, smoothness, runs, FreeParameters::All, watch)?;
+            }
+            let gains = next.gains_on(best);
+            let next_order = next.order();
+            tried.extend(longer.filter(|t| self.is_of_order(t)));
+            tried.push(next);
+            // Up to the specified order, steps without gain may be needed.
+            if !gains && self.order.is_none_or(|order| next_order >= order) {
+                break;
+            }
+        }
+        tried.extend(self.of_specified_order(tried, runs, watch)?);
+        Ok(())
+    }
+
+    /// The extensions of a fit that are possible: of those that the records show, or, if none of these gains on the
+    /// `best` structure, also of the others.
+    fn extended(
+        &self,
+        from: &Fitted,
+        best: &Structure,
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<Vec<Structure>, Error> {
+        let is_not_creep = |linear: &Arx| creep_pole(linear, self.limits.slowest).is_none();
+        let mut longer: Vec<Structure> = Vec::new();
+        for group in extensions(from, runs, &self.limits, &self.evidence, watch)? {
+            let starts = group.into_iter().map(|one| (one.name, from.estimate.with_linear(one.linear)));
+            let ratio = POLICY.promised_minimum_ratio;
+            let fits = refine_promising(starts.collect(), from, ratio, &is_not_creep, runs, watch)?;
+            let fits = fits.into_iter().map(|(name, fit)| Structure::new(name, fit));
+            let possible = |t: &Structure| self.evidence.allows(&t.fitted.estimate.linear, t.error(), best.error());
+            longer.extend(fits.filter(possible));
+            if longer.iter().any(|t| t.gains_on(best)) {
+                break;
+            }
+        }
+        Ok(longer)
+    }
+
+    /// The best of a fit with a lag before the hysteresis: a new one, or one that was behind it, as a lag or as a
+    /// delay.
+    fn with_driver_lag(
+        &self,
+        best: &Fitted,
+        basis: MakeBasis,
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<Option<Structure>, Error> {
+        let linear = &best.estimate.linear;
+        let (ts, delay) = (linear.ts(), linear.delay());
+        let moved = linear.poles().into_iter().filter(is_lag).map(|pole| {
+            let a = without_factor(&linear.denominator(), pole.z.re);
+            let b = linear.b().iter().map(|b| b / (1.0 - pole.z.re)).collect();
+            (1.0 / (TAU * pole.hz), Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b))
+        });
+        let undelayed = || Arx::new(ts, linear.a().to_vec(), linear.b()[delay..].to_vec());
+        let instead = (delay > 0).then(|| (delay as f64 * ts, undelayed()));
+        let start = |(lag_s, linear): (f64, Result<Arx, Error>)| {
+            let driver = (Some(DriverModel::new(lag_s, None)?), true);
+            let name = "a lag before the hysteresis".to_string();
+            Ok((name, with_other_blocks(&best.estimate, driver, &best.estimate.lags, linear?, basis)?))
+        };
+        let starts = moved.chain([(POLICY.new_driver_lag * ts, Ok(linear.clone()))]).chain(instead).map(start);
+        let starts = starts.collect::<Result<_, Error>>()?;
+        let found = refine_promising(starts, best, POLICY.promised_minimum_ratio, &|_| true, runs, watch)?;
+        let found = found.into_iter().filter(|(_, fit)| self.evidence.shows(&fit.estimate.linear));
+        Ok(found.map(|(name, fit)| Structure::new(name, fit)).min_by(|p, q| Structure::by_error(&p, &q)))
+    }
+
+    /// A linear block of lower order that promises as low a minimum, if there is one: poles that nearly cancel zeros
+    /// may keep the search from its end.
+    fn of_lower_order(
+        &self,
+        fitted: &Fitted,
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<Option<Structure>, Error> {
+        let linear = &fitted.estimate.linear;
+        let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
+        for n in 1..linear.a().len() {
+            let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
+            let Ok(fit) = OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) else {
+                continue;
+            };
+            let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
+            let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_lower_order_ratio);
+            if let Some((name, fit)) = refine_promising(starts, fitted, ratio, &|_| true, runs, watch)?.pop() {
+                return Ok(Some(Structure::new(name, fit)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// The last structure with further poles, if an order is specified that no structure has.
+    fn of_specified_order(
+        &self,
+        tried: &[Structure],
+        runs: &mut [TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<Option<Structure>, Error> {
+        let (Some(order), Some(Structure { fitted: last, .. })) = (self.order, tried.last()) else { return Ok(None) };
+        if tried.iter().any(|t| self.is_of_order(t)) {
+            return Ok(None);
+        }
+        let start = last.estimate.with_linear(of_order(order, &last.estimate.linear)?);
+        let smoothness = Smoothness::Fixed(last.held_out.lambda);
+        let fit = refine_from(start, smoothness, runs, FreeParameters::All, watch)?;
+        Ok(Some(Structure::new("further poles".into(), fit)))
+    }
+
+    /// True if the linear block has the specified order.
+    fn is_of_order(&self, structure: &Structure) -> bool {
+        self.order == Some(structure.order())
+    }
+}
+
+/// The move: the simplest structure with the operator that is as good as the best: of those simpler than its own, its
+/// own, and extensions.
+pub(super) fn search_with_operator(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
+    let Search { runs, design, structures, reporter, .. } = search;
+    let Some(operator) = candidate.operator else { return Ok(None) };
+    let watch = &mut reporter.last_stage(operator.name);
+    let basis = |ts: f64| (operator.basis)(&BasisDesign { ts, ..design.clone() });
+    let fitted = &candidate.fitted;
+    let mut tried = Vec::new();
+    for Estimate { driver, seeks_lag, lags, linear, .. } in &candidate.structure.simpler {
+        let start = with_other_blocks(&fitted.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
+        let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_simpler_ratio);
+        let found = refine_promising(starts, fitted, ratio, &|_| true, runs, watch)?;
+        tried.extend(found.into_iter().map(|(name, fit)| Structure::new(name, fit)));
+    }
+    if structures.order.is_none() {
+        tried.extend(structures.of_lower_order(fitted, runs, watch)?);
+    }
+    tried.push(Structure::new(String::new(), fitted.clone()));
+    structures.extend(&mut tried, &basis, runs, watch)?;
+    let selected = select(tried, structures.order);
+    let reason = if selected.of_several { selected.reason } else { candidate.structure.reason.clone() };
+    let structure = SelectedStructure { reason, simpler: selected.simpler };
+    Ok(Some(Candidate { structure, operator: candidate.operator, fitted: selected.fitted }))
+}
+
+/// The same response with a linear block of a higher order: further poles cancel further zeros.
+fn of_order(order: usize, linear: &Arx) -> Result<Arx, Error> {
+    let (mut a, mut b) = (linear.denominator(), linear.b().to_vec());
+    for k in 1..=order.saturating_sub(linear.a().len()) {
+        let factor = [1.0, -POLICY.cancelled_pole.powi(k as i32)];
+        (a, b) = (product(&a, &factor), product(&b, &factor));
+    }
+    Arx::new(linear.ts(), a[1..].iter().map(|a| -a).collect(), b)
+}

@@ -1,0 +1,232 @@
+//! The operators to try, their results, and the selection of one.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "The larger of two errors decides between operators".
+//! Why: docs/decisions/structure-and-operator-selection.md, "Without minor loops, auto tries fewer operators".
+
+use super::super::records::Records;
+use super::POLICY;
+use super::fit::{ACCEPTED_RMS_RATIO, Fitted};
+use libm::hypot;
+use piezoid_models::hysteresis::{Operator, is_auto};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::short;
+use piezoid_numerics::series::ends;
+use piezoid_records::record::Record;
+use piezoid_records::waveform::reversals;
+use serde::Serialize;
+
+/// Error that is rounding [%].
+const ROUNDING_PERCENT: f64 = 1e-5;
+
+/// The verdict on the operator that is selected.
+const SELECTED: &str = "taken";
+
+/// The result of one operator.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OperatorTrial {
+    /// The operator.
+    pub operator: &'static str,
+    /// Number of weights and shape parameters.
+    pub parameters: usize,
+    /// Held-out rms error over peak-to-peak [%], each fold predicted by a fit to all others; infinite if the fit
+    /// failed.
+    pub held_out_percent: f64,
+    /// Free-run rms error of the training records over peak-to-peak [%], each with its own offset; infinite if the fit
+    /// failed.
+    pub free_run_percent: f64,
+    /// The larger of the two errors, by which operators are ranked [%]: the state before a part that is held out is
+    /// known; before a record it is not.
+    pub error_percent: f64,
+    /// True if it is as good as the best, within its uncertainty.
+    pub as_good: bool,
+    /// `taken`, `as good`, `refused`, or empty.
+    pub verdict: &'static str,
+    /// The shape parameters by name.
+    pub shape: Vec<(&'static str, f64)>,
+    /// Why the fit failed, if it did.
+    pub refused: Option<String>,
+}
+
+/// The operators to try: those listed, and with `auto` only those that suit the records. Without minor loops in the
+/// records, operators that differ only there cannot be distinguished. Then only those are tried that follow and wipe
+/// out minor loops, as measured ceramics do, and whose minor loops the major loops determine. If there are only
+/// large-signal records, rate-dependent operators are left out: their dynamics cannot be separated from the linear
+/// block.
+pub(crate) fn suitable_operators(
+    name: &str,
+    records: &Records,
+    notes: &mut Vec<String>,
+) -> Result<Vec<&'static Operator>, Error> {
+    let listed = Operator::list(name)?;
+    if !is_auto(name) {
+        return Ok(listed);
+    }
+    let all = || listed.iter().copied().filter(|o| o.rate_independent || !records.is_large_signal_alone());
+    let (low, high) = ends(records.large_signal.iter().flat_map(|record| record.u()).copied());
+    let margin = POLICY.minor_loop_margin * (high - low);
+    let inner = |record: &Record| {
+        let inside = |&&t: &&usize| (low + margin..high - margin).contains(&record.u()[t]);
+        reversals(record.u(), 0.5 * POLICY.minor_loop_margin).iter().filter(inside).count()
+    };
+    let any = |suited: Vec<&'static Operator>| match suited.is_empty() {
+        true => Err(Error::parameter("operator", name, "leaves out every operator that suits the records: name one")),
+        false => Ok(suited),
+    };
+    let inside = records.large_signal.iter().map(inner).sum::<usize>();
+    if inside >= POLICY.min_minor_loops {
+        return any(all().collect());
+    }
+    let times = match inside {
+        0 => "never turn back inside the range of the input".into(),
+        1 => "turn back only once inside the range of the input".into(),
+        _ => format!("turn back only {inside} times inside the range of the input"),
+    };
+    notes.push(format!(
+        "the records {times}, so they do not show which operator has the right minor loops. Only operators whose minor \
+         loops follow from the major loops were tried, because those of measured ceramics do. To compare all \
+         operators, add a rising sine"
+    ));
+    any(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())
+}
+
+/// An operator that was compared, with its fit if there is one.
+#[derive(Debug)]
+pub(super) struct Trial {
+    pub(super) result: OperatorTrial,
+    pub(super) fitted: Option<Fitted>,
+}
+
+/// Selects the operator with the fewest parameters of those as good as the best; returns its number, and its fit. Of
+/// those with nearly the smallest error, the best has the smallest held-out error.
+pub(super) fn select(trials: &mut [Trial]) -> Result<(usize, Fitted), Error> {
+    let fitted = || trials.iter().filter_map(|trial| Some((&trial.result, &trial.fitted.as_ref()?.held_out)));
+    let least =
+        fitted().map(|(trial, _)| hypot(trial.held_out_percent, ROUNDING_PERCENT)).fold(f64::INFINITY, f64::min);
+    let most = POLICY.free_run_decides_ratio * least;
+    let near = || fitted().filter(|(trial, _)| trial.held_out_percent <= most);
+    let most_error = ACCEPTED_RMS_RATIO * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
+    let good = near().filter(|(trial, _)| trial.error() <= most_error);
+    let best = good.min_by(|p, q| p.0.held_out_percent.total_cmp(&q.0.held_out_percent)).map(|(_, best)| best.clone());
+    for Trial { result, fitted } in trials.iter_mut() {
+        let is_as_good = |fitted: &Fitted| best.as_ref().is_some_and(|best| fitted.held_out.is_as_good_as(best));
+        result.as_good = result.error() <= most_error && fitted.as_ref().is_some_and(is_as_good);
+        result.verdict = match (result.as_good, result.refused.is_some()) {
+            (true, _) => "as good",
+            (_, true) => "refused",
+            _ => "",
+        };
+    }
+    let good = (0..trials.len()).filter(|&k| trials[k].result.as_good);
+    let selected = good.min_by_key(|&k| trials[k].result.parameters);
+    let Some((k, fitted)) = selected.and_then(|k| Some((k, trials[k].fitted.clone()?))) else {
+        let each = trials.iter().map(|trial| {
+            let why = trial.result.refused.as_deref();
+            let why = why.unwrap_or("its equations have no solution: check units and columns");
+            format!("{}: {why}", trial.result.operator)
+        });
+        let because = each.collect::<Vec<_>>().join("; ");
+        return Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because });
+    };
+    trials[k].result.verdict = SELECTED;
+    Ok((k, fitted))
+}
+
+/// The reason for the selected operator; `None` if only one was tried.
+pub(crate) fn reason_for_operator(trials: &[OperatorTrial]) -> Option<String> {
+    let by =
+        |error: fn(&OperatorTrial) -> f64| move |p: &&OperatorTrial, q: &&OperatorTrial| error(p).total_cmp(&error(q));
+    let good = || trials.iter().filter(|t| t.as_good);
+    let (best, selected) = (good().min_by(by(|t| t.held_out_percent))?, trials.iter().find(|t| t.is_selected())?);
+    let others = trials.iter().filter(|t| !t.as_good && t.refused.is_none() && t.error() >= best.error());
+    let next = others.min_by(by(OperatorTrial::error));
+    let (name, error) = (selected.operator, short(selected.error()));
+    let simplest = match (best.operator == name, good().count()) {
+        (true, 1) => format!("{name} predicts best: {error} % rms/pp, held out or in free run"),
+        (true, _) => format!(
+            "{name} predicts best: {error} % rms/pp, held out or in free run; it is the simplest of those that are as good"
+        ),
+        (false, _) => format!(
+            "{name} has an error of {error} % rms/pp, held out or in free run, equal to the {} % of {} within \
+             uncertainty, and is simpler",
+            short(best.error()),
+            best.operator
+        ),
+    };
+    let then = next.map(|next| format!("; the next is {} with {} %", next.operator, short(next.error())));
+    (trials.len() > 1).then(|| simplest + &then.unwrap_or_default())
+}
+
+impl OperatorTrial {
+    /// `free_run` is the free-run rms error over peak-to-peak.
+    pub(crate) fn of(row: &Operator, fitted: &Fitted, free_run: f64) -> Self {
+        let shape = fitted.estimate.basis.shape();
+        let (held_out_percent, free_run_percent) = (100.0 * fitted.held_out.rms_pp(), 100.0 * free_run);
+        OperatorTrial {
+            operator: row.name,
+            parameters: fitted.estimate.weights.len() + shape.len(),
+            held_out_percent,
+            free_run_percent,
+            error_percent: held_out_percent.max(free_run_percent),
+            as_good: false,
+            verdict: "",
+            shape: shape.iter().map(|shape| (shape.name, shape.value)).collect(),
+            refused: None,
+        }
+    }
+
+    /// The errors by name, for progress.
+    pub(super) fn figures(&self) -> [(&'static str, f64); 4] {
+        [
+            ("held_out_percent", self.held_out_percent),
+            ("free_run_percent", self.free_run_percent),
+            ("error_percent", self.error_percent),
+            ("parameters", self.parameters as f64),
+        ]
+    }
+
+    /// True if this operator is selected.
+    pub(super) fn is_selected(&self) -> bool {
+        self.verdict == SELECTED
+    }
+
+    /// The larger of the two errors, with rounding [%].
+    pub(super) fn error(&self) -> f64 {
+        hypot(self.error_percent, ROUNDING_PERCENT)
+    }
+
+    /// The result of an operator that could not be fitted.
+    pub fn refused(row: &Operator, why: String) -> Self {
+        OperatorTrial {
+            operator: row.name,
+            parameters: 0,
+            held_out_percent: f64::INFINITY,
+            free_run_percent: f64::INFINITY,
+            error_percent: f64::INFINITY,
+            as_good: false,
+            verdict: "refused",
+            shape: Vec::new(),
+            refused: Some(why),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_models::hysteresis::OPERATORS;
+
+    #[test]
+    fn auto_tries_what_suits_the_records_and_is_not_left_out() {
+        let u: Vec<f64> = (0..4000).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.07 * f64::from(t)).sin()).collect();
+        let records = Records::of(&[], &[Record::new(5e-4, u.clone(), u).unwrap()]).unwrap();
+        let tried = |list: &str| {
+            let found = suitable_operators(list, &records, &mut Vec::new());
+            found.map(|tried| tried.iter().map(|o| o.name).collect::<Vec<_>>()).map_err(|error| error.to_string())
+        };
+        let mut without = tried("auto").unwrap();
+        without.retain(|name| *name != "preisach");
+        assert_eq!(tried("auto,-preisach"), Ok(without));
+        let none = OPERATORS.iter().filter(|o| o.rate_independent).fold("auto".to_string(), |s, o| s + ",-" + o.name);
+        assert!(tried(&none).unwrap_err().contains("leaves out every operator that suits the records"));
+    }
+}

@@ -1,0 +1,436 @@
+//! The Hammerstein model: hysteresis, then creep, then linear dynamics, then an offset.
+//!
+//! ```text
+//! u -> (driver) -> hysteresis -> z -> creep -> linear -> + offset -> y
+//! ```
+//! The driver is a separate block if it is known; otherwise the linear block includes its effect on small steps.
+//!
+//! Why: docs/decisions/structure-and-operator-selection.md, "No further nonlinearity pays".
+
+mod domain;
+mod effort;
+mod initial_condition;
+mod inverse;
+mod loops;
+mod program;
+mod summary;
+
+pub use domain::Domain;
+pub use initial_condition::InitialCondition;
+pub use loops::{CLEAR, HiddenLoop, LoopPoints, named, remarks};
+
+use crate::creep::{Creep, Lag};
+use crate::driver::DriverModel;
+use crate::hysteresis::{self, Hysteresis};
+use crate::linear::Arx;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::system::System;
+use piezoid_records::record::{Record, Units};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::sync::Arc;
+
+/// Samples that each block processes before the next one: few enough for the nearest cache.
+const STRETCH: usize = 512;
+
+/// Samples whose voltages behind a driver are kept at a time.
+const SEEN: usize = 64;
+
+/// Largest text of a model [bytes]. Those that are identified have less than 1 MiB; parsed, a text takes 16 times its
+/// size.
+const LARGEST: usize = 16 << 20;
+
+/// The schema number of model files.
+const SCHEMA: u64 = 1;
+
+/// u -> hysteresis -> creep -> linear -> y, with the units of the records that it was identified from.
+///
+/// State: that of the hysteresis block, then of creep, then of the linear block; with a driver also its voltage and the
+/// z at that instant.
+///
+/// ```
+/// use piezoid::{System, hammerstein::Model, hysteresis::Proportional, linear::Arx};
+/// use std::sync::Arc;
+/// let hysteresis = Arc::new(Proportional::new(5e-4, 1.0)?);
+/// let model = Model::new(hysteresis, Arx::gain(5e-4, 33.0)?, 2.0)?;
+/// assert_eq!(model.simulate(&[0.0, 1.0]), [2.0, 35.0]);
+/// let again = Model::from_json(&model.to_json())?;
+/// assert_eq!(again.simulate(&[0.0, 1.0]), [2.0, 35.0]);
+/// # Ok::<(), piezoid::Error>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct Model {
+    driver: Option<DriverModel>,
+    hysteresis: Arc<dyn Hysteresis>,
+    creep: Creep,
+    linear: Arx,
+    offset: f64,
+    units: Units,
+    identified: Option<Domain>,
+    made: Value,
+}
+
+/// True if the numbers and units are equal to the bit, however the models were identified.
+impl PartialEq for Model {
+    fn eq(&self, other: &Self) -> bool {
+        let numbers = |model: &Self| model.clone().with_provenance(Value::Null).to_json();
+        numbers(self) == numbers(other)
+    }
+}
+
+impl Model {
+    /// The blocks in series; `offset` [output unit] is added to the output.
+    ///
+    /// # Errors
+    /// Returns an error if the blocks have different sampling periods or the offset is not finite.
+    pub fn new(hysteresis: Arc<dyn Hysteresis>, linear: Arx, offset: f64) -> Result<Self, Error> {
+        Model::driven(None, hysteresis, linear, offset)
+    }
+
+    /// The same behind a driver. The hysteresis block is sampled [`DriverModel::SUBSTEPS`] times faster than the linear
+    /// block.
+    ///
+    /// # Errors
+    /// The errors of [`Model::new`].
+    pub fn driven(
+        driver: Option<DriverModel>,
+        hysteresis: Arc<dyn Hysteresis>,
+        linear: Arx,
+        offset: f64,
+    ) -> Result<Self, Error> {
+        let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
+        Record::same_sampling("the hysteresis block", hysteresis.ts() * faster, "the linear block", linear.ts())?;
+        piezoid_numerics::error::finite("offset", &[offset])?;
+        let (creep, units) = (Creep::new(linear.ts(), Vec::new())?, Units::default());
+        Ok(Model { driver, hysteresis, creep, linear, offset, units, identified: None, made: Value::Null })
+    }
+
+    /// The same model with creep between the hysteresis and the linear block.
+    ///
+    /// # Errors
+    /// Returns an error if the sampling periods differ.
+    pub fn with_creep(self, creep: Creep) -> Result<Self, Error> {
+        Record::same_sampling("creep", creep.ts(), "the linear block", self.linear.ts())?;
+        Ok(Model { creep, ..self })
+    }
+
+    /// The same model with another linear block.
+    pub fn with_linear(self, linear: Arx) -> Result<Self, Error> {
+        Record::same_sampling("the linear block", linear.ts(), "creep", self.creep.ts())?;
+        Ok(Model { linear, ..self })
+    }
+
+    /// The same model with other units.
+    pub fn with_units(self, units: Units) -> Self {
+        Model { units, ..self }
+    }
+
+    /// The same model with its provenance, stored as `fit` in its file.
+    pub fn with_provenance(self, made: Value) -> Self {
+        Model { made, ..self }
+    }
+
+    /// The same model with the range of the data it was identified from, stored as `identified` in its file.
+    pub fn with_identified(self, domain: Domain) -> Self {
+        Model { identified: Some(domain), ..self }
+    }
+
+    /// The driver; `None` if it is unknown.
+    pub fn driver(&self) -> Option<&DriverModel> {
+        self.driver.as_ref()
+    }
+
+    /// The block from u to z.
+    pub fn hysteresis(&self) -> &dyn Hysteresis {
+        &*self.hysteresis
+    }
+
+    /// The creep block; it has no lags if there is no creep.
+    pub fn creep(&self) -> &Creep {
+        &self.creep
+    }
+
+    /// The block from z with creep to y.
+    pub fn linear(&self) -> &Arx {
+        &self.linear
+    }
+
+    /// Offset of the output [output unit].
+    pub fn offset(&self) -> f64 {
+        self.offset
+    }
+
+    /// Units of input and output.
+    pub fn units(&self) -> &Units {
+        &self.units
+    }
+
+    /// The range of the data it was identified from; `None` if unknown.
+    pub fn identified(&self) -> Option<&Domain> {
+        self.identified.as_ref()
+    }
+
+    /// The range of inputs it was identified from, otherwise the range of its hysteresis.
+    pub fn known_inputs(&self) -> Option<(f64, f64)> {
+        self.identified().map(|domain| (domain.u[0], domain.u[1])).or(self.hysteresis().range())
+    }
+
+    /// The provenance of the model; null if unknown.
+    pub fn provenance(&self) -> &Value {
+        &self.made
+    }
+
+    /// The model as a JSON document; the same model gives the same bytes.
+    pub fn to_json(&self) -> String {
+        let document = Document {
+            piezoid: SCHEMA,
+            ts: self.linear.ts(),
+            units: self.units.clone(),
+            driver: self.driver,
+            hysteresis: hysteresis::save(&*self.hysteresis),
+            creep: Some(self.creep.lags().to_vec()).filter(|lags| !lags.is_empty()),
+            linear: LinearDocument { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
+            offset: self.offset,
+            identified: self.identified,
+            fit: self.made.clone(),
+        };
+        // A document of strings and finite numbers always serialises.
+        serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
+    }
+
+    /// Reads a document written by [`Model::to_json`].
+    ///
+    /// # Errors
+    /// Returns an error, with the place and what to do, if the text is not JSON, not a model, or has another schema
+    /// number; and if it has more than 16 MiB.
+    pub fn from_json(text: &str) -> Result<Self, Error> {
+        if text.len() > LARGEST {
+            let [size, most] = [text.len(), LARGEST].map(|bytes| bytes.div_ceil(1 << 20));
+            return Err(Error::Content(format!("not a model file: it has {size} MiB, and models at most {most} MiB")));
+        }
+        let value: Value = serde_json::from_str(text)
+            .map_err(|e| Error::Content(format!("not a complete JSON document, perhaps cut short ({e})")))?;
+        match &value["piezoid"] {
+            Value::Number(n) if n.as_u64() == Some(SCHEMA) => {}
+            Value::Null => {
+                return Err(Error::Content("not a model file: it has no \"piezoid\" schema number".into()));
+            }
+            other => {
+                return Err(Error::Content(format!(
+                    "the model file has schema number {other}, but this version reads {SCHEMA}: read it with the \
+                     version that wrote it"
+                )));
+            }
+        }
+        let d: Document = serde_json::from_value(value).map_err(|e| Error::Content(format!("model file: {e}")))?;
+        let driver = d.driver.map(|d| DriverModel::new(d.lag_s, d.slew)).transpose()?;
+        let linear = Arx::new(d.ts, d.linear.a, d.linear.b)?;
+        let ts = if driver.is_some() { d.ts / DriverModel::SUBSTEPS as f64 } else { d.ts };
+        let model = Model::driven(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
+        let model = model.with_creep(Creep::new(d.ts, d.creep.unwrap_or_default())?)?;
+        let identified = d.identified.map(Domain::checked).transpose()?;
+        Ok(Model { identified, ..model.with_units(d.units).with_provenance(d.fit) })
+    }
+}
+
+/// A model file.
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Document {
+    piezoid: u64,
+    ts: f64,
+    #[serde(default)]
+    units: Units,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    driver: Option<DriverModel>,
+    hysteresis: Value,
+    #[serde(default)]
+    creep: Option<Vec<Lag>>,
+    linear: LinearDocument,
+    #[serde(default)]
+    offset: f64,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    identified: Option<Domain>,
+    #[serde(default)]
+    fit: Value,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LinearDocument {
+    a: Vec<f64>,
+    b: Vec<f64>,
+}
+
+impl Model {
+    /// The response of hysteresis and creep to the input, from rest: the input of the linear block.
+    pub fn crept(&self, u: &[f64]) -> Vec<f64> {
+        let (mut x, mut z) = (self.initial(), u.to_vec());
+        let [hysteresis, creep, _, driver] = self.parts(&mut x);
+        self.hidden(hysteresis, driver, &mut z);
+        self.creep.respond(creep, &mut z);
+        z
+    }
+
+    /// One-step prediction: `y[t]` from `u` up to t and measured `y` up to t-1. The actuator is at rest before the
+    /// first sample.
+    ///
+    /// # Errors
+    /// Returns an error if the series have different lengths.
+    pub fn predict(&self, u: &[f64], y: &[f64]) -> Result<Vec<f64>, Error> {
+        if u.len() != y.len() {
+            return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
+        }
+        let measured: Vec<f64> = y.iter().map(|y| y - self.offset).collect();
+        Ok(self.linear.predict(&self.crept(u), &measured).into_iter().map(|y| y + self.offset).collect())
+    }
+
+    /// The parts of a state: hysteresis, creep, linear, driver.
+    fn parts<'x>(&self, x: &'x mut [f64]) -> [&'x mut [f64]; 4] {
+        let (hysteresis, x) = x.split_at_mut(self.hysteresis.order());
+        let (creep, x) = x.split_at_mut(self.creep.order());
+        let (linear, driver) = x.split_at_mut(self.linear.order());
+        [hysteresis, creep, linear, driver]
+    }
+
+    /// Replaces the inputs in `signal` by z, and updates the states of hysteresis block and driver.
+    fn hidden(&self, hysteresis: &mut [f64], driver: &mut [f64], signal: &mut [f64]) {
+        let (Some(d), [v, z]) = (&self.driver, driver) else { return self.hysteresis.respond(hysteresis, signal) };
+        let h = self.ts() / DriverModel::SUBSTEPS as f64;
+        for stretch in signal.chunks_mut(SEEN) {
+            let mut seen = [[0.0; DriverModel::SUBSTEPS]; SEEN];
+            let seen = &mut seen[..stretch.len()];
+            for (voltages, u) in seen.iter_mut().zip(&*stretch) {
+                for voltage in voltages {
+                    *v = d.advance(*v, *u, h);
+                    *voltage = *v;
+                }
+            }
+            self.hysteresis.respond(hysteresis, seen.as_flattened_mut());
+            for (mean, after) in stretch.iter_mut().zip(seen) {
+                let mut twice = 0.0;
+                for next in *after {
+                    twice += *z + next;
+                    *z = next;
+                }
+                *mean = twice / (2 * DriverModel::SUBSTEPS) as f64;
+            }
+        }
+    }
+}
+
+impl System for Model {
+    fn ts(&self) -> f64 {
+        self.linear.ts()
+    }
+
+    fn order(&self) -> usize {
+        let driver = if self.driver.is_some() { 2 } else { 0 };
+        self.hysteresis.order() + self.creep.order() + self.linear.order() + driver
+    }
+
+    fn initial(&self) -> Vec<f64> {
+        let mut x = [self.hysteresis.initial(), self.creep.initial(), self.linear.initial()].concat();
+        x.resize(self.order(), 0.0);
+        x
+    }
+
+    fn settled(&self, u: f64) -> Vec<f64> {
+        let mut x = self.hysteresis.settled(u);
+        let z = self.hysteresis.step(&mut x.clone(), u);
+        let creep = self.creep.settled(z);
+        let crept = self.creep.step(&mut creep.clone(), z);
+        x.extend(creep);
+        x.extend(self.linear.settled(crept));
+        x.extend(self.driver.iter().flat_map(|_| [u, z]));
+        x
+    }
+
+    fn step(&self, x: &mut [f64], u: f64) -> f64 {
+        let mut signal = [u];
+        self.respond(x, &mut signal);
+        signal[0]
+    }
+
+    fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
+        let [hysteresis, creep, linear, driver] = self.parts(x);
+        for stretch in signal.chunks_mut(STRETCH) {
+            self.hidden(hysteresis, driver, stretch);
+            self.creep.respond(creep, stretch);
+            self.linear.respond(linear, stretch);
+            stretch.iter_mut().for_each(|y| *y += self.offset);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::hysteresis::OPERATORS;
+
+    #[test]
+    fn a_model_of_every_operator_is_bit_identical_after_its_file() {
+        for o in OPERATORS {
+            let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
+            let model = Model::new((o.example)(5e-4).unwrap(), linear, -0.1).unwrap();
+            assert!(!model.to_json().contains("identified"));
+            let u: Vec<f64> = (0..500).map(|t| 25.0 * (f64::from(t) * 0.1).sin()).collect();
+            let model = model.with_identified(Domain::of_input(&u, 5e-4));
+            let again = Model::from_json(&model.to_json()).unwrap();
+            assert_eq!(again.to_json(), model.to_json());
+            assert_eq!(again.identified(), model.identified());
+            assert_eq!(again.simulate(&u), model.simulate(&u));
+        }
+    }
+
+    #[test]
+    fn a_run_of_any_model_is_bit_identical_to_its_steps() {
+        let u: Vec<f64> = (0..2 * STRETCH).map(|t| 25.0 * (t as f64 * 0.1).sin()).collect();
+        for o in OPERATORS {
+            for driver in [None, Some(DriverModel::new(1e-4, Some(2e4)).unwrap())] {
+                let hysteresis =
+                    (o.example)(5e-4 / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 }).unwrap();
+                let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
+                let model = Model::driven(driver, hysteresis, linear, -0.1).unwrap();
+                let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
+                let mut x = model.initial();
+                let stepped: Vec<f64> = u.iter().map(|&u| model.step(&mut x, u)).collect();
+                assert_eq!(model.simulate(&u), stepped, "{}", o.name);
+            }
+        }
+    }
+
+    #[test]
+    fn the_errors_about_bad_documents_say_why() {
+        let message = |text: &str| Model::from_json(text).unwrap_err().to_string();
+        assert!(message("{").contains("not a complete JSON document"));
+        assert!(message("{}").contains("no \"piezoid\" schema number"));
+        assert!(message(r#"{"piezoid": 7}"#).contains("schema number 7"));
+        let model = |rest: &str| message(&format!(r#"{{"piezoid": 1, "ts": 5e-4, {rest}}}"#));
+        assert!(
+            model(r#""hysteresis": {"operator": "magic"}, "linear": {"a": [], "b": [1]}"#).contains("called `magic`")
+        );
+        assert!(model(r#""hysteresis": {}, "linear": {"a": [], "b": [1]}"#).contains("no \"operator\""));
+        assert!(model(r#""hysteresis": {"operator": "proportional", "gain": 1}"#).contains("missing field `linear`"));
+        let backwards = r#""identified": {"u": [3, -3], "hz": null, "slew": 1, "mean": [0, 0]}"#;
+        let plain = r#""hysteresis": {"operator": "proportional", "gain": 1}, "linear": {"a": [], "b": [1]}"#;
+        assert!(model(&format!("{plain}, {backwards}")).contains("ends from low to high"));
+    }
+
+    #[test]
+    fn predicting_its_own_simulation_changes_nothing_and_errors_do_not_accumulate() {
+        let plays = (hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8]).unwrap();
+        let model = Model::new(plays, block, 2.0).unwrap();
+        let model = model.with_creep(Creep::logarithmic(5e-4, 0.01, 0.1, 1.0).unwrap()).unwrap();
+        let u: Vec<f64> = (0..400).map(|t| 20.0 * (0.05 * f64::from(t)).sin()).collect();
+        let y = model.simulate(&u);
+        piezoid_testing::assert_close(&model.predict(&u, &y).unwrap(), &y, 1e-12, 1e-9);
+        let mut off = y.clone();
+        off[200] += 1.0;
+        let predicted = model.predict(&u, &off).unwrap();
+        let moved: Vec<usize> = (0..400).filter(|t| (predicted[*t] - y[*t]).abs() > 1e-6).collect();
+        assert_eq!(moved, [201, 202]);
+        assert!(model.predict(&u, &y[1..]).is_err());
+    }
+}

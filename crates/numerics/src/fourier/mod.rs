@@ -1,0 +1,156 @@
+//! Spectra, by the discrete Fourier transform.
+
+mod transform;
+
+use crate::complex::{modulus, polar};
+use libm::cos;
+use nalgebra::Complex;
+use std::f64::consts::PI;
+pub use transform::Transform;
+
+/// Width of a line in [`power`] [bins].
+pub const LINE: usize = 8;
+
+/// The power of `x` without its mean in each bin from 0 to n / 2. The window (Harris 1978, four terms,
+/// doi:10.1109/PROC.1978.10837) makes a line eight bins wide without leakage, and weights the middle of `x` most.
+pub fn power(x: &[f64]) -> Vec<f64> {
+    weighted(x, harris(x.len()))
+}
+
+/// The same without a window: all samples have equal weight; at a distance of ten bins, a line may leak 1 % of its
+/// power.
+pub fn plain_power(x: &[f64]) -> Vec<f64> {
+    weighted(x, |_| 1.0)
+}
+
+/// The spectrum with the window of [`power`], in bins from 0 to n / 2. In each bin, the mean square of white noise is
+/// its variance.
+pub fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
+    let (bins, squares) = windowed(x, harris(x.len()));
+    bins.into_iter().map(|c| c / squares.sqrt()).collect()
+}
+
+/// The amplitude of a sine in each bin from 0 to n / 2, with the window of [`power`].
+pub fn amplitudes(x: &[f64]) -> Vec<f64> {
+    let (bins, _) = windowed(x, harris(x.len()));
+    let whole: f64 = (0..x.len()).map(harris(x.len())).sum();
+    bins.iter().map(|c| 2.0 * modulus(*c) / whole).collect()
+}
+
+/// The power with a window, scaled so that the sum is the mean square.
+fn weighted(x: &[f64], window: impl Fn(usize) -> f64) -> Vec<f64> {
+    let n = x.len();
+    let (bins, squares) = windowed(x, window);
+    // Each bin also counts for its mirror image, except the first and, if n is even, the last.
+    let scale = 1.0 / (n as f64 * squares);
+    let sides = |k: usize| if k == 0 || 2 * k == n { 1.0 } else { 2.0 };
+    bins.iter().enumerate().map(|(k, c)| sides(k) * scale * c.norm_sqr()).collect()
+}
+
+/// The transform of `x` without its mean, with a window, in bins from 0 to n / 2; and the sum of squares of the window.
+fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>, f64) {
+    let n = x.len();
+    // The window is computed again, not stored: a record may have ten million samples.
+    let weights = || (0..n).map(&window);
+    // The windowed mean: any other would give a line at 0 Hz.
+    let mean = x.iter().zip(weights()).map(|(x, w)| x * w).sum::<f64>() / weights().sum::<f64>();
+    let mut bins: Vec<Complex<f64>> = x.iter().zip(weights()).map(|(x, w)| Complex::from((x - mean) * w)).collect();
+    Transform::new(n).process(&mut bins);
+    bins.truncate(n / 2 + 1);
+    bins.shrink_to_fit();
+    (bins, weights().map(|w| w * w).sum())
+}
+
+/// The window of four terms for `n` samples.
+fn harris(n: usize) -> impl Fn(usize) -> f64 {
+    move |t| {
+        let angle = std::f64::consts::TAU * (t as f64 + 0.5) / n as f64;
+        0.35875 - 0.48829 * cos(angle) + 0.14128 * cos(2.0 * angle) - 0.01168 * cos(3.0 * angle)
+    }
+}
+
+/// The sums of `x[t] x[t - p]` over t, for each lag p from 0 to n / 2.
+///
+/// Even and odd samples are the real and imaginary parts of a signal of half the length, which takes a quarter of the
+/// memory of the plain transform.
+pub fn autocorrelation(x: &[f64]) -> Vec<f64> {
+    // At twice this length, no lag up to n / 2 meets its own image.
+    let half = fast((x.len() + x.len() / 2).div_ceil(2) + 1);
+    let sample = |t: usize| x.get(t).copied().unwrap_or(0.0);
+    let mut bins: Vec<Complex<f64>> = (0..half).map(|m| Complex::new(sample(2 * m), sample(2 * m + 1))).collect();
+    let fft = Transform::new(half);
+    fft.process(&mut bins);
+    // The spectra E and O of the even and odd samples give the powers |E + w O|^2 at k and |E - w O|^2 half a turn
+    // further. Their mean and half their difference, packed in the same way, are the spectrum of the products.
+    let packed = |k: usize, bin: Complex<f64>, mirror: Complex<f64>| -> Complex<f64> {
+        let even = (bin + mirror.conj()) / 2.0;
+        let turned = polar(1.0, -PI * k as f64 / half as f64);
+        let odd = turned * (bin - mirror.conj()) * Complex::new(0.0, -0.5);
+        let mean = even.norm_sqr() + odd.norm_sqr();
+        turned.conj() * Complex::new(0.0, 2.0 * (even * odd.conj()).re) + mean
+    };
+    for k in 0..=half / 2 {
+        let mirror = (half - k) % half;
+        let (one, other) = (bins[k], bins[mirror]);
+        // The forward transform of the conjugate is the conjugate of the inverse.
+        bins[k] = packed(k, one, other).conj();
+        bins[mirror] = packed(mirror, other, one).conj();
+    }
+    fft.process(&mut bins);
+    let products = bins.iter().flat_map(|c| [c.re, -c.im]);
+    products.take(x.len() / 2 + 1).map(|sum| sum / half as f64).collect()
+}
+
+/// The smallest length from `n` on that is a power of two or three times one: its transform is fast.
+fn fast(n: usize) -> usize {
+    n.next_power_of_two().min(3 * n.div_ceil(3).next_power_of_two())
+}
+
+/// The sum of `cos(2 pi k t / n + phase)` over the harmonics k in `lines`, all below n, for t from 0 up to `n`.
+pub fn cosines(lines: &[usize], phases: &[f64], fft: &Transform) -> Vec<Complex<f64>> {
+    // The forward transform of conjugate lines: its real part is the sum of cosines.
+    let mut signal = vec![Complex::ZERO; fft.len()];
+    for (k, phase) in lines.iter().zip(phases) {
+        signal[*k] = polar(1.0, -phase);
+    }
+    fft.process(&mut signal);
+    signal
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_testing::assert_close;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn the_total_power_is_the_mean_square_and_a_line_has_its_width() {
+        let x: Vec<f64> = (0..1000).map(|t| 7.0 + 3.0 * (TAU * 0.1234 * f64::from(t)).sin()).collect();
+        let power = power(&x);
+        assert_close(&[power.iter().sum()], &[4.5], 1e-3, 0.0);
+        let line: f64 = power[123 - LINE / 2..=124 + LINE / 2].iter().sum();
+        assert!(line > 0.9999 * 4.5, "{line}");
+    }
+
+    #[test]
+    fn the_fast_autocorrelation_equals_the_direct_sums() {
+        for n in [1, 2, 3, 7, 64, 501] {
+            let x: Vec<f64> = (0..n).map(|t| ((t * t) as f64).sin() + 0.3).collect();
+            let slow: Vec<f64> = (0..=n / 2).map(|p| x[p..].iter().zip(&x).map(|(a, b)| a * b).sum()).collect();
+            assert_close(&autocorrelation(&x), &slow, 0.0, 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_fast_sum_of_cosines_equals_the_direct_sum() {
+        for n in [2, 7, 64, 500] {
+            let lines: Vec<usize> = (1..n).step_by(3).collect();
+            let phases: Vec<f64> = lines.iter().map(|k| (k * k % 7) as f64).collect();
+            let line = |t: usize, k: usize, phase: f64| (TAU * (k * t % n) as f64 / n as f64 + phase).cos();
+            let slow: Vec<f64> =
+                (0..n).map(|t| lines.iter().zip(&phases).map(|(k, phase)| line(t, *k, *phase)).sum()).collect();
+            let fast: Vec<f64> = cosines(&lines, &phases, &Transform::new(n)).iter().map(|v| v.re).collect();
+            assert_close(&fast, &slow, 0.0, 1e-11);
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! Least squares with sign constraints: minimises ½ x' H x - g' x where some x must not be negative.
+//!
+//! At the solution every constrained x is either free (positive, gradient zero) or fixed at zero (gradient not
+//! negative). Block principal pivoting starts from a guess, solves for the free x, and exchanges all x that violate
+//! their condition; usually a few iterations are enough. If it cycles, an active-set method (Lawson & Hanson) continues
+//! from the best guess: it frees one x at a time, and its step ends where another x would become negative. Every
+//! iteration decreases the sum; the number of iterations is limited to the number of x.
+//!
+//! Reference: L. F. Portugal, J. J. Judice, L. N. Vicente, Math. Comp. 63, 625 (1994), DOI
+//! 10.1090/S0025-5718-1994-1250776-4; C. L. Lawson, R. J. Hanson, Solving Least Squares Problems (1974), DOI
+//! 10.1137/1.9781611971217.
+
+use nalgebra::{DMatrix, DVector};
+
+/// Maximum number of block exchanges in a row that do not reduce the number of violations.
+const PATIENCE: usize = 4;
+
+/// Rounding tolerance below zero: of x relative to the largest x, and of the gradient relative to the largest g.
+const TINY: f64 = 1e-11;
+const LEVEL: f64 = 1e-9;
+
+/// Columns that are factorised at a time.
+const PANEL: usize = 16;
+
+/// Minimises ½ x' H x - g' x for x_k >= 0 where `signed[k]`. H is symmetric. `free` is the guess which x are positive;
+/// on return, it is the result. `None` if H is not positive definite.
+pub fn non_negative(h: &DMatrix<f64>, g: &DVector<f64>, signed: &[bool], free: &mut [bool]) -> Option<DVector<f64>> {
+    let n = g.len();
+    (0..n).for_each(|k| free[k] |= !signed[k]);
+    let (mut fewest, mut patience) = (n + 1, PATIENCE);
+    let mut best = free.to_vec();
+    while patience > 0 {
+        let mut x = solve(h, g, free)?;
+        let (smallest, gradient) = (-TINY * x.amax(), h * &x - g);
+        let is_broken = |&k: &usize| match free[k] {
+            true => signed[k] && x[k] < smallest,
+            false => gradient[k] < -LEVEL * g.amax(),
+        };
+        let broken: Vec<usize> = (0..n).filter(is_broken).collect();
+        if broken.is_empty() {
+            (0..n).filter(|&k| signed[k]).for_each(|k| x[k] = x[k].max(0.0));
+            return Some(x);
+        }
+        if broken.len() < fewest {
+            (fewest, patience, best) = (broken.len(), PATIENCE, free.to_vec());
+        } else {
+            patience -= 1;
+        }
+        broken.iter().for_each(|&k| free[k] = !free[k]);
+    }
+    free.copy_from_slice(&best);
+    downhill(h, g, signed, free)
+}
+
+/// The active-set method, from the solution for the `free` x with negative values set to zero.
+fn downhill(h: &DMatrix<f64>, g: &DVector<f64>, signed: &[bool], free: &mut [bool]) -> Option<DVector<f64>> {
+    let n = g.len();
+    let mut x = solve(h, g, free)?;
+    for k in (0..n).filter(|&k| signed[k]) {
+        free[k] &= x[k] > 0.0;
+        x[k] = x[k].max(0.0);
+    }
+    for _ in 0..n {
+        // A step to the solution for the free x, or up to the first that would become negative.
+        loop {
+            let goal = solve(h, g, free)?;
+            let negative = (0..n).filter(|&k| free[k] && signed[k] && goal[k] < 0.0);
+            let reach = |k: usize| x[k] / (x[k] - goal[k]);
+            let first = negative.min_by(|&j, &k| reach(j).total_cmp(&reach(k)));
+            let step = first.map_or(1.0, reach);
+            (0..n).for_each(|k| x[k] += step * (goal[k] - x[k]));
+            let Some(first) = first else { break };
+            (free[first], x[first]) = (false, 0.0);
+        }
+        let gradient = h * &x - g;
+        let steepest = (0..n).filter(|&k| !free[k]).min_by(|&j, &k| gradient[j].total_cmp(&gradient[k]));
+        match steepest.filter(|&k| gradient[k] < -LEVEL * g.amax()) {
+            Some(k) => free[k] = true,
+            None => break,
+        }
+    }
+    Some(x)
+}
+
+/// Solves H x = g for the `free` x; the others are 0.
+fn solve(h: &DMatrix<f64>, g: &DVector<f64>, free: &[bool]) -> Option<DVector<f64>> {
+    let active: Vec<usize> = (0..g.len()).filter(|&k| free[k]).collect();
+    let m = active.len();
+    let l = cholesky(DMatrix::from_fn(m, m, |i, j| h[(active[i], active[j])]))?;
+    let mut x = DVector::from_fn(m, |i, _| g[active[i]]);
+    l.solve_lower_triangular_mut(&mut x);
+    l.tr_solve_lower_triangular_mut(&mut x);
+    let mut all = DVector::zeros(g.len());
+    active.iter().zip(&x).for_each(|(&k, x)| all[k] = *x);
+    Some(all)
+}
+
+/// The lower triangle L of A = L L', panel by panel. `None` if A is not positive definite.
+fn cholesky(mut a: DMatrix<f64>) -> Option<DMatrix<f64>> {
+    let diagonal = a.diagonal();
+    for from in (0..a.ncols()).step_by(PANEL) {
+        let width = PANEL.min(a.ncols() - from);
+        let (done, mut panel) = a.columns_range_pair_mut(..from, from..from + width);
+        let below = done.rows_range(from..);
+        panel.rows_range_mut(from..).gemm(-1.0, &below, &below.rows(0, width).transpose(), 1.0);
+        for j in 0..width {
+            let row = from + j;
+            let (before, mut column) = panel.columns_range_pair_mut(..j, j);
+            let mut column = column.rows_range_mut(row..);
+            for before in before.column_iter() {
+                column.axpy(-before[row], &before.rows_range(row..), 1.0);
+            }
+            if column[0].is_nan() || column[0] <= 1e-14 * diagonal[row] {
+                return None;
+            }
+            let pivot = column[0].sqrt();
+            column /= pivot;
+        }
+    }
+    Some(a)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_testing::assert_close;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn the_solution_satisfies_the_optimality_conditions(
+            (n, numbers) in (1usize..40).prop_flat_map(|n| (Just(n), prop::collection::vec(-1.0f64..1.0, n * n + n)))
+        ) {
+            let (a, g) = numbers.split_at(n * n);
+            let (a, g) = (DMatrix::from_column_slice(n, n, a), DVector::from_column_slice(g));
+            let h = a.tr_mul(&a) + 0.1 * DMatrix::identity(n, n);
+            let signed: Vec<bool> = (0..n).map(|k| k % 3 != 0).collect();
+            let x = non_negative(&h, &g, &signed, &mut vec![true; n]).unwrap();
+            for k in 0..n {
+                let gradient = h.column(k).dot(&x) - g[k];
+                if signed[k] {
+                    prop_assert!(x[k] >= -1e-12 && gradient >= -1e-9 && (x[k] * gradient).abs() < 1e-9);
+                } else {
+                    prop_assert!(gradient.abs() < 1e-9);
+                }
+            }
+            let from_nothing = non_negative(&h, &g, &signed, &mut vec![false; n]).unwrap();
+            assert_close(from_nothing.as_slice(), x.as_slice(), 1e-9, 1e-8);
+            let mut some: Vec<bool> = (0..n).map(|k| k % 2 == 0 || !signed[k]).collect();
+            assert_close(downhill(&h, &g, &signed, &mut some).unwrap().as_slice(), x.as_slice(), 1e-9, 1e-8);
+        }
+    }
+
+    #[test]
+    fn a_matrix_that_is_not_positive_definite_has_no_solution() {
+        let (h, g) = (DMatrix::repeat(2, 2, 1.0), DVector::from_vec(vec![1.0, 2.0]));
+        assert_eq!(non_negative(&h, &g, &[false; 2], &mut [true; 2]), None);
+    }
+}

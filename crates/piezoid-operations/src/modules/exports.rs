@@ -1,0 +1,32 @@
+//! Code and tables for other machines.
+
+use super::{MODEL, NAME, optional};
+use crate::{Inputs, Operation, Output};
+use piezoid::{Error, OptionRow, Options};
+use piezoid_export::ExportOptions;
+use piezoid_numerics::options::options;
+
+pub(super) const OPERATIONS: &[Operation] = &[Operation {
+    name: "export",
+    summary: "the model, its inverse and its controller for another machine",
+    module: "exports",
+    roles: &[MODEL, optional("reference")],
+    options: ExportCall::rows,
+    run: |inputs, _| export(inputs),
+}];
+
+options! {
+    /// Options of `export`.
+    pub(crate) struct ExportCall {
+        /// The target language or format.
+        target: String = "c".into(), OptionRow::new(NAME).list("targets");
+    } with export: ExportOptions
+}
+
+fn export(inputs: &Inputs) -> Result<Output, Error> {
+    let (ExportCall { target, export }, columns) = (inputs.options()?, inputs.columns()?);
+    let reference = inputs.some("reference")?;
+    let along = reference.as_ref().map(|file| (file, &columns));
+    let made = export.run(&target, &inputs.one("model")?, along, None)?;
+    Ok(Output { result: made.to_json(), series: Vec::new(), files: made.files })
+}

@@ -1,0 +1,98 @@
+//! What comes before a model: drives, and records from files of all formats.
+
+use super::{NAME, named, one, optional};
+use crate::{Inputs, Operation, Output};
+use piezoid::InspectTable;
+use piezoid::excitation::Excitation;
+use piezoid::formats::{ColumnSelection, Format, Table};
+use piezoid::{Error, ExciteOptions, File, OptionRow, Options, PlanOptions, PrepareOptions, Source, Step};
+use piezoid_numerics::options::options;
+use piezoid_records::waveform::spectrum;
+use serde_json::{Value, json};
+
+pub(super) const OPERATIONS: &[Operation] = &[
+    Operation {
+        name: "inspect",
+        summary: "what a file holds, how it is read, and what seems wrong with it",
+        module: "files",
+        roles: &[one("data")],
+        options: Vec::new,
+        run: |inputs, _| inspect(inputs),
+    },
+    Operation {
+        name: "prepare",
+        summary: "a record as it is to be identified, from one as it was measured",
+        module: "files",
+        roles: &[one("data")],
+        options: PrepareOptions::rows,
+        run: |inputs, _| prepare(inputs),
+    },
+    Operation {
+        name: "excite",
+        summary: "a drive signal within the limits of a driver",
+        module: "files",
+        roles: &[],
+        options: ExciteCall::rows,
+        run: |inputs, _| excite(inputs),
+    },
+    Operation {
+        name: "plan",
+        summary: "the drives of an identification, within the limits of a driver",
+        module: "files",
+        roles: &[optional("model")],
+        options: PlanOptions::rows,
+        run: |inputs, _| plan(inputs),
+    },
+];
+
+fn inspect(inputs: &Inputs) -> Result<Output, Error> {
+    let (file, columns) = (inputs.one("data")?, inputs.columns()?);
+    let table = Table::read(&file.name, &file.bytes).map_err(|error| error.of(&file.name))?;
+    let (result, record) = table.inspect(&file.name, Format::of(&file.bytes).name, &columns);
+    let Ok(record) = record else { return Ok(Output { result, ..Output::default() }) };
+    let profile = File::new("profile.toml", table.profile(&columns).to_toml());
+    Ok(Output { result, series: named([("u", record.u()), ("y", record.y())]), files: vec![profile] })
+}
+
+fn prepare(inputs: &Inputs) -> Result<Output, Error> {
+    let steps = vec![Step::Prepare(inputs.options()?)];
+    let source = Source::new(inputs.one("data")?, inputs.columns()?, steps);
+    let (made, name) = (source.record()?, "record.csv");
+    let written = File::new(name, made.written(name)?);
+    let (mut result, _) = Table::read(name, &written.bytes)?.inspect(name, "csv", &ColumnSelection::default());
+    result["origin"] = json!(source.origin());
+    Ok(Output { result, series: named([("u", made.u()), ("y", made.y())]), files: vec![written] })
+}
+
+options! {
+    /// Options of `excite`, besides those of the signal.
+    pub(crate) struct ExciteCall {
+        /// The kind of signal.
+        kind: String = "sine".into(), OptionRow::new(NAME).list("excitations");
+    } with common: ExciteOptions
+}
+
+fn excite(inputs: &Inputs) -> Result<Output, Error> {
+    let known = |name: &str| ExciteCall::rows().iter().any(|row| row.name == name);
+    let all = inputs.request.options.iter().map(|(name, value)| (name.clone(), value.clone()));
+    let (common, own): (serde_json::Map<_, _>, serde_json::Map<_, _>) = all.partition(|(name, _)| known(name));
+    let ExciteCall { kind, common } = ExciteCall::from_json(Value::Object(common))?;
+    let made = common.run(Excitation::find(&kind)?, Value::Object(own))?;
+    let result = json!({"ts": made.ts, "unit": made.unit, "usage": made.usage, "clipped": made.clipped});
+    let file = File::new("signal.csv", made.written("signal.csv")?);
+    let (hz, amplitude) = spectrum(&made.u, made.ts);
+    let series = named([("u", &made.u), ("u/hz", &hz), ("u/amplitude", &amplitude)]);
+    Ok(Output { result, series, files: vec![file] })
+}
+
+fn plan(inputs: &Inputs) -> Result<Output, Error> {
+    let model = inputs.some("model")?.map(|file| file.model()).transpose()?;
+    let plan = inputs.options::<PlanOptions>()?.run(model.as_ref())?;
+    let mut series = Vec::new();
+    for drive in &plan.drives {
+        let (hz, amplitude) = spectrum(&drive.u, plan.ts);
+        series.push((drive.name.to_string(), drive.u.clone()));
+        series.extend([(format!("{}/hz", drive.name), hz), (format!("{}/amplitude", drive.name), amplitude)]);
+    }
+    Ok(Output { result: plan.to_json(), series, files: plan.files()? })
+}

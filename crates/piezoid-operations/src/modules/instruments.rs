@@ -1,0 +1,37 @@
+//! Controllers in the network.
+
+use super::{named, one};
+use crate::{Inputs, Operation, Output};
+use piezoid::progress::Progress;
+use piezoid::{Error, File, Options};
+use piezoid_gcs::{AcquireOptions, ConnectOptions};
+
+pub(super) const OPERATIONS: &[Operation] = &[
+    Operation {
+        name: "controller",
+        summary: "what a controller is, and the limits that it tells; nothing moves",
+        module: "instruments",
+        roles: &[],
+        options: ConnectOptions::rows,
+        run: |inputs, _| {
+            let result = inputs.options::<ConnectOptions>()?.connect()?.to_json();
+            Ok(Output { result, ..Output::default() })
+        },
+    },
+    Operation {
+        name: "acquire",
+        summary: "a drive played and recorded by a controller",
+        module: "instruments",
+        roles: &[one("drive")],
+        options: AcquireOptions::rows,
+        run: acquire,
+    },
+];
+
+fn acquire(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let options = inputs.options::<AcquireOptions>()?;
+    let made = options.run(&inputs.one("drive")?, &inputs.columns()?, progress)?;
+    let record = &made.record;
+    let file = File::new("record.csv", record.written("record.csv")?);
+    Ok(Output { result: made.to_json(), series: named([("u", record.u()), ("y", record.y())]), files: vec![file] })
+}

@@ -1,0 +1,145 @@
+//! Models, their proof and their inverses.
+
+use super::{DATA, MODEL, NAME, named, one, optional, several};
+use crate::{Inputs, Operation, Output};
+use piezoid::StatedVerdict;
+use piezoid::ValidateRecords;
+use piezoid::hammerstein::{HiddenLoop, Model};
+use piezoid::hysteresis::LoopOptions;
+use piezoid::plant::Preset;
+use piezoid::progress::Progress;
+use piezoid::validation::ValidateOptions;
+use piezoid::{CompensateOptions, Error, File, IdentifyOptions, OptionRow, Options, SimulateOptions};
+use piezoid_numerics::options::options;
+use piezoid_records::waveform::{REVERSAL, reversals};
+use serde_json::json;
+
+pub(super) const OPERATIONS: &[Operation] = &[
+    Operation {
+        name: "simulate",
+        summary: "the response of a plant or a model to an input",
+        module: "models",
+        roles: &[one("input"), optional("model")],
+        options: SimulateCall::rows,
+        run: |inputs, _| simulate(inputs),
+    },
+    Operation {
+        name: "loops",
+        summary: "the loop of a record, its separating line, and the branches of the paper",
+        module: "models",
+        roles: &[one("data"), optional("model")],
+        options: LoopOptions::rows,
+        run: |inputs, _| loops(inputs),
+    },
+    Operation {
+        name: "identify",
+        summary: "a model from measured records",
+        module: "models",
+        roles: &[several("small_signal", 0), several("large_signal", 0)],
+        options: IdentifyOptions::rows,
+        run: identify,
+    },
+    Operation {
+        name: "validate",
+        summary: "free runs of a model against records",
+        module: "models",
+        roles: &[MODEL, DATA],
+        options: ValidateOptions::rows,
+        run: |inputs, _| validate(inputs),
+    },
+    Operation {
+        name: "compensate",
+        summary: "the voltage for a requested displacement",
+        module: "models",
+        roles: &[MODEL, one("reference")],
+        options: CompensateOptions::rows,
+        run: |inputs, _| compensate(inputs),
+    },
+];
+
+options! {
+    /// Options of `simulate`.
+    pub(crate) struct SimulateCall {
+        /// The plant to simulate, unless a model is given.
+        plant: String = "pl140".into(), OptionRow::new(NAME).list("plants");
+    } with simulation: SimulateOptions
+}
+
+fn simulate(inputs: &Inputs) -> Result<Output, Error> {
+    let (options, input, columns) = (inputs.options::<SimulateCall>()?, inputs.one("input")?, inputs.columns()?);
+    let made = match inputs.some("model")? {
+        Some(model) => options.simulation.model(&model, &input, &columns),
+        None => options.simulation.plant(&(Preset::find(&options.plant)?.spec)(), &input, &columns),
+    }?;
+    let result = json!({"ts": made.ts, "units": made.units, "reached": made.reached});
+    let file = File::new("simulated.csv", made.written("simulated.csv")?);
+    Ok(Output { result, series: named([("u", &made.u), ("y", &made.y)]), files: vec![file] })
+}
+
+/// Number of points on which a branch is drawn, less one.
+const DRAWN: usize = 200;
+
+fn loops(inputs: &Inputs) -> Result<Output, Error> {
+    let record = inputs.one("data")?.record(&inputs.columns()?)?;
+    let model = inputs.some("model")?.map(|file| file.model()).transpose()?;
+    let (made, note) = inputs.options::<LoopOptions>()?.run(&record, model.as_ref())?;
+    let HiddenLoop { u, z, found, .. } = &made;
+    let (low, high) = found.branches.range();
+    let at: Vec<f64> = (0..=DRAWN).map(|k| low + (high - low) * k as f64 / DRAWN as f64).collect();
+    let rising: Vec<f64> = at.iter().map(|u| found.branches.ascending(*u)).collect();
+    let falling: Vec<f64> = at.iter().map(|u| found.branches.descending(*u)).collect();
+    let result = json!({
+        "loop": made.to_json(), "note": note, "units": record.units(), "ts": record.ts(),
+        "reversals": reversals(u, REVERSAL),
+    });
+    let series = [("u", &u[..]), ("z", z), ("at", &at), ("ascending", &rising), ("descending", &falling)];
+    Ok(Output { result, series: named(series), files: Vec::new() })
+}
+
+/// The name of the front end in the files of models.
+const FRONT_END: &str = if cfg!(target_family = "wasm") { "piezoid page" } else { "piezoid serve" };
+
+fn identify(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let (small, large) = (inputs.sources("small_signal")?, inputs.sources("large_signal")?);
+    let made = inputs.options::<IdentifyOptions>()?.run((&small, &large), FRONT_END, progress)?;
+    let result = json!({
+        "model": made.model.to_string(), "verdict": made.model.verdict(), "told": told(&made.model),
+        "notes": made.found.notes, "reasons": made.found.reasons, "found": made.to_json(),
+    });
+    Ok(Output { result, files: vec![File::new("model.json", made.model.to_json())], ..Output::default() })
+}
+
+/// The verdict on a model in words.
+fn told(model: &Model) -> Option<String> {
+    model.verdict().map(|verdict| verdict.to_string())
+}
+
+fn validate(inputs: &Inputs) -> Result<Output, Error> {
+    let model = inputs.one("model")?.model()?;
+    let made = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
+    let verdict = made.verdict(&model);
+    let mut result = made.to_json();
+    result["told"] = json!(verdict.as_ref().map(ToString::to_string));
+    result["verdict"] = json!(verdict);
+    let mut series = Vec::new();
+    for (k, compared) in made.files.iter().enumerate() {
+        let record = &compared.record;
+        result["files"][k]["ts"] = json!(record.ts());
+        result["files"][k]["units"] = json!(record.units());
+        let all = [("u", record.u()), ("y", record.y()), ("simulated", &compared.validation.simulated)];
+        series.extend(all.map(|(name, samples)| (format!("{name}/{k}"), samples.to_vec())));
+    }
+    Ok(Output { result, series, files: Vec::new() })
+}
+
+fn compensate(inputs: &Inputs) -> Result<Output, Error> {
+    let options = inputs.options::<CompensateOptions>()?;
+    let made = options.run(&inputs.one("model")?, &inputs.one("reference")?, &inputs.columns()?)?;
+    let mut result = made.to_json();
+    result["told"] = made.proven().into();
+    result["ts"] = made.ts.into();
+    result["units"] = json!(made.units);
+    let series =
+        [("requested", &*made.requested), ("shaped", &made.shaped), ("u", &made.made.u), ("y", &made.made.reached)];
+    Ok(Output { result, series: named(series), files: vec![File::new("voltage.csv", made.written("voltage.csv")?)] })
+}

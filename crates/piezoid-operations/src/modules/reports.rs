@@ -1,0 +1,95 @@
+//! What ends in pages with figures.
+
+use super::{DATA, MODEL, NAME, several};
+use crate::{Inputs, Operation, Output};
+use piezoid::ComparisonReport;
+use piezoid::ValidateRecords;
+use piezoid::plant::Preset;
+use piezoid::progress::Progress;
+use piezoid::validation::ValidateOptions;
+use piezoid::{CompareOptions, ControlOptions, Error, File, OptionRow, Options};
+use piezoid_numerics::options::options;
+use piezoid_report::report::{comparison, report, tracking};
+use piezoid_report::study::{Study, StudyOptions};
+use serde_json::json;
+
+pub(super) const OPERATIONS: &[Operation] = &[
+    Operation {
+        name: "control",
+        summary: "controllers along references, on a simulated plant",
+        module: "reports",
+        roles: &[MODEL, several("reference", 0)],
+        options: ControlCall::rows,
+        run: control,
+    },
+    Operation {
+        name: "report",
+        summary: "a page on a model and how well it predicts records",
+        module: "reports",
+        roles: &[MODEL, DATA],
+        options: ValidateOptions::rows,
+        run: |inputs, _| page(inputs),
+    },
+    Operation {
+        name: "compare",
+        summary: "free runs of several models against the same records",
+        module: "reports",
+        roles: &[several("model", 1), DATA],
+        options: CompareOptions::rows,
+        run: |inputs, _| compare(inputs),
+    },
+    Operation {
+        name: "study",
+        summary: "the comparison of the paper, on a simulated actuator",
+        module: "reports",
+        roles: &[],
+        options: StudyOptions::rows,
+        run: study,
+    },
+];
+
+options! {
+    /// Options of `control`.
+    pub(crate) struct ControlCall {
+        /// The plant that is controlled.
+        plant: String = "pl140".into(), OptionRow::new(NAME).list("plants");
+    } with control: ControlOptions
+}
+
+fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let ControlCall { plant, mut control } = inputs.options()?;
+    let files = inputs.all("reference")?;
+    control.reference.extend(files.iter().map(|file| file.name.clone()));
+    let spec = (Preset::find(&plant)?.spec)();
+    let made = control.run((&plant, &spec), &inputs.one("model")?, &files, &inputs.columns()?, progress)?;
+    let mut series = Vec::new();
+    for (k, driven) in made.driven.iter().enumerate() {
+        for (j, attempt) in driven.attempts.iter().enumerate() {
+            let Ok(attempt) = attempt else { continue };
+            let all = [("r", &attempt.run.r), ("u", &attempt.run.u), ("y", &attempt.run.y)];
+            series.extend(all.map(|(name, samples)| (format!("{name}/{k}/{j}"), samples.clone())));
+        }
+    }
+    let mut result = made.to_json();
+    result["remarks"] = json!(made.remarks());
+    Ok(Output { result, series, files: vec![File::new("control.html", tracking(&made).html())] })
+}
+
+fn page(inputs: &Inputs) -> Result<Output, Error> {
+    let model = inputs.one("model")?.model()?;
+    let made = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
+    let result = json!({"told": made.verdict(&model).map(|verdict| verdict.to_string())});
+    Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", report(&model, &made).html())] })
+}
+
+fn compare(inputs: &Inputs) -> Result<Output, Error> {
+    let options = inputs.options::<CompareOptions>()?;
+    let made = options.run(&inputs.all("model")?, &inputs.sources("data")?)?;
+    let files = vec![File::new("compare.html", comparison(&made).html())];
+    Ok(Output { result: made.to_json(), series: Vec::new(), files })
+}
+
+fn study(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let studies = inputs.options::<StudyOptions>()?.run(progress)?;
+    Ok(Output { result: Study::to_json(&studies), series: Vec::new(), files: Study::files(&studies) })
+}

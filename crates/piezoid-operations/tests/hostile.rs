@@ -1,0 +1,105 @@
+//! Generated hostile models in every call that takes one: none panics, and each ends within 10 s in a release.
+//! `PROPTEST_CASES` tries more.
+
+#![allow(clippy::unwrap_used, clippy::panic)] // a test may stop at what must not happen
+
+use piezoid::progress::Stage;
+use piezoid::{Error, File, Model};
+use piezoid_export::TARGETS;
+use piezoid_operations::{Request, run};
+use piezoid_testing::hostile::{CHANGES, changed};
+use proptest::prelude::*;
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Models unless told otherwise.
+const CASES: u32 = 12;
+
+/// Builds for tests are three times slower than releases.
+const PATIENCE: Duration = Duration::from_secs(30);
+
+/// The models of the vector files: one of every operator, and one behind a driver. And one that was identified, which
+/// states its errors.
+fn legitimate(record: &File) -> Vec<Value> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../piezoid/tests/vectors");
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let model = |file| serde_json::from_slice::<Value>(&std::fs::read(file).unwrap()).unwrap()["model"].take();
+    let options = json!({"operator": "stop", "order": 2});
+    let request = json!({"call": "identify", "options": options, "files": {"large_signal": [record.name]}});
+    let answer = run(&Request::of(request).unwrap(), std::slice::from_ref(record), &mut Stage::ignore).unwrap();
+    let identified = serde_json::from_slice(&answer.files[0].bytes).unwrap();
+    std::iter::once(identified).chain(files.iter().map(model)).collect()
+}
+
+/// The calls that take a model, with their options.
+fn calls() -> Vec<Value> {
+    let path = json!({"model": ["m.json"], "reference": ["r.csv"]});
+    let data = json!({"model": ["m.json"], "data": ["d.csv"]});
+    let mut calls = vec![
+        json!({"call": "simulate", "files": {"model": ["m.json"], "input": ["d.csv"]}}),
+        json!({"call": "validate", "files": data}),
+        json!({"call": "report", "files": data}),
+        json!({"call": "compare", "files": {"model": ["m.json", "m.json"], "data": ["d.csv"]}}),
+        json!({"call": "compensate", "options": {"clip": true, "driver": "pl140", "sweeps": 1}, "files": path}),
+        json!({"call": "control", "options": {"plant": "pl140", "controller": ["feed-forward"]}, "files": path}),
+        json!({"call": "plan", "options": {"actuator": "pl140", "bandwidth": 50}, "files": {"model": ["m.json"]}}),
+    ];
+    let export = |target: &str| {
+        let files = if target == "waveform" { path.clone() } else { json!({"model": ["m.json"]}) };
+        json!({"call": "export", "options": {"target": target}, "files": files})
+    };
+    calls.extend(TARGETS.iter().map(|target| export(target.name)));
+    calls
+}
+
+/// A record of a twin, and a path.
+fn files() -> [File; 2] {
+    let made = |name: &str, request: Value, files: &[File]| {
+        let answer = run(&Request::of(request).unwrap(), files, &mut Stage::ignore).unwrap();
+        File::new(name, answer.files[0].bytes.clone())
+    };
+    let sine = |unit: &str, amplitude: f64| {
+        let options =
+            json!({"kind": "sine", "frequency": 10, "amplitude": amplitude, "unit": unit, "ts": 5e-4, "duration": 0.3});
+        json!({"call": "excite", "options": options})
+    };
+    let drive = made("u.csv", sine("V", 20.0), &[]);
+    let simulate = json!({"call": "simulate", "options": {"plant": "pl140"}, "files": {"input": ["u.csv"]}});
+    [made("d.csv", simulate, &[drive]), made("r.csv", sine("um", 100.0), &[])]
+}
+
+/// Calls with a model; the error is an answer too, and the time that it took.
+fn answered(one: &Value, model: &Value, files: &[File]) -> (Result<(), Error>, Duration) {
+    let begun = Instant::now();
+    let files = [files, &[File::new("m.json", model.to_string())]].concat();
+    let is_named = |file: &&File| one["files"].to_string().contains(&file.name);
+    let files: Vec<File> = files.iter().filter(is_named).cloned().collect();
+    let answer = run(&Request::of(one.clone()).unwrap(), &files, &mut Stage::ignore);
+    (answer.map(drop), begun.elapsed())
+}
+
+#[test]
+fn hostile_models_end_in_every_call() {
+    let (calls, files) = (calls(), files());
+    let models = legitimate(&files[0]);
+    for one in &calls {
+        let (answer, _) = answered(one, &models[0], &files);
+        assert!(answer.is_ok(), "{one}: {answer:?}");
+    }
+    let cases = std::env::var("PROPTEST_CASES").map_or(CASES, |cases| cases.parse().unwrap());
+    proptest!(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(cases) }, |(
+        which in 0..models.len(),
+        changes in prop::collection::vec((any::<prop::sample::Index>(), 0..CHANGES), 1..3),
+    )| {
+        let change = |model, (at, how): &(prop::sample::Index, usize)| changed(model, |n| at.index(n), *how);
+        let model = changes.iter().fold(models[which].clone(), change);
+        if Model::from_json(&model.to_string()).is_ok() {
+            for one in &calls {
+                let (_, took) = answered(one, &model, &files);
+                prop_assert!(took < PATIENCE, "{} took {:?} with {}", one, took, model);
+            }
+        }
+    });
+}

@@ -1,0 +1,194 @@
+//! Converts bytes to text, or to the reason why they are not text.
+//!
+//! Text is UTF-8, UTF-16 (Excel's "Unicode text", PowerShell) or Windows-1252 (older programs), which this file tells
+//! apart by the byte-order mark, the zeros between letters, and the bytes that UTF-8 does not allow.
+
+use piezoid_numerics::error::Error;
+use std::borrow::Cow;
+
+/// Signatures of files that are taken for CSV by mistake, and what to do with them.
+const OTHERS: &[(&[u8], &str)] = &[
+    (b"PK\x03\x04", "a zip archive or an Excel workbook: unpack it, or save the sheet as CSV"),
+    (b"\x89HDF", "a damaged HDF5 file, such as .mat of version 7.3"),
+    (b"MATLAB 5.0 MAT-file", "a damaged MATLAB .mat file"),
+    (b"\x93NUMPY", "a damaged numpy .npy file"),
+    (b"\x1f\x8b", "a gzip archive: unpack it first"),
+    (b"{", "JSON, such as a model: save the samples as CSV"),
+    (b"<", "a web page or XML: save the samples as CSV"),
+    (b"PAR1", "a Parquet file: save the columns as CSV or .npz (pandas: to_csv)"),
+    (b"ARROW1", "an Arrow or Feather file: save the columns as CSV or .npz (pandas: to_csv)"),
+    (b"FEA1", "a Feather file: save the columns as CSV or .npz (pandas: to_csv)"),
+    (b"MDF ", "an MDF file of measurements: export the channels as CSV or .mat"),
+    (b"\xff\xd8\xff", "a JPEG picture"),
+    (b"\x89PNG", "a PNG picture"),
+    (b"%PDF", "a PDF document"),
+    (b"\xd0\xcf\x11\xe0", "an Excel workbook: save the sheet as CSV"),
+    (b"version https://git-lfs", "a pointer of Git LFS, not the data: fetch them with `git lfs pull`"),
+];
+
+/// How bytes stand for letters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Encoding {
+    Utf8,
+    Utf16Le,
+    Utf16Be,
+    Windows1252,
+}
+
+/// The letters of the bytes 0x80 to 0x9f in Windows-1252. All others are the first letters of Unicode.
+const WINDOWS_1252: [char; 32] = [
+    '\u{20ac}', '\u{81}', '\u{201a}', '\u{192}', '\u{201e}', '\u{2026}', '\u{2020}', '\u{2021}', //
+    '\u{2c6}', '\u{2030}', '\u{160}', '\u{2039}', '\u{152}', '\u{8d}', '\u{17d}', '\u{8f}', //
+    '\u{90}', '\u{2018}', '\u{2019}', '\u{201c}', '\u{201d}', '\u{2022}', '\u{2013}', '\u{2014}', //
+    '\u{2dc}', '\u{2122}', '\u{161}', '\u{203a}', '\u{153}', '\u{9d}', '\u{17e}', '\u{178}',
+];
+
+impl Encoding {
+    /// The encoding that the byte-order mark tells, or else the bytes, and the length of the mark.
+    fn of(bytes: &[u8]) -> (Encoding, usize) {
+        match bytes {
+            [0xef, 0xbb, 0xbf, ..] => (Encoding::Utf8, 3),
+            [0xff, 0xfe, ..] => (Encoding::Utf16Le, 2),
+            [0xfe, 0xff, ..] => (Encoding::Utf16Be, 2),
+            [a, 0, b, 0, ..] if *a > 0 && *b > 0 => (Encoding::Utf16Le, 0),
+            [0, a, 0, b, ..] if *a > 0 && *b > 0 => (Encoding::Utf16Be, 0),
+            _ if std::str::from_utf8(bytes).is_ok() => (Encoding::Utf8, 0),
+            _ => (Encoding::Windows1252, 0),
+        }
+    }
+
+    /// The text; what stands for no letter becomes U+FFFD.
+    fn text(self, bytes: &[u8]) -> Cow<'_, str> {
+        match self {
+            Encoding::Utf8 => String::from_utf8_lossy(bytes),
+            Encoding::Utf16Le => utf16(bytes, u16::from_le_bytes).into(),
+            Encoding::Utf16Be => utf16(bytes, u16::from_be_bytes).into(),
+            Encoding::Windows1252 => bytes.iter().map(|byte| windows_1252(*byte)).collect::<String>().into(),
+        }
+    }
+}
+
+fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
+    let (pairs, rest) = bytes.as_chunks::<2>();
+    let letters = char::decode_utf16(pairs.iter().map(|pair| unit(*pair)));
+    let cut = (!rest.is_empty()).then_some(char::REPLACEMENT_CHARACTER);
+    letters.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).chain(cut).collect()
+}
+
+fn windows_1252(byte: u8) -> char {
+    let special = byte.checked_sub(0x80).and_then(|at| WINDOWS_1252.get(usize::from(at)));
+    special.copied().unwrap_or(char::from(byte))
+}
+
+/// The text, without its byte-order mark.
+pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
+    let (encoding, mark) = Encoding::of(bytes);
+    let bytes = &bytes[mark..];
+    if let Some((_, kind)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
+        return Err(Error::Content(format!("this is not text with columns but {kind}")));
+    }
+    let control = |b: &u8| *b < b' ' && !b"\t\n\r\x0c\x1a".contains(b);
+    if encoding == Encoding::Windows1252 && bytes.iter().take(4096).any(control) {
+        let at = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), |_| 0);
+        return Err(Error::Content(format!(
+            "this is not text with columns: byte 0x{:02x} on line {} is not text; if it is another format, give it the \
+             right extension",
+            bytes.get(at).copied().unwrap_or_default(),
+            line_at(bytes, at)
+        )));
+    }
+    let text = encoding.text(bytes);
+    match text.find('\0') {
+        None => Ok(text),
+        Some(at) => Err(Error::Line {
+            line: line_at(text.as_bytes(), at),
+            column: None,
+            problem: "a NUL byte, which is not allowed in text: the file is damaged from here on (was it written \
+                      completely?)"
+                .into(),
+        }),
+    }
+}
+
+/// The lines with their numbers, from 1. A line ends with a line feed, a carriage return, or both.
+pub(in crate::formats) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)> + Clone {
+    let end = if text.contains('\n') { '\n' } else { '\r' };
+    // A carriage return before a line feed remains; readers of cells treat it as a space.
+    (1..).zip(text.split(end))
+}
+
+/// The line, from 1, of a position in the file.
+fn line_at(bytes: &[u8], at: usize) -> u64 {
+    let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
+    1 + bytes.iter().take(at).filter(|b| **b == end).count() as u64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn refusal(bytes: &[u8]) -> String {
+        decode(bytes).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn text_is_read_in_its_encoding() {
+        let text = "Weg (\u{b5}m)\tU\n0,1\t2\n";
+        let units: Vec<u16> = text.encode_utf16().collect();
+        let little: Vec<u8> = units.iter().flat_map(|unit| unit.to_le_bytes()).collect();
+        let big: Vec<u8> = units.iter().flat_map(|unit| unit.to_be_bytes()).collect();
+        let latin: Vec<u8> = text.chars().map(|c| c as u8).collect();
+        for bytes in [
+            text.as_bytes().to_vec(),
+            [b"\xEF\xBB\xBF", text.as_bytes()].concat(),
+            [b"\xFF\xFE", &little[..]].concat(),
+            [b"\xFE\xFF", &big[..]].concat(),
+            little,
+            big,
+            latin,
+        ] {
+            assert_eq!(decode(&bytes).unwrap(), text, "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn older_programs_write_signs_that_unicode_has_elsewhere() {
+        let bytes = b"\x80 \x81 \x8c \x96 \x9f \xa0 \xb5 \xff\n";
+        let signs = "\u{20ac} \u{81} \u{152} \u{2013} \u{178} \u{a0} \u{b5} \u{ff}\n";
+        assert_eq!(decode(bytes).unwrap(), signs);
+    }
+
+    #[test]
+    fn damaged_letters_are_replaced() {
+        let cases: [(&[u8], &str); 3] = [
+            (b"\xEF\xBB\xBFa\xB5b", "a\u{fffd}b"),
+            (b"\xFF\xFEa\0\x00\xD8b\0", "a\u{fffd}b"),
+            (b"\xFE\xFF\0ab", "a\u{fffd}"),
+        ];
+        for (bytes, text) in cases {
+            assert_eq!(decode(bytes).unwrap(), text, "{bytes:?}");
+        }
+    }
+
+    #[test]
+    fn a_binary_file_is_named() {
+        assert_eq!(
+            refusal(b"PK\x03\x04\x14\0\x06\0"),
+            "this is not text with columns but a zip archive or an Excel workbook: unpack it, or save the sheet as CSV"
+        );
+        assert!(refusal(b"\x89HDF\r\n\x1a\n").contains("HDF5"));
+        assert_eq!(
+            refusal(b"\x7fELF\x02\x01\x01\xd0\n"),
+            "this is not text with columns: byte 0xd0 on line 1 is not text; if it is another format, give it the \
+             right extension"
+        );
+    }
+
+    #[test]
+    fn a_nul_byte_is_named_with_its_line() {
+        assert_eq!(
+            refusal(b"t_s,u_V\n0,1\n0.1,2\n\0\0\0\0"),
+            "line 4: a NUL byte, which is not allowed in text: the file is damaged from here on (was it written completely?)"
+        );
+    }
+}

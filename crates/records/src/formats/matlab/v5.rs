@@ -1,0 +1,191 @@
+//! Versions 5 and 7: nested elements, each after a tag with its type and length. Version 7 deflates every variable.
+//!
+//! Numbers are stored in the smallest sufficient type, whatever the class of their array. A single cell is read as its
+//! content, and cells of single numbers as a vector.
+
+use crate::formats::Channel;
+use crate::formats::bytes::{
+    DEEPEST, NumberFormat, NumberKind, Unpacking, damaged, length, part, shape, size, text, vector,
+};
+use crate::formats::tree::Node;
+use piezoid_numerics::error::Error;
+
+/// Bytes of the text at the start of a file, with version and byte order.
+const HEAD: usize = 128;
+/// Types of elements.
+const MATRIX: usize = 14;
+const COMPRESSED: usize = 15;
+/// The flag of an array of complex numbers.
+const COMPLEX: usize = 0x800;
+
+/// True if a file has the signature of these versions.
+pub(super) fn begins(file: &[u8]) -> bool {
+    matches!(file.get(HEAD - 4..HEAD), Some([_, 1, b'I', b'M'] | [1, _, b'M', b'I']))
+}
+
+/// The variables.
+pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Node)>, Error> {
+    let big = file.get(HEAD - 2) == Some(&b'M');
+    let mut unpacking = Unpacking::of(file);
+    let mut variables = Vec::new();
+    let mut elements = Elements { bytes: file, at: HEAD, big };
+    while elements.at < file.len() {
+        let element = elements.next()?;
+        let (name, value) = if let (COMPRESSED, packed) = element {
+            let bytes = unpacking.zlib(packed)?;
+            array(Elements { bytes: &bytes, at: 0, big }.next()?, big, 0)?
+        } else {
+            array(element, big, 0)?
+        };
+        // Variables without a name are MATLAB's own.
+        if !name.is_empty() {
+            variables.push((name, value));
+        }
+    }
+    Ok(variables)
+}
+
+/// The name and the value of an array.
+fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(String, Node), Error> {
+    let other = |what: &str| Node::other(what);
+    if kind != MATRIX || depth > DEEPEST {
+        return Err(damaged(format!("an element of type {kind}, {depth} deep, where an array should stand")));
+    }
+    if bytes.is_empty() {
+        return Ok((String::new(), other("empty")));
+    }
+    let mut parts = Elements { bytes, at: 0, big };
+    let (_, flags) = parts.next()?;
+    let flags = length(flags, 0, 4, big)?;
+    // An opaque object states its name in place of its dimensions.
+    let dims = if flags & 0xff == 17 { Vec::new() } else { parts.lengths()? };
+    let name = text(parts.next()?.1);
+    let value = match flags & 0xff {
+        1 => cells(&mut parts, &dims, depth)?,
+        2 => structures(&mut parts, size(&dims)?, depth)?,
+        4 if size(&dims)? == 0 || dims.first() == Some(&1) => Node::Text(parts.letters()?),
+        4 => other("text"),
+        5 => other("a sparse matrix"),
+        6..=15 if flags & COMPLEX > 0 => other("complex numbers"),
+        6..=15 => {
+            let samples = match vector(&dims)? {
+                Ok(n) => Ok(parts.numbers(n)?),
+                Err(what) => Err(what),
+            };
+            Node::series(samples, None)
+        }
+        class => other(&format!("an object of class {class}")),
+    };
+    Ok((name, value))
+}
+
+/// Cells, one array each.
+fn cells(parts: &mut Elements<'_>, dims: &[usize], depth: usize) -> Result<Node, Error> {
+    let count = size(dims)?;
+    let mut samples = Vec::new();
+    let mut items = Vec::new();
+    for _ in 0..count {
+        let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
+        match value {
+            value if count == 1 => return Ok(value),
+            Node::Series(Channel { samples: Ok(single), .. }) if single.len() == 1 && items.is_empty() => {
+                samples.extend(single);
+            }
+            Node::Fields(fields) if samples.is_empty() => items.push(Node::Fields(fields)),
+            _ => return Ok(Node::other(format!("cells, {}", shape(dims)))),
+        }
+    }
+    if !items.is_empty() {
+        return Ok(Node::Items(items));
+    }
+    Ok(Node::series(vector(dims)?.map(|_| samples), None))
+}
+
+/// A structure, or several with the same fields.
+fn structures(parts: &mut Elements<'_>, count: usize, depth: usize) -> Result<Node, Error> {
+    let width = parts.lengths()?.first().copied().unwrap_or(0).max(1);
+    let (_, names) = parts.next()?;
+    let mut items = Vec::new();
+    for _ in 0..count {
+        // Structures without fields take no bytes.
+        if names.is_empty() {
+            break;
+        }
+        let mut fields = Vec::new();
+        for name in names.chunks(width) {
+            let (_, value) = array(parts.next()?, parts.big, depth + 1)?;
+            fields.push((text(name), value));
+        }
+        items.push(Node::Fields(fields));
+    }
+    Ok(match items.pop() {
+        Some(only) if items.is_empty() => only,
+        last => Node::Items(items.into_iter().chain(last).collect()),
+    })
+}
+
+/// A sequence of elements.
+struct Elements<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big: bool,
+}
+
+impl<'a> Elements<'a> {
+    /// The next element: its type and its bytes.
+    fn next(&mut self) -> Result<(usize, &'a [u8]), Error> {
+        let &mut Elements { bytes, at, big } = self;
+        let tag = length(bytes, at, 4, big)?;
+        // Up to four bytes are stored within the tag.
+        if tag >> 16 > 0 {
+            self.at += 8;
+            return Ok((tag & 0xffff, part(bytes, at + 4, (tag >> 16).min(4))?));
+        }
+        let element = part(bytes, at + 8, length(bytes, at + 4, 4, big)?)?;
+        // All elements except compressed ones are padded to eight bytes; the padding of the last one may be missing.
+        let end = at + 8 + element.len();
+        self.at = if tag == COMPRESSED { end } else { end.next_multiple_of(8).min(bytes.len()) };
+        Ok((tag, element))
+    }
+
+    /// The next element as integers of four bytes, which are lengths.
+    fn lengths(&mut self) -> Result<Vec<usize>, Error> {
+        let (_, bytes) = self.next()?;
+        (0..bytes.len() / 4).map(|k| length(bytes, 4 * k, 4, self.big)).collect()
+    }
+
+    /// The next element as a line of text: UTF-8, or code units of 16 bits.
+    fn letters(&mut self) -> Result<String, Error> {
+        let (kind, bytes) = self.next()?;
+        if kind != 4 && kind != 17 {
+            return Ok(String::from_utf8_lossy(bytes).into_owned());
+        }
+        let unit = |pair: &[u8]| {
+            let pair = [pair[0], pair[1]];
+            if self.big { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
+        };
+        Ok(String::from_utf16_lossy(&bytes.chunks_exact(2).map(unit).collect::<Vec<_>>()))
+    }
+
+    /// The next element as `count` numbers.
+    fn numbers(&mut self, count: usize) -> Result<Vec<f64>, Error> {
+        let (kind, bytes) = self.next()?;
+        let (number, size) = match kind {
+            1 => (NumberKind::Signed, 1),
+            2 => (NumberKind::Unsigned, 1),
+            3 => (NumberKind::Signed, 2),
+            4 => (NumberKind::Unsigned, 2),
+            5 => (NumberKind::Signed, 4),
+            6 => (NumberKind::Unsigned, 4),
+            7 => (NumberKind::Float, 4),
+            9 => (NumberKind::Float, 8),
+            12 => (NumberKind::Signed, 8),
+            13 => (NumberKind::Unsigned, 8),
+            other => return Err(damaged(format!("numbers of the unknown type {other}"))),
+        };
+        if count.checked_mul(size) != Some(bytes.len()) {
+            return Err(damaged(format!("{} bytes for {count} numbers of {size} bytes", bytes.len())));
+        }
+        Ok(NumberFormat { kind: number, size, big: self.big }.read(bytes, size).unwrap_or_default())
+    }
+}

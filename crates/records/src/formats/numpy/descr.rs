@@ -1,0 +1,142 @@
+//! The type and shape of an array: the header of a `.npy` file.
+
+use super::literal::{Literal, parse};
+use crate::formats::bytes::{DEEPEST, NumberFormat, NumberKind, damaged, shape, size};
+use crate::formats::quote::quoted;
+use piezoid_numerics::error::Error;
+
+/// The header of a file.
+#[derive(Debug, PartialEq)]
+pub(super) struct ArrayHead {
+    pub(super) descr: Descr,
+    pub(super) dims: Vec<usize>,
+}
+
+/// The type of an element.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Descr {
+    Numbers(NumberFormat),
+    /// Points in time or time differences, integers of 8 bytes; a tick is `unit` / `per_second` seconds.
+    Instants {
+        big: bool,
+        unit: f64,
+        per_second: f64,
+    },
+    Fields(Vec<(String, Descr)>),
+    /// A description of a type that is not a real number, and its bytes.
+    Other(String, usize),
+}
+
+/// Reads the header of a file.
+pub(super) fn head(bytes: &[u8]) -> Result<ArrayHead, Error> {
+    let text = String::from_utf8_lossy(bytes);
+    let wrong = || damaged(format!("the description of an array, {:.60?}", text.trim()));
+    let Literal::Dict(entries) = parse(&text)? else { return Err(wrong()) };
+    let entry = |wanted: &str| {
+        let found = entries.iter().find(|(key, _)| *key == Literal::Text(wanted.into()));
+        found.map(|(_, value)| value).ok_or_else(wrong)
+    };
+    let descr = descr(entry("descr")?, 0).ok_or_else(wrong)?;
+    Ok(ArrayHead { descr, dims: dims(entry("shape")?).ok_or_else(wrong)? })
+}
+
+fn dims(literal: &Literal) -> Option<Vec<usize>> {
+    let dim = |value: &Literal| if let Literal::Number(dim) = value { Some(*dim) } else { None };
+    if let Literal::List(values) = literal { values.iter().map(dim).collect() } else { None }
+}
+
+fn descr(literal: &Literal, depth: usize) -> Option<Descr> {
+    match literal {
+        Literal::Text(code) => plain(code),
+        Literal::List(fields) if depth < DEEPEST => {
+            Some(Descr::Fields(fields.iter().map(|f| field(f, depth)).collect::<Option<_>>()?))
+        }
+        _ => None,
+    }
+}
+
+/// A name, possibly with a title before it, a type, and possibly a shape.
+fn field(literal: &Literal, depth: usize) -> Option<(String, Descr)> {
+    let Literal::List(parts) = literal else { return None };
+    let (name, kind, dims) = match &parts[..] {
+        [name, kind] => (name, kind, None),
+        [name, kind, shape] => (name, kind, Some(dims(shape)?)),
+        _ => return None,
+    };
+    let name = match name {
+        Literal::Text(name) => name,
+        Literal::List(parts) => match &parts[..] {
+            [_, Literal::Text(name)] => name,
+            _ => return None,
+        },
+        _ => return None,
+    };
+    let descr = descr(kind, depth + 1)?;
+    let descr = match dims {
+        None => descr,
+        Some(dims) => {
+            Descr::Other(format!("of shape {} a row", shape(&dims)), descr.size()?.checked_mul(size(&dims).ok()?)?)
+        }
+    };
+    Some((name.clone(), descr))
+}
+
+/// A type such as `<f8` or `<M8[us]`.
+fn plain(code: &str) -> Option<Descr> {
+    let (order, rest) = match code.chars().next()? {
+        order @ ('<' | '>' | '|' | '=') => (order, &code[1..]),
+        _ => ('<', code),
+    };
+    let kind = rest.chars().next()?;
+    let (digits, unit) = rest[kind.len_utf8()..].split_once('[').unwrap_or((&rest[kind.len_utf8()..], ""));
+    let size: usize = if kind == 'O' { 8 } else { digits.parse().ok()? };
+    let (big, what) = (order == '>', || format!("of type {}", quoted(code)));
+    let numbers = |kind| Some(Descr::Numbers(NumberFormat { kind, size, big }));
+    match kind {
+        'f' if matches!(size, 2 | 4 | 8) => numbers(NumberKind::Float),
+        'i' if matches!(size, 1 | 2 | 4 | 8) => numbers(NumberKind::Signed),
+        'u' if matches!(size, 1 | 2 | 4 | 8) => numbers(NumberKind::Unsigned),
+        'b' if size == 1 => numbers(NumberKind::Unsigned),
+        'M' | 'm' if size == 8 => Some(match seconds(unit.trim_end_matches(']')) {
+            Some((unit, per_second)) => Descr::Instants { big, unit, per_second },
+            None => Descr::Other(what(), size),
+        }),
+        'U' => Some(Descr::Other("text".into(), size.checked_mul(4)?)),
+        'S' | 'a' => Some(Descr::Other("text".into(), size)),
+        'O' => Some(Descr::Other("Python objects".into(), 8)),
+        _ => Some(Descr::Other(what(), size)),
+    }
+}
+
+/// A unit of time, such as `us` or `10us`: the quotient of the two numbers is its duration [s].
+fn seconds(unit: &str) -> Option<(f64, f64)> {
+    let digits = unit.len() - unit.trim_start_matches(|c: char| c.is_ascii_digit()).len();
+    let count: f64 = if digits > 0 { unit[..digits].parse().ok()? } else { 1.0 };
+    let (each, per_second) = match &unit[digits..] {
+        "W" => (604_800.0, 1.0),
+        "D" => (86_400.0, 1.0),
+        "h" => (3600.0, 1.0),
+        "m" => (60.0, 1.0),
+        "s" => (1.0, 1.0),
+        "ms" => (1.0, 1e3),
+        "us" => (1.0, 1e6),
+        "ns" => (1.0, 1e9),
+        "ps" => (1.0, 1e12),
+        "fs" => (1.0, 1e15),
+        "as" => (1.0, 1e18),
+        _ => return None,
+    };
+    Some((count * each, per_second))
+}
+
+impl Descr {
+    /// Bytes per element; `None` if the number is too large.
+    pub(super) fn size(&self) -> Option<usize> {
+        match self {
+            Descr::Numbers(numbers) => Some(numbers.size),
+            Descr::Instants { .. } => Some(8),
+            Descr::Fields(fields) => fields.iter().try_fold(0, |sum: usize, (_, field)| sum.checked_add(field.size()?)),
+            Descr::Other(_, size) => Some(*size),
+        }
+    }
+}

@@ -1,0 +1,82 @@
+//! Uneven times made even: the samples between straight lines, where a record is resampled anyway.
+//!
+//! ```text
+//! x(k Ts) = x[i] + (k Ts - t[i]) / (t[i+1] - t[i]) (x[i+1] - x[i]),   t[i] <= k Ts < t[i+1]
+//! ```
+//! Straight lines never amplify noise, however close two stamps are. Of a sine they lose up to (omega h)^2 / 8, h being
+//! the step: 1.2 % at a twentieth of the sampling rate. Input and output lose the same. Ts is the wanted sampling
+//! period, or a whole fraction of it near the median step, so that the filter against aliases can follow.
+//!
+//! It does not do: bridge long gaps, where nobody knows the samples.
+
+use super::super::time::{GAP, rounded};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::{exact, round};
+use serde_json::Value;
+
+/// Maximum number of samples.
+const MOST: f64 = 1e8;
+
+/// An even grid over uneven times.
+#[derive(Debug, PartialEq)]
+pub(super) struct Even {
+    /// Sampling period [s].
+    pub(super) ts: f64,
+    /// The step of the record's history.
+    pub(super) step: String,
+    /// For each sample of the grid, the sample before it and the share of the next one.
+    places: Vec<(usize, f64)>,
+}
+
+impl Even {
+    /// The grid over times [s] with a median step, for a sampling period; the first time is `start` [s] in the file.
+    pub(super) fn over(t: &[f64], median: f64, wanted: Option<f64>, start: f64) -> Result<Even, Error> {
+        let wanted = wanted.unwrap_or(median);
+        piezoid_numerics::error::positive("resample", wanted, "seconds")?;
+        let steps = || t.windows(2).map(|pair| pair[1] - pair[0]);
+        let (least, most) = piezoid_numerics::series::ends(steps());
+        if let Some(k) = steps().position(|step| step > GAP * median) {
+            let (from, to) = (start + t[k] - t[0], start + t[k + 1] - t[0]);
+            let problem = format!(
+                "there is no sample from {} s to {} s, more than {GAP} steps of {} s: cut the record there: ",
+                rounded(from, 6),
+                rounded(to, 6),
+                rounded(median, 6)
+            );
+            // The longer part remains.
+            let cut = if 2 * k > t.len() { "to" } else { "from" };
+            return Err(Error::Content(problem).advised(vec![(cut, Value::from(rounded(to, 12)))]));
+        }
+        let ts = wanted / (wanted / median).round().max(1.0);
+        let duration = t[t.len() - 1] - t[0];
+        let count = (duration / ts + 1e-6).floor() + 1.0;
+        if count > MOST {
+            let least = round(duration / MOST);
+            let rule = format!("the record would have {} samples: choose {least} s or more", exact(count));
+            return Err(Error::parameter("resample", format!("{} s", round(wanted)), rule));
+        }
+        let mut places = Vec::with_capacity(count as usize);
+        let mut before = 0;
+        for k in 0..count as usize {
+            let here = t[0] + k as f64 * ts;
+            while before + 2 < t.len() && t[before + 1] <= here {
+                before += 1;
+            }
+            let share = (here - t[before]) / (t[before + 1] - t[before]);
+            places.push((before, share.clamp(0.0, 1.0)));
+        }
+        let step = format!(
+            "uneven times (steps of {} s to {} s, {} s in the median): interpolated by straight lines, every {} s",
+            round(least),
+            round(most),
+            round(median),
+            round(ts)
+        );
+        Ok(Even { ts, step, places })
+    }
+
+    /// The samples on the grid.
+    pub(super) fn interpolated(&self, x: &[f64]) -> Vec<f64> {
+        self.places.iter().map(|(before, share)| x[*before] + share * (x[before + 1] - x[*before])).collect()
+    }
+}

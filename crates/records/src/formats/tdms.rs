@@ -1,0 +1,413 @@
+//! TDMS, as LabVIEW and NI's programs write it: groups of channels in segments.
+//!
+//! ```text
+//! segment   "TDSm", flags, version, length, length of the metadata; metadata; raw data
+//! metadata  objects: path, place of the raw data, properties
+//! scale     NI_Scale[0]_Scale_Type = Linear: value = slope x stored + intercept
+//! period    wf_increment [s]
+//! ```
+//! A segment repeats the objects of the one before it unless its flag says that the list is new; raw data without new
+//! metadata are more chunks of the same. Not supported: data in the layout of a DAQ card, other scales than linear
+//! ones.
+
+use super::bytes::{NumberFormat, NumberKind, Unpacking, damaged, length, part, whole};
+use super::tree::{self, Node};
+use super::{Channel, Format, Table};
+use piezoid_numerics::error::Error;
+use std::collections::HashMap;
+
+/// The row of TDMS.
+pub(super) const ROW: Format = Format {
+    name: "tdms",
+    extensions: &["tdms", "tdms_index"],
+    summary: "channels of LabVIEW",
+    reference: "NI, TDMS File Format Internal Structure, \
+                https://www.ni.com/en/support/documentation/supplemental/07/tdms-file-format-internal-structure.html",
+    matches: |bytes| bytes.starts_with(DATA) || bytes.starts_with(INDEX),
+    read,
+    write: None,
+};
+
+const DATA: &[u8] = b"TDSm";
+const INDEX: &[u8] = b"TDSh";
+/// Length of the head of a segment.
+const HEAD: usize = 28;
+/// Flags of a segment.
+const METADATA: u64 = 1 << 1;
+const NEW_LIST: u64 = 1 << 2;
+const INTERLEAVED: u64 = 1 << 5;
+const BIG: u64 = 1 << 6;
+const DAQMX: u64 = 1 << 7;
+/// Place of the raw data of an object: none, or as in the segment before.
+const NO_DATA: u64 = 0xffff_ffff;
+const AS_BEFORE: u64 = 0;
+/// Types of values.
+const TEXT: u64 = 0x20;
+const BOOLEAN: u64 = 0x21;
+const INSTANT: u64 = 0x44;
+
+fn read(bytes: &[u8]) -> Result<Table, Error> {
+    if bytes.starts_with(INDEX) {
+        return Err(Error::Content("this is the index of a TDMS file: give the .tdms file beside it".into()));
+    }
+    let mut reading = Reading {
+        bytes,
+        unpacking: Unpacking::of(bytes),
+        objects: Vec::new(),
+        paths: HashMap::new(),
+        list: Vec::new(),
+    };
+    let mut at = 0;
+    while at < bytes.len() {
+        at = reading.segment(at)?;
+    }
+    let mut groups: Vec<(String, Node)> = Vec::new();
+    for channel in reading.objects {
+        let [group, name] = &channel.path[..] else { continue };
+        let unit = channel.text("unit_string").filter(|unit| !unit.is_empty());
+        let ts = channel.number("wf_increment").filter(|step| *step > 0.0);
+        let series = Channel { name: name.clone(), unit, ts, samples: channel.samples() };
+        let node = (name.clone(), Node::Series(series));
+        match groups.iter_mut().find(|(known, _)| known == group) {
+            Some((_, Node::Fields(channels))) => channels.push(node),
+            _ => groups.push((group.clone(), Node::Fields(vec![node]))),
+        }
+    }
+    Ok(tree::table(groups))
+}
+
+/// A channel, a group or the file itself.
+#[derive(Debug, Clone)]
+struct Object {
+    /// Names of the group and of the channel; none for the file.
+    path: Vec<String>,
+    properties: Vec<(String, Property)>,
+    /// The stored numbers, or a description if they are none.
+    stored: Result<Vec<f64>, String>,
+    place: Option<Place>,
+    /// True if it is in the list of the segment.
+    is_listed: bool,
+}
+
+#[derive(Debug, Clone, PartialEq)]
+enum Property {
+    Text(String),
+    Number(f64),
+}
+
+/// Type and number of the values in a chunk.
+#[derive(Debug, Clone, Copy)]
+struct Place {
+    kind: u64,
+    count: usize,
+    /// Bytes of all values, if they are text.
+    text: usize,
+}
+
+struct Reading<'a> {
+    bytes: &'a [u8],
+    unpacking: Unpacking,
+    objects: Vec<Object>,
+    /// Their places by their paths.
+    paths: HashMap<Vec<String>, usize>,
+    /// The channels with raw data in a segment, in the order of their data.
+    list: Vec<usize>,
+}
+
+impl Reading<'_> {
+    /// Reads the segment at a position; returns the position of the next.
+    fn segment(&mut self, at: usize) -> Result<usize, Error> {
+        let bytes = self.bytes;
+        if part(bytes, at, HEAD)?.get(..4) != Some(DATA) {
+            return Err(damaged(format!("no segment stands at byte {at}")));
+        }
+        let flags = whole(bytes, at + 4, 4, false)?;
+        let big = flags & BIG > 0;
+        if flags & DAQMX > 0 {
+            return Err(Error::Content(
+                "this TDMS file holds raw data in the layout of a DAQ card: convert it in LabVIEW or with npTDMS, or \
+                 export it as CSV"
+                    .into(),
+            ));
+        }
+        // A segment that was not closed has the length 2^64 - 1: its data go on to the end of the file.
+        let next = length(bytes, at + 12, 8, big).map_or(bytes.len(), |len| at + HEAD + len).min(bytes.len());
+        let raw = at + HEAD + length(bytes, at + 20, 8, big)?;
+        if flags & METADATA > 0 {
+            if flags & NEW_LIST > 0 {
+                self.list.drain(..).for_each(|index| self.objects[index].is_listed = false);
+            }
+            let mut cursor = Cursor { bytes, at: at + HEAD, big };
+            for _ in 0..cursor.count()? {
+                self.object(&mut cursor)?;
+            }
+        }
+        let data = bytes.get(raw.min(next)..next).unwrap_or_default();
+        self.chunks(data, big, flags & INTERLEAVED > 0)?;
+        Ok(next)
+    }
+
+    /// Reads the metadata of one object.
+    fn object(&mut self, cursor: &mut Cursor<'_>) -> Result<(), Error> {
+        let path = names(&cursor.text()?);
+        let index = *self.paths.entry(path.clone()).or_insert(self.objects.len());
+        if index == self.objects.len() {
+            self.objects.push(Object {
+                path,
+                properties: Vec::new(),
+                stored: Ok(Vec::new()),
+                place: None,
+                is_listed: false,
+            });
+        }
+        let channel = &mut self.objects[index];
+        let place = cursor.number(4)?;
+        if place != NO_DATA && place != AS_BEFORE {
+            let (kind, _, count) = (cursor.number(4)?, cursor.number(4)?, cursor.number(8)?);
+            let many = |_| damaged("a chunk of too many values");
+            let text = if kind == TEXT { usize::try_from(cursor.number(8)?).map_err(many)? } else { 0 };
+            channel.place = Some(Place { kind, count: usize::try_from(count).map_err(many)?, text });
+        }
+        match (std::mem::replace(&mut channel.is_listed, place != NO_DATA), place != NO_DATA) {
+            (false, true) => self.list.push(index),
+            (true, false) => self.list.retain(|listed| *listed != index),
+            _ => {}
+        }
+        for _ in 0..cursor.count()? {
+            let (name, kind) = (cursor.text()?, cursor.number(4)?);
+            let value = cursor.property(kind)?;
+            channel.properties.retain(|(known, _)| *known != name);
+            channel.properties.push((name, value));
+        }
+        Ok(())
+    }
+
+    /// Reads the raw data of a segment: chunk after chunk, in which the values of a channel stand together or, if
+    /// interleaved, one of each channel in turn.
+    fn chunks(&mut self, data: &[u8], big: bool, interleaved: bool) -> Result<(), Error> {
+        let mut places = Vec::new();
+        let mut chunk = 0usize;
+        for &index in &self.list {
+            let Some(place) = self.objects[index].place else { continue };
+            if place.kind == TEXT {
+                self.objects[index].stored = Err("text".into());
+                places.push((index, place, 1, place.text));
+                chunk = chunk.checked_add(place.text).ok_or_else(|| damaged("a chunk of too many values"))?;
+                continue;
+            }
+            let Some(size) = size(place.kind) else {
+                // The place of the data behind it is unknown.
+                for &index in &self.list {
+                    self.objects[index].stored = Err("beside values of an unknown type".into());
+                }
+                return Ok(());
+            };
+            let bytes = place.count.checked_mul(size).ok_or_else(|| damaged("a chunk of too many values"))?;
+            places.push((index, place, size, bytes));
+            chunk = chunk.checked_add(bytes).ok_or_else(|| damaged("a chunk of too many values"))?;
+        }
+        if chunk == 0 {
+            return Ok(());
+        }
+        // Channels without values in a chunk would cost a pass each.
+        places.retain(|(_, _, _, bytes)| interleaved || *bytes > 0);
+        let row: usize = places.iter().map(|(_, _, size, _)| size).sum();
+        for chunk in data.chunks(chunk) {
+            let mut at = 0;
+            for &(index, place, size, bytes) in &places {
+                let (from, stride) = if interleaved { (at, row) } else { (at, size) };
+                at += if interleaved { size } else { bytes };
+                let values = chunk.get(from..).unwrap_or_default();
+                // The last chunk of a file that was not closed may be shorter.
+                let whole = values
+                    .len()
+                    .saturating_sub(size)
+                    .checked_div(stride)
+                    .map_or(0, |n| n + usize::from(values.len() >= size));
+                let count = place.count.min(whole);
+                self.unpacking.count(count.saturating_mul(8))?;
+                let numbers = numbers(place.kind, big).and_then(|format| {
+                    let end = if count == 0 { 0 } else { (count - 1) * stride + size };
+                    format.read(values.get(..end).unwrap_or_default(), stride)
+                });
+                let stamps = || (0..count).map(|k| stamp(values.get(k * stride..).unwrap_or_default(), big)).collect();
+                let read = if place.kind == INSTANT { stamps() } else { numbers };
+                if let (Ok(stored), Some(read)) = (&mut self.objects[index].stored, read) {
+                    stored.extend(read);
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Object {
+    fn property(&self, wanted: &str) -> Option<&Property> {
+        self.properties.iter().find(|(name, _)| name == wanted).map(|(_, value)| value)
+    }
+
+    fn number(&self, name: &str) -> Option<f64> {
+        match self.property(name)? {
+            Property::Number(value) => Some(*value),
+            Property::Text(_) => None,
+        }
+    }
+
+    fn text(&self, name: &str) -> Option<String> {
+        match self.property(name)? {
+            Property::Text(text) => Some(text.clone()),
+            Property::Number(_) => None,
+        }
+    }
+
+    /// The values: the stored numbers, scaled.
+    fn samples(&self) -> Result<Vec<f64>, String> {
+        let mut samples = self.stored.clone()?;
+        if samples.is_empty() {
+            return Err("empty".into());
+        }
+        let scaled = self.text("NI_Scaling_Status").is_some_and(|status| status == "scaled");
+        let scales = self.number("NI_Number_Of_Scales").filter(|_| !scaled).unwrap_or(0.0) as usize;
+        for k in 0..scales.min(16) {
+            let value = |name: &str| self.number(&format!("NI_Scale[{k}]_{name}"));
+            match self.text(&format!("NI_Scale[{k}]_Scale_Type")).as_deref() {
+                // A scale of another input than the values of the scale before it.
+                Some(_)
+                    if value("Linear_Input_Source").is_some_and(|from| k > 0 && from != f64::from(k as u32 - 1)) =>
+                {
+                    return Err("with scales that branch".into());
+                }
+                Some("Linear") => {
+                    let (slope, intercept) =
+                        (value("Linear_Slope").unwrap_or(1.0), value("Linear_Y_Intercept").unwrap_or(0.0));
+                    samples.iter_mut().for_each(|v| *v = *v * slope + intercept);
+                }
+                Some(kind) => return Err(format!("in counts with a scale of the kind {kind}")),
+                None => {}
+            }
+        }
+        // Points in time count from the first, which leaves their fractions.
+        if self.place.is_some_and(|place| place.kind == INSTANT) {
+            let first = samples[0];
+            samples.iter_mut().for_each(|t| *t -= first);
+        }
+        Ok(samples)
+    }
+}
+
+/// A position in metadata.
+struct Cursor<'a> {
+    bytes: &'a [u8],
+    at: usize,
+    big: bool,
+}
+
+impl Cursor<'_> {
+    fn number(&mut self, size: usize) -> Result<u64, Error> {
+        let number = whole(self.bytes, self.at, size, self.big)?;
+        self.at += size;
+        Ok(number)
+    }
+
+    /// A number of entries, of which each takes four bytes at least.
+    fn count(&mut self) -> Result<usize, Error> {
+        let count = self.number(4)? as usize;
+        part(self.bytes, self.at, count.saturating_mul(4))?;
+        Ok(count)
+    }
+
+    fn text(&mut self) -> Result<String, Error> {
+        let len = self.number(4)? as usize;
+        let text = String::from_utf8_lossy(part(self.bytes, self.at, len)?).into_owned();
+        self.at += len;
+        Ok(text)
+    }
+
+    fn property(&mut self, kind: u64) -> Result<Property, Error> {
+        if kind == TEXT {
+            return Ok(Property::Text(self.text()?));
+        }
+        let size = size(kind).ok_or_else(|| damaged(format!("a property of the unknown type {kind}")))?;
+        let value = part(self.bytes, self.at, size)?;
+        self.at += size;
+        let number = numbers(kind, self.big).and_then(|format| format.read(value, size)?.first().copied());
+        Ok(Property::Number(number.unwrap_or(f64::NAN)))
+    }
+}
+
+/// Bytes of a value of this type.
+fn size(kind: u64) -> Option<usize> {
+    Some(match kind {
+        1 | 5 | BOOLEAN => 1,
+        2 | 6 => 2,
+        3 | 7 | 9 | 0x19 => 4,
+        4 | 8 | 10 | 0x1a => 8,
+        INSTANT => 16,
+        _ => return None,
+    })
+}
+
+/// The format of numbers of this type; `None` for others.
+fn numbers(kind: u64, big: bool) -> Option<NumberFormat> {
+    let kind_of = match kind {
+        1..=4 => NumberKind::Signed,
+        5..=8 | BOOLEAN => NumberKind::Unsigned,
+        9 | 10 | 0x19 | 0x1a => NumberKind::Float,
+        _ => return None,
+    };
+    Some(NumberFormat { kind: kind_of, size: size(kind)?, big })
+}
+
+/// A point in time [s]: fractions of 2^-64 s, then whole seconds. Only the last day counts, so that the fractions stay.
+fn stamp(bytes: &[u8], big: bool) -> Option<f64> {
+    const DAYS: i64 = 86_400 * 1000;
+    let (fraction, seconds) = if big { (8, 0) } else { (0, 8) };
+    let fraction = whole(bytes, fraction, 8, big).ok()? as f64 / 2f64.powi(64);
+    let seconds = whole(bytes, seconds, 8, big).ok()? as i64;
+    Some(seconds.rem_euclid(DAYS) as f64 + fraction)
+}
+
+/// The names in a path such as `/'group'/'channel'`, in which a quote is doubled.
+fn names(path: &str) -> Vec<String> {
+    let mut names = Vec::new();
+    let mut rest = path;
+    while let Some(start) = rest.find('\'') {
+        let mut name = String::new();
+        let mut chars = rest[start + 1..].char_indices().peekable();
+        let mut end = rest.len();
+        while let Some((at, c)) = chars.next() {
+            if c != '\'' {
+                name.push(c);
+            } else if chars.next_if(|(_, next)| *next == '\'').is_some() {
+                name.push('\'');
+            } else {
+                end = start + 1 + at + 1;
+                break;
+            }
+        }
+        names.push(name);
+        rest = &rest[end..];
+    }
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_path_holds_the_names_of_group_and_channel() {
+        assert_eq!(names("/"), Vec::<String>::new());
+        assert_eq!(names("/'Log'/'Voltage'"), ["Log", "Voltage"]);
+        assert_eq!(names("/'it''s'/'a/b'"), ["it's", "a/b"]);
+        assert_eq!(names("/'open"), ["open"]);
+    }
+
+    #[test]
+    fn a_point_in_time_keeps_its_fraction() {
+        let bytes = [(1u64 << 63).to_le_bytes(), 3_700_000_000u64.to_le_bytes()].concat();
+        let turned: Vec<u8> = bytes.iter().rev().copied().collect();
+        let wanted = (3_700_000_000i64 % 86_400_000) as f64 + 0.5;
+        assert_eq!((stamp(&bytes, false), stamp(&turned, true)), (Some(wanted), Some(wanted)));
+    }
+}

@@ -1,0 +1,266 @@
+//! The sampling period from time stamps.
+//!
+//! ```text
+//! steps        d[k] = t[k] - t[k-1], every one within 1 % of their median
+//! Ts           (t[n-1] - t[0]) / (n - 1), or the decimal number that the stamps mean by it
+//! ```
+//! Stamps are decimal numbers that are read as binary ones: multiples of 0.0005 give a quotient of
+//! 5.000000000000001e-4. The period is the shortest decimal number that fits the stamps as well as the quotient does.
+//! Nothing is resampled here.
+
+use libm::{log10, pow};
+use piezoid_numerics::error::Error;
+use serde_json::Value;
+
+/// Allowed deviation from the median step, relative to it.
+const UNEVEN: f64 = 0.01;
+/// Longest step that may be bridged by interpolation, in median steps.
+pub(super) const GAP: f64 = 10.0;
+/// Relative difference of sampling periods that is rounding, as of a period beside its rate.
+const AGREED: f64 = 1e-3;
+
+/// The sampling period of the stamps `t`, in their unit; `line` is the line of a row.
+pub(super) fn period(t: &[f64], name: &str, line: &dyn Fn(usize) -> u64) -> Result<f64, Error> {
+    let refused = |row: usize, (problem, ts): (String, Option<Value>)| {
+        let error = Error::Line { line: line(row), column: Some(name.to_owned()), problem };
+        Err(match ts {
+            Some(ts) => error.advised(vec![("ts", ts)]),
+            None => error,
+        })
+    };
+    if t.len() < 2 {
+        return refused(0, ("one row is not enough to find the sampling period: ".into(), Some(Value::Null)));
+    }
+    if let Some(row) = (1..t.len()).find(|&k| t[k] <= t[k - 1]) {
+        return refused(row, not_increasing(t[row - 1], t[row]));
+    }
+    let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let median = median(steps.clone());
+    let mean = mean(t);
+    match steps.iter().position(|d| off(*d, median)) {
+        None => Ok(meant(t, mean)),
+        Some(k) => refused(k + 1, uneven(&steps, k, median, mean)),
+    }
+}
+
+/// The median step of times that increase, however unevenly.
+pub(super) fn step(t: &[f64]) -> Option<f64> {
+    let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let increases = !steps.is_empty() && steps.iter().all(|step| *step > 0.0);
+    increases.then(|| median(steps))
+}
+
+/// The first of these periods, unless another differs by more than rounding.
+pub(super) fn agreed(periods: impl IntoIterator<Item = f64>) -> Option<f64> {
+    let mut periods = periods.into_iter();
+    let first = periods.next()?;
+    periods.all(|ts| (ts / first - 1.0).abs() < AGREED).then_some(first)
+}
+
+/// The mean step.
+pub(super) fn mean(t: &[f64]) -> f64 {
+    match t {
+        [first, .., last] => (last - first) / (t.len() - 1) as f64,
+        _ => f64::NAN,
+    }
+}
+
+/// True if the stamps are those of this period, but for their rounding.
+pub(super) fn rounds(t: &[f64], period: f64) -> bool {
+    let steps = || t.windows(2).map(|pair| pair[1] - pair[0]);
+    let resolution = steps().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    // Fine stamps deviate by less than half a period; coarse ones by their resolution.
+    let allowed = if resolution > 0.9 * period && resolution < 1.5 * period { 0.5 * period } else { 1.01 * resolution };
+    let deviates = |(k, stamp): (usize, &f64)| (stamp - t[0] - k as f64 * period).abs() > allowed;
+    resolution.is_finite() && steps().all(|step| step >= 0.0) && !t.iter().enumerate().any(deviates)
+}
+
+/// A period in a unit of so many seconds, in seconds: the nearest number to the decimal product.
+pub(super) fn times(period: f64, seconds: f64) -> f64 {
+    let power = log10(seconds).round();
+    let tens = power < 0.0 && (pow(10.0, power) / seconds - 1.0).abs() < 1e-9;
+    let decimal = || {
+        format!("{period:e}")
+            .split_once('e')
+            .and_then(|(digits, own)| format!("{digits}e{}", own.parse::<i32>().ok()? + power as i32).parse().ok())
+    };
+    if tens { decimal().unwrap_or(period * seconds) } else { period * seconds }
+}
+
+/// The problem of time that stands still (perhaps because of rounding, then `ts` helps) or goes back (then it does
+/// not).
+fn not_increasing(before: f64, here: f64) -> (String, Option<Value>) {
+    if here == before {
+        let problem = format!(
+            "two rows have the time {here} s, but time must increase: delete the row if it is a duplicate; if the \
+             time stamps have too few digits, do without the time column: "
+        );
+        (problem, Some(Value::Null))
+    } else {
+        let problem = format!(
+            "time goes back from {before} s to {here} s but must increase: if a second record starts here, split the \
+             file"
+        );
+        (problem, None)
+    }
+}
+
+/// True if a step is uneven.
+fn off(step: f64, median: f64) -> bool {
+    (step - median).abs() > UNEVEN * median
+}
+
+/// The problem of step `k`: missing rows, if few steps are uneven (`ts` would only hide them), or rounded stamps.
+fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> (String, Option<Value>) {
+    let (count, all) = (steps.iter().filter(|d| off(**d, median)).count(), steps.len());
+    let found = format!(
+        "the step to this row is {} s, not {} s (the median) within 1 % (uneven steps: {count} of {all}): ",
+        rounded(steps[k], 6),
+        rounded(median, 6)
+    );
+    let missing = (steps[k] / median).round() - 1.0;
+    if missing >= 1.0 && 4 * count <= all {
+        let rows = if missing == 1.0 { "1 row seems".into() } else { format!("{missing} rows seem") };
+        let bridge = match missing < GAP {
+            true => format!(", or, to bridge the gap by a straight line, {}", resampling(median)),
+            false => String::new(),
+        };
+        (found + &format!("{rows} to be missing; cut the record or split the file here{bridge}"), None)
+    } else {
+        let problem = format!(
+            "to interpolate the record evenly, {}; if the samples are evenly spaced and only the time stamps are \
+             rounded, ",
+            resampling(mean)
+        );
+        (found + &problem, Some(rounded(mean, 6).into()))
+    }
+}
+
+/// What makes times with about this step even.
+fn resampling(step: f64) -> String {
+    format!("use `prepare` with the option resample = {}", rounded(step, 3))
+}
+
+/// The period that the stamps represent, from their mean step.
+fn meant(t: &[f64], mean: f64) -> f64 {
+    // As piezoid writes them: multiples of the second stamp, correctly rounded.
+    let multiples = |ts: f64| t.iter().enumerate().all(|(k, t)| (t - k as f64 * ts).abs() <= 2.0 * f64::EPSILON * t);
+    if multiples(t[1]) {
+        return t[1];
+    }
+    let n = (t.len() - 1) as f64;
+    let roughness = t.iter().enumerate().map(|(k, t_k)| (t_k - (t[0] + k as f64 * mean)).abs()).fold(0.0, f64::max);
+    let rounding = 4.0 * f64::EPSILON * t[0].abs().max(t[t.len() - 1].abs());
+    let fits = |ts: &f64| (ts - mean).abs() * n <= roughness + rounding;
+    (1..=15).map(|digits| rounded(mean, digits)).find(fits).unwrap_or(mean)
+}
+
+/// The nearest number with this many significant digits, at least one.
+pub(super) fn rounded(x: f64, digits: usize) -> f64 {
+    format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn below(row: usize) -> u64 {
+        row as u64 + 2
+    }
+
+    fn refusal(t: &[f64]) -> String {
+        period(t, "t_s", &below).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn the_period_is_the_decimal_number_that_was_meant() {
+        for ts in [5e-4, 0.005, 0.1, 0.3, 1.0, 2.5e-5, 1.0 / 8192.0, 7e-3, 60.0] {
+            for start in [0.0, 0.3, 12.345, 1e4] {
+                // What a logger prints: rounded to a fixed number of decimals.
+                let printed = |k: u32| format!("{:.13}", start + f64::from(k) * ts).parse::<f64>().unwrap();
+                let t: Vec<f64> = (0..3001).map(printed).collect();
+                assert_eq!(period(&t, "t_s", &below).unwrap(), ts, "start {start}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_sum_of_steps_still_means_the_step() {
+        let t: Vec<f64> = (0..20_000).scan(0.0, |t, _| Some(std::mem::replace(t, *t + 5e-4))).collect();
+        assert_eq!(period(&t, "t_s", &below).unwrap(), 5e-4);
+    }
+
+    #[test]
+    fn jitter_below_one_percent_does_not_reach_the_period() {
+        let t: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.005 + f64::from(k * 7919 % 13 - 6) * 3e-6).collect();
+        assert_eq!(period(&t, "t_s", &below).unwrap(), 0.005);
+    }
+
+    #[test]
+    fn a_clock_that_runs_fast_is_believed() {
+        let t: Vec<f64> = (0..1000).map(|k| f64::from(k) * 0.005_001_3).collect();
+        assert_eq!(period(&t, "t_s", &below).unwrap(), 0.005_001_3);
+    }
+
+    #[test]
+    fn missing_rows_are_counted_and_not_hidden_by_ts() {
+        assert_eq!(
+            refusal(&[0.0, 0.005, 0.01, 0.025, 0.03]),
+            "line 5, column t_s: the step to this row is 0.015 s, not 0.005 s (the median) within 1 % (uneven steps: 1 \
+             of 4): 2 rows seem to be missing; cut the record or split the file here, or, to bridge the gap by a \
+             straight line, use `prepare` with the option resample = 0.005"
+        );
+        assert!(refusal(&[0.0, 0.005, 0.01, 0.02, 0.025]).contains("1 row seems to be missing"));
+    }
+
+    #[test]
+    fn rough_stamps_are_told_about_ts() {
+        assert_eq!(
+            refusal(&[0.0, 0.0003, 0.0007, 0.001]),
+            "line 4, column t_s: the step to this row is 0.0004 s, not 0.0003 s (the median) within 1 % (uneven steps: 1 of 3): to interpolate the record evenly, use `prepare` with the option resample = 0.000333; if the samples are evenly spaced and only the time stamps are rounded, give `ts` = 0.000333333"
+        );
+        assert!(refusal(&[0.0, 0.001, 0.003, 0.004, 0.006, 0.007]).ends_with("give `ts` = 0.0014"));
+    }
+
+    #[test]
+    fn time_that_does_not_increase_is_refused_with_the_fitting_advice() {
+        assert_eq!(
+            refusal(&[0.0, 0.01, 0.01]),
+            "line 4, column t_s: two rows have the time 0.01 s, but time must increase: delete the row if it is a duplicate; if the time stamps have too few digits, do without the time column: give `ts`"
+        );
+        assert_eq!(
+            refusal(&[0.0, 0.01, 0.02, 0.0, 0.01]),
+            "line 5, column t_s: time goes back from 0.02 s to 0 s but must increase: if a second record starts here, \
+             split the file"
+        );
+    }
+
+    #[test]
+    fn stamps_that_are_rounded_are_not_stamps_with_gaps() {
+        let stamps =
+            |digits: f64| (0..300).map(|k| (f64::from(k) * 5e-4 * digits).floor() / digits).collect::<Vec<_>>();
+        assert!(rounds(&stamps(1e3), 5e-4) && rounds(&stamps(1e4), 5e-4) && !rounds(&stamps(1e4), 6e-4));
+        let gap: Vec<f64> = (0..300).map(|k| f64::from(k + i32::from(k > 150)) * 1e-3).collect();
+        assert!(!rounds(&gap, 1e-3));
+        let mut back = stamps(1e4);
+        back.swap(100, 101);
+        assert!(!rounds(&back, 5e-4));
+    }
+
+    #[test]
+    fn one_row_does_not_tell_a_period() {
+        assert_eq!(refusal(&[0.0]), "line 2, column t_s: one row is not enough to find the sampling period: give `ts`");
+    }
+
+    #[test]
+    fn stamps_at_the_ends_of_the_range_do_not_panic() {
+        assert!(period(&[-f64::MAX, 0.0, f64::MAX], "t_s", &below).is_ok());
+        assert!(period(&[-f64::MAX, f64::MAX], "t_s", &below).is_ok_and(f64::is_infinite));
+        assert!(period(&[0.0, 5e-324, 1e-323], "t_s", &below).is_ok());
+    }
+}

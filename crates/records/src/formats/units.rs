@@ -1,0 +1,214 @@
+//! Units as they stand in files: how each is written here, and of what it is a unit.
+//!
+//! A file says `Volt`, `[V]`, `µm` or `Mikrometer`; a record says `V` and `um`. A unit that is not known is kept as it
+//! stands.
+//!
+//! Why: docs/decisions/data-and-records.md, "Records keep the units of their files".
+
+use super::quote::shortened;
+use piezoid_numerics::number::ascii_unit;
+
+/// What a unit measures.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Quantity {
+    /// Time; so many seconds.
+    Time(f64),
+    Voltage,
+    /// A length, angle or strain: what an actuator gives.
+    Displacement,
+    /// Anything else that is known: a current, a temperature, a sample number.
+    Other,
+}
+
+/// Prefixes of ten, with their names.
+const PREFIXES: &[(&str, &str, f64)] = &[
+    ("k", "kilo", 1e3),
+    ("m", "milli", 1e-3),
+    ("u", "micro", 1e-6),
+    ("n", "nano", 1e-9),
+    ("p", "pico", 1e-12),
+    ("", "", 1.0),
+];
+/// Units that take these prefixes, with their names, in the languages of common instruments.
+const BASES: &[(&str, &[&str], Quantity)] = &[
+    ("s", &["second", "sekunde", "seconde", "sec", "sek"], Quantity::Time(1.0)),
+    ("V", &["volt"], Quantity::Voltage),
+    ("m", &["meter", "metre"], Quantity::Displacement),
+    ("rad", &["radian", "radiant"], Quantity::Displacement),
+    ("A", &["ampere", "amp"], Quantity::Other),
+    ("Hz", &["hertz"], Quantity::Other),
+];
+/// Units without prefixes, with other spellings.
+const SINGLE: &[(&str, &[&str], Quantity)] = &[
+    ("min", &["minute", "minutes"], Quantity::Time(60.0)),
+    ("h", &["hour", "hours"], Quantity::Time(3600.0)),
+    ("d", &["day", "days"], Quantity::Time(86_400.0)),
+    ("cm", &["centimeter", "centimetre"], Quantity::Displacement),
+    ("um", &["micron", "microns"], Quantity::Displacement),
+    ("deg", &["degree", "degrees", "\u{b0}"], Quantity::Displacement),
+    ("arcsec", &["asec"], Quantity::Displacement),
+    ("ppm", &[], Quantity::Displacement),
+    ("ustrain", &["ue", "u\u{3b5}", "microstrain"], Quantity::Displacement),
+    ("N", &["newton"], Quantity::Other),
+    ("degC", &["\u{b0}c", "celsius", "c"], Quantity::Other),
+    ("K", &["kelvin"], Quantity::Other),
+    ("%", &["percent"], Quantity::Other),
+    ("counts", &["count", "cts", "lsb", "digits"], Quantity::Other),
+    ("m/s", &[], Quantity::Other),
+    ("mm/s", &[], Quantity::Other),
+    ("um/s", &[], Quantity::Other),
+    ("m/s2", &["m/s^2", "m/s\u{b2}"], Quantity::Other),
+    ("dB", &[], Quantity::Other),
+    ("samples", &["sample", "sequence", "index"], Quantity::Other),
+];
+
+/// A unit as it is written here, and its quantity; `None` if it is not known.
+pub(super) fn known(text: &str) -> Option<(String, Quantity)> {
+    // NetCDF counts from a date: `milliseconds since 2024-01-01`.
+    let text = text.split(" since ").next().unwrap_or_default();
+    // Origin writes Greek letters so.
+    let text = ascii_unit(text.trim()).replace("\\g(m)", "u");
+    if text.is_empty() || text.len() > 20 {
+        return None;
+    }
+    let lower = text.to_lowercase();
+    for &(unit, names, quantity) in SINGLE {
+        if lower == unit.to_lowercase() || names.contains(&lower.as_str()) {
+            return Some((unit.into(), quantity));
+        }
+    }
+    for &(base, names, quantity) in BASES {
+        for &(prefix, prefix_name, factor) in PREFIXES {
+            // An `M` may be mega: only the case of a unit without this doubt is mended.
+            let certain = prefix != "m" || text.starts_with('m') || base == "m";
+            let symbol = lower.strip_prefix(prefix).is_some_and(|rest| rest.eq_ignore_ascii_case(base));
+            let name = |prefix: &str, names: &[&str]| {
+                let stem = lower.strip_prefix(prefix).unwrap_or_default();
+                names.contains(&stem) || stem.strip_suffix(['s', 'e', 'n']).is_some_and(|stem| names.contains(&stem))
+            };
+            if symbol && certain || name(prefix_name, names) || base == "s" && name(prefix, &["sec"]) {
+                let quantity = if base == "s" { Quantity::Time(factor) } else { quantity };
+                return Some((format!("{prefix}{base}"), quantity));
+            }
+        }
+    }
+    None
+}
+
+/// True if this may be a unit: it is known, or made of words of letters (`furlong`, `um/V`, `kg m^2`, `a.u.`).
+pub(super) fn is_word(text: &str) -> bool {
+    let part = |c: char| c.is_alphanumeric() || "./^*- \u{b0}\u{b2}\u{b3}\u{b7}".contains(c);
+    known(text).is_some() || text.starts_with(char::is_alphabetic) && text.chars().all(part)
+}
+
+/// A unit as it is written here; one that is not known stays as it is.
+pub(super) fn written(text: &str) -> String {
+    known(text).map_or_else(|| ascii_unit(&shortened(text.trim())), |(unit, _)| unit)
+}
+
+/// The name of a channel and the unit that stands in it: `Weg [µm]`, `Weg (µm)`, `x/µm`, `Weg in µm`, `Weg, µm`,
+/// `weg_um`.
+pub(super) fn split(name: &str) -> (&str, Option<&str>) {
+    let name = name.trim();
+    for (open, close) in [('[', ']'), ('(', ')'), ('{', '}')] {
+        if let Some((head, unit)) = name.strip_suffix(close).and_then(|head| head.rsplit_once(open)) {
+            // Brackets may hold a number (`Y[0]`) or a word (`position (measured)`).
+            let is_unit = known(unit).is_some() || (open == '[' && !unit.trim().is_empty() && !numbered(unit));
+            return if is_unit { (head.trim_end_matches([' ', ',', '_']), Some(unit.trim())) } else { (name, None) };
+        }
+    }
+    if let Some(unit) = name.strip_prefix("in ").filter(|unit| known(unit).is_some()) {
+        return ("", Some(unit.trim()));
+    }
+    for mark in [" in ", "_", " ", "/", ","] {
+        if let Some((head, unit)) = name.rsplit_once(mark)
+            && let Some((symbol, _)) = known(unit)
+        {
+            // `Channel A`, `y_min` and `x_c` hold no unit.
+            let doubtful =
+                ["A", "N", "K", "degC", "h", "d", "min", "samples"].contains(&&*symbol) || mark == " " && symbol == "m";
+            let timed = ["t", "time", "zeit", "temps"].contains(&&*head.to_lowercase());
+            if timed || !(doubtful && ["_", " "].contains(&mark)) {
+                return (head.trim_end_matches([' ', ',', '_']), Some(unit.trim()));
+            }
+        }
+    }
+    (name, None)
+}
+
+fn numbered(text: &str) -> bool {
+    text.chars().all(|c| c.is_ascii_digit())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_unit_is_known_however_it_is_spelled() {
+        for (spelled, wanted) in [
+            ("Volts", "V"),
+            ("volt", "V"),
+            ("v", "V"),
+            ("mV", "mV"),
+            ("KV", "kV"),
+            ("\u{b5}m", "um"),
+            ("\u{3bc}m", "um"),
+            ("UM", "um"),
+            ("MM", "mm"),
+            ("Mikrometer", "Mikrometer"),
+            ("micrometers", "um"),
+            ("Nanometer", "nm"),
+            ("microns", "um"),
+            ("Sekunden", "s"),
+            ("msec", "ms"),
+            ("Millisekunden", "ms"),
+            ("seconds", "s"),
+            ("milliseconds", "ms"),
+            ("\u{b0}C", "degC"),
+            ("MV", "MV"),
+            ("furlong", "furlong"),
+        ] {
+            assert_eq!(written(spelled), wanted, "{spelled}");
+        }
+        assert_eq!(known("ms"), Some(("ms".into(), Quantity::Time(1e-3))));
+        assert_eq!(known("urad").map(|(_, quantity)| quantity), Some(Quantity::Displacement));
+        assert_eq!(known("furlong"), None);
+    }
+
+    #[test]
+    fn a_unit_is_a_word_of_letters() {
+        for unit in ["furlong", "%", "counts", "a.u.", "um/V", "m/s^2", "\u{b0}"] {
+            assert!(is_word(unit), "{unit}");
+        }
+        for unit in ["", "5", "-", "12um", "#", "u,m", "\u{7}"] {
+            assert!(!is_word(unit), "{unit}");
+        }
+    }
+
+    #[test]
+    fn the_unit_in_a_name_is_found_however_it_is_set_off() {
+        for (name, wanted) in [
+            ("Weg [\u{b5}m]", ("Weg", Some("\u{b5}m"))),
+            ("Position (mm)", ("Position", Some("mm"))),
+            ("[ s ]", ("", Some("s"))),
+            ("U/V", ("U", Some("V"))),
+            ("Voltage, V", ("Voltage", Some("V"))),
+            ("Weg in um", ("Weg", Some("um"))),
+            ("in s", ("", Some("s"))),
+            ("sensor_um", ("sensor", Some("um"))),
+            ("Model Root/Piezo/u_piezo[V]", ("Model Root/Piezo/u_piezo", Some("V"))),
+            ("channel_2", ("channel_2", None)),
+            ("Y[0]", ("Y[0]", None)),
+            ("Position (measured)", ("Position (measured)", None)),
+            ("Position [counts]", ("Position", Some("counts"))),
+            ("x_cap", ("x_cap", None)),
+            ("time_min", ("time", Some("min"))),
+            ("y_min", ("y_min", None)),
+            ("Channel A", ("Channel A", None)),
+            ("velocity_m/s", ("velocity", Some("m/s"))),
+        ] {
+            assert_eq!(split(name), wanted, "{name}");
+        }
+    }
+}

@@ -1,0 +1,182 @@
+//! Remarks on an input that leaves the data of which the model was identified: there the model extrapolates.
+
+use super::remarks::{Comparison, Remark};
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::number::short;
+use piezoid_numerics::series::ends;
+use piezoid_records::quality::likely_cause;
+use piezoid_records::waveform::cycle_rate;
+
+/// Share of the identified range by which an input must return to count as a reversal, and stay off the ends to count
+/// as an inner reversal.
+const MIN_REVERSAL_SHARE: f64 = 0.05;
+
+/// Relative excess of a rate or frequency without a remark.
+const RATE_MARGIN: f64 = 0.1;
+
+/// The same for the band of an input: a rising amplitude widens its line.
+const BAND_MARGIN: f64 = 0.25;
+
+/// How far the mean of an input may be from those of the identified records without a remark, over the identified
+/// range. Inputs with another waveform over the same range differ by less; farther away, creep and inner loops occur at
+/// levels that the identified records only passed.
+const MEAN_MARGIN: f64 = 0.2;
+
+/// The same for the ends of the range.
+const RANGE_MARGIN: f64 = 0.01;
+
+/// Range of the input, over the identified range, from which a unit or a scale is wrong.
+const MAX_RANGE_RATIO: f64 = 100.0;
+
+pub(super) static RANGE: Remark =
+    Remark { name: "range", when: "u exceeds the identified range by more than 1 %", text: range };
+
+pub(super) static FREQUENCY: Remark = Remark {
+    name: "frequency",
+    when: "u oscillates more than 10 % outside the frequencies of a hysteresis block that depends on frequency",
+    text: frequency,
+};
+
+pub(super) static INNER_REVERSALS: Remark = Remark {
+    name: "inner reversals",
+    when: "u reverses inside the identified range, and the hysteresis block has no minor loops",
+    text: |c| {
+        let (low, high) = c.model.hysteresis().range()?;
+        let operator = c.model.hysteresis().operator();
+        let reversals = inner_reversals(c.record.u(), low, high);
+        (reversals > 0 && !operator.minor_loops).then(|| {
+            format!(
+                "the input has {reversals} reversals inside the identified range, but the {} block has no minor loops: \
+                 at each of them it jumps to the other branch of the major loop",
+                operator.name
+            )
+        })
+    },
+};
+
+pub(super) static BAND: Remark = Remark {
+    name: "band",
+    when: "u has power more than 25 % outside the identified band",
+    text: |c| {
+        let (identified, domain) = c.domains.as_ref()?;
+        let ([low, high], [slowest, fastest]) = domain.hz.zip(identified.hz)?;
+        // The frequency resolution of a record is one over its duration.
+        let resolution = 1.0 / c.record.duration();
+        let is_above = high > (1.0 + BAND_MARGIN) * fastest + resolution;
+        let is_below = low < (1.0 - BAND_MARGIN) * slowest - resolution;
+        ((is_above || is_below) && frequency(c).is_none()).then(|| {
+            format!(
+                "the input has power from {} to {} Hz, but the model was identified from {} to {} Hz: outside this \
+                 range it extrapolates",
+                short(low),
+                short(high),
+                short(slowest),
+                short(fastest)
+            )
+        })
+    },
+};
+
+pub(super) static RATE: Remark = Remark {
+    name: "rate",
+    when: "u changes more than 10 % faster than in the identification data",
+    text: |c| {
+        let ((identified, domain), unit) = (c.domains.as_ref()?, &c.model.units().u);
+        (domain.slew > (1.0 + RATE_MARGIN) * identified.slew).then(|| {
+            format!(
+                "the input changes by up to {} {unit}/s, but the model was identified up to {} {unit}/s: above this \
+                 rate it extrapolates",
+                short(domain.slew),
+                short(identified.slew)
+            )
+        })
+    },
+};
+
+pub(super) static BIAS: Remark = Remark {
+    name: "bias",
+    when: "the mean of u is outside those of the identification data by more than 20 % of the identified range",
+    text: |c| {
+        let ((identified, domain), unit) = (c.domains.as_ref()?, &c.model.units().u);
+        let slack = MEAN_MARGIN * (identified.u[1] - identified.u[0]);
+        let means = match (short(identified.mean[0]), short(identified.mean[1])) {
+            (low, high) if low == high => low,
+            (low, high) => format!("from {low} to {high}"),
+        };
+        (domain.mean[0] < identified.mean[0] - slack || domain.mean[1] > identified.mean[1] + slack).then(|| {
+            format!(
+                "the input has a mean of {} {unit}, but the model was identified at {means} {unit}: at another bias \
+                 the model extrapolates",
+                short(domain.mean[0])
+            )
+        })
+    },
+};
+
+pub(super) fn range(c: &Comparison) -> Option<String> {
+    let unit = &c.model.units().u;
+    let (low, high) = identified_range(c.model)?;
+    let (lowest, highest) = ends(c.record.u().iter().copied());
+    let slack = RANGE_MARGIN * (high - low);
+    let times = (highest - lowest) / (high - low);
+    (lowest < low - slack || highest > high + slack).then(|| {
+        format!(
+            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: outside this \
+             range it extrapolates{}",
+            short(lowest),
+            short(highest),
+            short(low),
+            short(high),
+            match times > MAX_RANGE_RATIO {
+                true => format!("; at {} times the range, {}", short(times), likely_cause(times, unit)),
+                false => String::new(),
+            }
+        )
+    })
+}
+
+pub(super) fn identified_range(model: &Model) -> Option<(f64, f64)> {
+    model.hysteresis().range().or_else(|| model.identified().map(|d| (d.u[0], d.u[1])))
+}
+
+fn frequency(c: &Comparison) -> Option<String> {
+    let (slowest, fastest) = c.model.hysteresis().frequencies()?;
+    let hz = cycle_rate(c.record.u(), c.record.ts())?;
+    (!((1.0 - RATE_MARGIN) * slowest..=(1.0 + RATE_MARGIN) * fastest).contains(&hz)).then(|| {
+        format!(
+            "the input oscillates at {} Hz, but the model was identified from {} to {} Hz: outside this range it \
+             extrapolates",
+            short(hz),
+            short(slowest),
+            short(fastest)
+        )
+    })
+}
+
+/// Number of reversals of `u` inside the range from `low` to `high`, away from its ends.
+pub fn inner_reversals(u: &[f64], low: f64, high: f64) -> usize {
+    let margin = MIN_REVERSAL_SHARE * (high - low);
+    let (mut extreme, mut trend, mut reversals) = (u[0], 0.0, 0);
+    for &u in u {
+        if (u - extreme) * trend > 0.0 {
+            extreme = u;
+        } else if (u - extreme).abs() > margin {
+            reversals += usize::from(trend != 0.0 && extreme > low + margin && extreme < high - margin);
+            (trend, extreme) = ((u - extreme).signum(), u);
+        }
+    }
+    reversals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_reversals_inside_the_range_are_counted() {
+        let full: Vec<f64> = (0..400).map(|t| (f64::from(t) * 0.1).sin()).collect();
+        assert_eq!(inner_reversals(&full, -1.0, 1.0), 0);
+        let half: Vec<f64> = full.iter().map(|u| 0.5 * u).collect();
+        assert_eq!(inner_reversals(&half, -1.0, 1.0), 12);
+    }
+}

@@ -1,0 +1,256 @@
+//! Validation: free run on data that was not used for identification, never one step ahead.
+//!
+//! The model uses only the input, which does not determine what happened before the record. A simulation starts at
+//! rest, but a measured actuator has moved before. Of five initial conditions (settled at the first input, at rest,
+//! after cycles over the whole range that ended with a rise or with a fall, in motion as in the record) the free run
+//! uses the most likely one for its input, unless another has a clearly smaller error in the first tenth of the record;
+//! the result states which. The first `skip` seconds are left out of the figures. Further results: errors by frequency
+//! and amplitude ([`Bin`]), loops of record and model ([`LoopComparison`]), residual tests ([`Whiteness`]), the noise
+//! floor ([`Floor`]), the drift of the error, remarks on extrapolation, and what the record does not test.
+//! [`Linearity`] tests whether a record is linear, without a model.
+//!
+//! Reference: Ljung 1998, System Identification: Theory for the User, chapter 16.
+
+// Tests compare with the C library.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
+mod best_block;
+mod bins;
+mod drift;
+mod extrapolation;
+mod floor;
+mod initial_condition;
+mod loops;
+mod metrics;
+mod remarks;
+mod residual_noise;
+mod small_signal;
+mod undriven;
+mod untested;
+mod whiteness;
+
+pub use bins::{Bin, Source};
+pub use extrapolation::inner_reversals;
+pub use floor::Floor;
+pub use floor::{rough, summary};
+pub use loops::{LoopComparison, LoopShape};
+pub use metrics::Metrics;
+pub use small_signal::Linearity;
+pub use whiteness::Whiteness;
+
+use self::drift::Drift;
+use piezoid_models::hammerstein::{Domain, InitialCondition, Model};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::system::System;
+use piezoid_records::record::{Record, Units};
+use piezoid_records::waveform::cycles;
+use serde::{Deserialize, Serialize};
+
+/// Treatment of the mean error and the drift of a record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Offset {
+    /// Both are kept: the offset is the model's own.
+    #[default]
+    Kept,
+    /// The mean error is subtracted first, because sensors drift.
+    Free,
+    /// A constant and a line are subtracted first.
+    Drift,
+}
+
+const OFFSETS: OptionKind = OptionKind::Choice(&[
+    ("kept", "the model's own"),
+    ("free", "estimated for each record, because sensors drift"),
+    ("drift", "a constant and a linear drift are estimated for each record"),
+]);
+
+options! {
+    /// Options of the comparison of a model with a record.
+    #[derive(Copy)]
+    pub struct ValidateOptions {
+        /// Time at the start of each record that the error figures leave out.
+        skip: f64 = 0.0, OptionRow::not_negative("s");
+        /// Offset of the model.
+        offset: Offset = Offset::Kept, OptionRow::new(OFFSETS);
+    }
+}
+
+/// A free run compared with its record.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Validation {
+    /// Error figures of the whole record.
+    pub metrics: Metrics,
+    /// The free run over the whole record, with the removed mean error and drift added [record's unit].
+    pub simulated: Vec<f64>,
+    /// First sample of the figures.
+    pub start: usize,
+    /// Initial condition of the free run.
+    pub initial_condition: InitialCondition,
+    /// What was subtracted from the errors first.
+    pub offset: Offset,
+    /// The subtracted mean error; `None` if the offset is kept [record's unit].
+    pub offset_removed: Option<f64>,
+    /// Slope of the error over time, in the figures or removed from them [record's unit / s].
+    pub drift_per_s: f64,
+    /// 100 rms error without this drift / standard deviation of y.
+    pub nrmse_without_drift_percent: f64,
+    /// The error by frequency: of cycles if the input oscillates, otherwise of spectra.
+    pub by_frequency: Vec<Bin>,
+    /// The error by amplitude of the cycles; empty if the input does not oscillate.
+    pub by_amplitude: Vec<Bin>,
+    /// The loops; empty if the input does not oscillate.
+    pub loops: Vec<LoopComparison>,
+    /// Tests of the residuals; `None` if there are none, or the record is too short.
+    pub whiteness: Option<Whiteness>,
+    /// The noise floor; `None` if neither periods of the input nor the spectrum show it.
+    pub floor: Option<Floor>,
+    /// The error in one sentence: noise, drift, and what a better model could gain; `None` if y is constant.
+    pub summary: Option<String>,
+    /// Remarks on the figures.
+    pub remarks: Vec<String>,
+    /// Properties of the model that this record does not test.
+    pub not_covered: Vec<String>,
+}
+
+/// Comparison of a model with records, by its free run.
+pub trait Validate {
+    /// Compares the free run of this model with a validation record, with the model's offset.
+    ///
+    /// # Errors
+    /// The errors of [`Model::validate_with`].
+    fn validate(&self, record: &Record) -> Result<Validation, Error>;
+
+    /// Compares the free run of this model with `record`.
+    ///
+    /// # Errors
+    /// Returns an error if the sampling period differs, the units cannot be converted, or the record is shorter than
+    /// `skip`.
+    fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error>;
+}
+
+impl Validate for Model {
+    fn validate(&self, record: &Record) -> Result<Validation, Error> {
+        self.validate_with(record, &ValidateOptions::default())
+    }
+
+    fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
+        Record::same_sampling("the model", self.ts(), "the record", record.ts())?;
+        if record.units().u != self.units().u {
+            let (found, wanted) = (record.units().u.clone(), self.units().u.clone());
+            return Err(Error::Units { what: "the input of the record".into(), found, wanted });
+        }
+        let known = Units::factor(&self.units().y, &record.units().y);
+        let k = known.ok_or_else(|| Error::Units {
+            what: "the output of the record".into(),
+            found: record.units().y.clone(),
+            wanted: self.units().y.clone(),
+        })?;
+        let free_offset = options.offset != Offset::Kept;
+        let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
+        let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);
+        let counted = if start == 0 { record.clone() } else { record.slice(start..record.len())? };
+        let run = &simulated[start..];
+        let found = Drift::of(&errors(counted.y(), run), run, record.ts());
+        let slope = if options.offset == Offset::Drift { found.slope } else { 0.0 };
+        if free_offset {
+            let middle = start as f64 + 0.5 * (counted.len() as f64 - 1.0);
+            simulated.iter_mut().enumerate().for_each(|(t, y)| *y += found.mean + slope * (t as f64 - middle));
+        }
+        let cycles = cycles(counted.u(), counted.ts());
+        let run = ComparedRun { record: &counted, simulated: &simulated[start..], cycles: &cycles };
+        let metrics = Metrics::of(counted.y(), run.simulated);
+        let errors = run.errors();
+        let drift = Drift::of(&errors, run.simulated, record.ts());
+        let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
+        let floor = Floor::of(&counted, &errors, run.simulated, &metrics, &drift);
+        let loops = loops::loops(&run);
+        let comparison = remarks::Comparison {
+            model: self,
+            record: &counted,
+            simulated: run.simulated,
+            metrics: &metrics,
+            drift: &drift,
+            loops: &loops,
+            domains: self.identified().map(|domain| (domain, Domain::of_input(counted.u(), counted.ts()))),
+        };
+        Ok(Validation {
+            metrics,
+            start,
+            initial_condition,
+            offset: options.offset,
+            offset_removed: free_offset.then_some(found.mean),
+            drift_per_s: found.slope / record.ts(),
+            nrmse_without_drift_percent: 100.0 * (metrics.mse - drift.rms.powi(2)).max(0.0).sqrt() / metrics.std,
+            by_frequency: bins::by_frequency(&run),
+            by_amplitude: bins::by_amplitude(&run),
+            whiteness: Whiteness::of(counted.u(), &errors),
+            floor,
+            summary: summary(&metrics, floor.as_ref(), named),
+            remarks: remarks::remarks(&comparison),
+            not_covered: remarks::not_covered(&comparison),
+            loops,
+            simulated,
+        })
+    }
+}
+
+/// The part of a record that counts, its free run and its cycles.
+#[derive(Debug, Clone, Copy)]
+struct ComparedRun<'a> {
+    record: &'a Record,
+    simulated: &'a [f64],
+    cycles: &'a [piezoid_records::waveform::Cycle],
+}
+
+impl ComparedRun<'_> {
+    /// Measured minus simulated.
+    fn errors(&self) -> Vec<f64> {
+        errors(self.record.y(), self.simulated)
+    }
+}
+
+/// Measured minus simulated.
+fn errors(y: &[f64], simulated: &[f64]) -> Vec<f64> {
+    y.iter().zip(simulated).map(|(y, s)| y - s).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_models::hysteresis::Proportional;
+    use piezoid_models::linear::Arx;
+    use piezoid_testing::{assert_close, noise};
+    use std::sync::Arc;
+
+    #[test]
+    fn a_drift_is_named_with_the_model_s_offset_or_a_free_one_and_removed_if_asked() {
+        let ts = 1e-3;
+        let u: Vec<f64> = (0..4000).map(|t| 10.0 * (0.03 * f64::from(t)).sin()).collect();
+        let model =
+            Model::new(Arc::new(Proportional::new(ts, 1.0).unwrap()), Arx::gain(ts, 1.0).unwrap(), 0.0).unwrap();
+        let e = noise(2, 4000);
+        let y = u.iter().zip(&e).enumerate().map(|(t, (u, e))| u + 4e-5 * (t as f64 - 2000.0) + 0.005 * e).collect();
+        let record = Record::new(ts, u, y).unwrap();
+        let validated = |offset| model.validate_with(&record, &ValidateOptions { offset, skip: 0.5 }).unwrap();
+        for offset in [Offset::Kept, Offset::Free] {
+            let validation = validated(offset);
+            assert_close(&[validation.drift_per_s], &[0.04], 0.02, 0.0);
+            assert!(
+                validation.remarks.iter().any(|r| r.contains("a drift of 0.04 um/s makes 0.")),
+                "{:?}",
+                validation.remarks
+            );
+            assert!(validation.summary.unwrap().contains("of which drift 0."));
+        }
+        let (free, rest) = (validated(Offset::Free), validated(Offset::Drift));
+        assert_close(&[rest.metrics.rmse, rest.floor.unwrap().rms], &[0.005; 2], 0.1, 0.0);
+        let without = free.nrmse_without_drift_percent;
+        assert_close(&[without, rest.nrmse_without_drift_percent], &[rest.metrics.nrmse_percent; 2], 1e-3, 0.0);
+        assert_close(&[rest.drift_per_s], &[free.drift_per_s], 1e-9, 0.0);
+        assert_eq!(rest.remarks, Vec::<String>::new());
+        // The line goes on before the counted part.
+        assert_close(&[rest.simulated[0] - record.u()[0]], &[-0.08], 0.05, 0.0);
+    }
+}

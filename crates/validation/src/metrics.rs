@@ -1,0 +1,93 @@
+//! Error figures of a free run over one or several records.
+
+use piezoid_numerics::series::{ends, scatter};
+use serde::Serialize;
+
+/// Errors of a model on a record, in the record's unit.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Metrics {
+    /// Number of samples compared.
+    pub n: usize,
+    /// Mean squared error [unit^2].
+    pub mse: f64,
+    /// Root mean squared error [unit].
+    pub rmse: f64,
+    /// 100 rms error / standard deviation of y.
+    pub nrmse_percent: f64,
+    /// 100 rms error / peak-to-peak of y.
+    pub rms_pp_percent: f64,
+    /// Largest absolute error [unit].
+    pub max_abs: f64,
+    /// 100 - nrmse_percent.
+    pub fit_percent: f64,
+    /// Standard deviation of y [unit].
+    pub std: f64,
+    /// Peak-to-peak of y [unit].
+    pub peak_to_peak: f64,
+}
+
+impl Metrics {
+    /// The errors of `simulated` against `y`, of the same length and not empty.
+    ///
+    /// ```
+    /// let m = piezoid::validation::Metrics::of(&[0.0, 2.0], &[0.0, 1.0]);
+    /// assert_eq!((m.mse, m.rms_pp_percent, m.max_abs), (0.5, 50.0 * 0.5f64.sqrt(), 1.0));
+    /// ```
+    pub fn of(y: &[f64], simulated: &[f64]) -> Self {
+        let n = y.len();
+        let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
+        let variance = scatter(y) / n as f64;
+        let (low, high) = ends(y.iter().copied());
+        let max_abs = y.iter().zip(simulated).map(|(y, s)| (y - s).abs()).fold(0.0, larger);
+        Metrics::from_parts(n, squares / n as f64, variance.sqrt(), high - low, max_abs)
+    }
+
+    /// All records together. Squared errors and variances are pooled; the variances are about each record's own mean,
+    /// because offsets between records would improve the relative errors. Peak-to-peak and largest error are the
+    /// maximum of all records.
+    pub fn total(records: &[Metrics]) -> Self {
+        let n: usize = records.iter().map(|m| m.n).sum();
+        let pooled = |f: &dyn Fn(&Metrics) -> f64| records.iter().map(|m| m.n as f64 * f(m)).sum::<f64>() / n as f64;
+        let widest = |f: &dyn Fn(&Metrics) -> f64| records.iter().map(f).fold(0.0, larger);
+        let (mse, variance) = (pooled(&|m| m.mse), pooled(&|m| m.std.powi(2)));
+        Metrics::from_parts(n, mse, variance.sqrt(), widest(&|m| m.peak_to_peak), widest(&|m| m.max_abs))
+    }
+
+    fn from_parts(n: usize, mse: f64, std: f64, peak_to_peak: f64, max_abs: f64) -> Self {
+        let rmse = mse.sqrt();
+        let nrmse_percent = 100.0 * rmse / std;
+        Metrics {
+            n,
+            mse,
+            rmse,
+            nrmse_percent,
+            rms_pp_percent: 100.0 * rmse / peak_to_peak,
+            max_abs,
+            fit_percent: 100.0 - nrmse_percent,
+            std,
+            peak_to_peak,
+        }
+    }
+}
+
+/// The larger of two, or NaN if one is NaN: an undefined error must not look small.
+fn larger(m: f64, e: f64) -> f64 {
+    if e > m || e.is_nan() { e } else { m }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_testing::assert_close;
+
+    #[test]
+    fn offsets_between_records_do_not_improve_the_total() {
+        let y: Vec<f64> = (0..100).map(|t| f64::from(t % 10)).collect();
+        let shifted: Vec<f64> = y.iter().map(|y| y + 1000.0).collect();
+        let off = |y: &[f64]| y.iter().map(|y| y + 0.5).collect::<Vec<_>>();
+        let one = Metrics::of(&y, &off(&y));
+        let total = Metrics::total(&[one, Metrics::of(&shifted, &off(&shifted))]);
+        assert_close(&[total.nrmse_percent, total.rms_pp_percent], &[one.nrmse_percent, one.rms_pp_percent], 1e-9, 0.0);
+        assert_eq!(total.n, 200);
+    }
+}

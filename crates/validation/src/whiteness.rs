@@ -1,0 +1,248 @@
+//! Tests of the residuals: whiteness, and correlation with the input.
+//!
+//! ```text
+//! r_k = sum over t of e_t e_{t-k} / sum of e_t^2          white noise: normal, of variance 1 / n
+//! Q   = n (n + 2) sum over k from 1 to m of r_k^2 / (n - k)    white noise: chi-squared of m degrees (Ljung-Box)
+//! c_k = sum over t of e_t u_{t-k} / sqrt(sum e^2 sum u^2)   e uncorrelated with u: normal, of variance P / n, where
+//! P   = sum over |k| <= m of r_k (autocorrelation of u at k)
+//! ```
+//! all without the mean. In a free run the error of a good model is coloured if the actuator's own noise is, so the
+//! second test is more important than the first. The size of the errors is a separate question: see the figures.
+//!
+//! No correlation exceeds 1. If input and errors both change slowly, P is large, and so is the bound: a wrong model
+//! passes as well as a right one. Then the second test says nothing, and its text says so.
+//!
+//! Reference: Ljung & Box 1978, doi:10.1093/biomet/65.2.297; Ljung 1998, System Identification, section 16.6.
+
+use libm::exp;
+use piezoid_numerics::number::short;
+use piezoid_numerics::series::{dot, mean};
+use serde::Serialize;
+
+/// Number of lags.
+const LAG_COUNT: usize = 40;
+
+/// Bound of the correlations in standard deviations: uncorrelated signals exceed it at any lag once in a hundred
+/// records.
+const BOUND_DEVIATIONS: f64 = 3.85;
+
+/// Bound of the correlation with the input from which the test says nothing when no correlation exceeds it.
+const MAX_USEFUL_BOUND: f64 = 0.5;
+
+/// Probability below which errors are not white.
+const MIN_P_VALUE: f64 = 0.01;
+
+/// Correlations of the residuals, and their interpretation.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Whiteness {
+    /// Autocorrelation of the errors at lags 1, 2, ...
+    pub autocorrelation: Vec<f64>,
+    /// Bound of white noise at all of these lags, in 99 of 100 records.
+    pub autocorrelation_bound: f64,
+    /// The statistic Q of Ljung and Box over these lags.
+    pub ljung_box: f64,
+    /// The probability that white noise has a larger Q.
+    pub p_value: f64,
+    /// Correlation of the error with the input k samples earlier, for k from minus to plus the number of lags.
+    pub cross_correlation: Vec<f64>,
+    /// Bound of an error uncorrelated with the input at all of these lags, in 99 of 100 records.
+    pub cross_correlation_bound: f64,
+    /// The results of both tests in words.
+    pub verdict: Vec<String>,
+}
+
+impl Whiteness {
+    /// Tests errors against the input; `None` if there are fewer samples than four times the lags, or the errors are
+    /// zero.
+    pub fn of(u: &[f64], errors: &[f64]) -> Option<Self> {
+        let n = errors.len();
+        let (u, e) = (centred(u), centred(errors));
+        let (power_u, power_e) = (dot(&u, &u), dot(&e, &e));
+        let size = errors.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+        if n < 4 * LAG_COUNT || !power_e.is_finite() || power_e <= 1e-24 * n as f64 * size * size {
+            return None;
+        }
+        let auto = |x: &[f64], power: f64, k: usize| if power > 0.0 { dot(&x[k..], &x[..n - k]) / power } else { 0.0 };
+        let autocorrelation: Vec<f64> = (1..=LAG_COUNT).map(|k| auto(&e, power_e, k)).collect();
+        let of_input = (1..=LAG_COUNT).map(|k| auto(&u, power_u, k));
+        let variance = 1.0 + 2.0 * autocorrelation.iter().zip(of_input).map(|(r, s)| r * s).sum::<f64>();
+        let terms = autocorrelation.iter().enumerate().map(|(k, r)| r * r / (n - k - 1) as f64);
+        let ljung_box = n as f64 * (n as f64 + 2.0) * terms.sum::<f64>();
+        let scale = (power_u * power_e).sqrt();
+        let cross = |k: isize| {
+            let lag = k.unsigned_abs();
+            let sum = if k >= 0 { dot(&e[lag..], &u[..n - lag]) } else { dot(&e[..n - lag], &u[lag..]) };
+            if scale > 0.0 { sum / scale } else { 0.0 }
+        };
+        let lags = LAG_COUNT as isize;
+        let mut whiteness = Whiteness {
+            autocorrelation,
+            autocorrelation_bound: BOUND_DEVIATIONS / (n as f64).sqrt(),
+            ljung_box,
+            p_value: chi_squared_tail(ljung_box, LAG_COUNT),
+            cross_correlation: (-lags..=lags).map(cross).collect(),
+            cross_correlation_bound: BOUND_DEVIATIONS * (variance.max(1.0) / n as f64).sqrt(),
+            verdict: Vec::new(),
+        };
+        whiteness.verdict = vec![whiteness.noise(), whiteness.input()];
+        Some(whiteness)
+    }
+
+    /// True if the errors are white.
+    pub fn is_white(&self) -> bool {
+        self.p_value >= MIN_P_VALUE
+    }
+
+    /// The correlation with the input that is largest in magnitude, and its lag [samples].
+    pub fn largest_correlation(&self) -> (f64, isize) {
+        let lags = (self.cross_correlation.len() / 2) as isize;
+        let larger = |m: (f64, isize), (c, k): (&f64, isize)| if c.abs() > m.0.abs() { (*c, k) } else { m };
+        self.cross_correlation.iter().zip(-lags..).fold((0.0, 0), larger)
+    }
+
+    /// True if the errors correlate with the input.
+    pub fn correlates_with_input(&self) -> bool {
+        self.cross_correlation.iter().any(|c| c.abs() > self.cross_correlation_bound)
+    }
+
+    fn noise(&self) -> String {
+        let (q, lags) = (short(self.ljung_box), self.autocorrelation.len());
+        let p = if self.p_value < 1e-6 { "below 1e-6".into() } else { short(self.p_value) };
+        match self.is_white() {
+            true => format!("residuals are white (Ljung-Box Q {q} over {lags} lags, p {p})"),
+            false => format!(
+                "a part of the residuals is regular, not noise: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} \
+                 lags, p {p}). In a long record this test finds parts that are far too small to matter; how large they \
+                 are is shown by the error beside the noise floor",
+                short(self.autocorrelation[0])
+            ),
+        }
+    }
+
+    fn input(&self) -> String {
+        let (c, k) = self.largest_correlation();
+        let (c, bound) = (short(c), short(self.cross_correlation_bound));
+        match (self.correlates_with_input(), k) {
+            (false, _) if self.cross_correlation_bound > MAX_USEFUL_BOUND => format!(
+                "the correlation of the residuals with the input says nothing here: it is {c} at most, and only values \
+                 above {bound} would be significant, because input and residuals change slowly, or there are few \
+                 samples. A record with a PRBS or a multisine as input makes this test sharp; until then, judge the \
+                 error by its size, beside the noise floor"
+            ),
+            (false, _) => format!(
+                "residuals are uncorrelated with the input (at most {c}, bound {bound}): the model covers the linear \
+                 response to the input"
+            ),
+            (true, 0..) => format!(
+                "a part of the residuals follows the input at a lag of {k} samples (correlation {c}, bound {bound}): \
+                 it is of the dynamics, the gain or the hysteresis, and a more detailed model could hold it"
+            ),
+            (true, _) => format!(
+                "a part of the residuals precedes the input by {} samples (correlation {c}, bound {bound}): the delay \
+                 of the model is too long, the record was taken in closed loop, or the input is smooth over that many \
+                 samples",
+                -k
+            ),
+        }
+    }
+}
+
+fn centred(x: &[f64]) -> Vec<f64> {
+    let middle = mean(x);
+    x.iter().map(|x| x - middle).collect()
+}
+
+/// The probability that chi-squared of an even number of degrees is larger than `q`: exp(-q/2) times the sum of
+/// (q/2)^j / j! for j below half of the degrees (Abramowitz & Stegun 26.4.21).
+fn chi_squared_tail(q: f64, degrees: usize) -> f64 {
+    let half = 0.5 * q;
+    let mut term = 1.0;
+    let next = |j: usize| {
+        term *= if j == 0 { 1.0 } else { half / j as f64 };
+        term
+    };
+    let sum: f64 = (0..degrees / 2).map(next).sum();
+    // If exp(-q/2) underflows, the sum may overflow.
+    if half > 700.0 { 0.0 } else { exp(-half) * sum }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_records::excitation::Prbs;
+    use piezoid_testing::{assert_close, noise};
+
+    fn prbs(n: usize) -> Vec<f64> {
+        Prbs { order: 13, ..Prbs::default() }.samples(5e-4, n).unwrap()
+    }
+
+    /// scipy.stats.chi2.sf(q, 40).
+    #[test]
+    fn the_tail_is_scipys() {
+        let tail = [10.0, 40.0, 63.690_739_751_564_5, 120.0].map(|q| chi_squared_tail(q, 40));
+        let scipys = [0.999999654786418, 0.4702572668392401, 0.009999999999999799, 6.35191834037896e-10];
+        assert_close(&tail, &scipys, 1e-9, 0.0);
+        assert_eq!(chi_squared_tail(1e6, 40), 0.0);
+    }
+
+    #[test]
+    fn noise_passes_in_99_of_100_records() {
+        let u = prbs(2000);
+        let all: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(seed, 2000)).unwrap()).collect();
+        let not_white = all.iter().filter(|w| !w.is_white()).count();
+        let correlated = all.iter().filter(|w| w.correlates_with_input()).count();
+        assert!((1..=9).contains(&not_white) && correlated <= 9, "{not_white} {correlated}");
+    }
+
+    #[test]
+    fn coloured_noise_is_not_white_but_uncorrelated_with_the_input() {
+        let u = prbs(4000);
+        let mut state = 0.0;
+        let colour = |w: &f64| {
+            state = 0.9 * state + w;
+            state
+        };
+        let e: Vec<f64> = noise(3, 4000).iter().map(colour).collect();
+        let whiteness = Whiteness::of(&u, &e).unwrap();
+        assert!(!whiteness.is_white() && !whiteness.correlates_with_input(), "{whiteness:?}");
+        assert_close(&[whiteness.autocorrelation[0]], &[0.9], 0.05, 0.0);
+        assert!(
+            whiteness.verdict[0].contains("regular, not noise")
+                && whiteness.verdict[1].contains("uncorrelated with the input")
+        );
+    }
+
+    #[test]
+    fn a_missing_delayed_term_shows_at_its_lag() {
+        let (u, w) = (prbs(4000), noise(4, 4000));
+        let e: Vec<f64> = (0..4000).map(|t| w[t] + if t >= 7 { 0.2 * u[t - 7] } else { 0.0 }).collect();
+        let whiteness = Whiteness::of(&u, &e).unwrap();
+        assert!(
+            whiteness.correlates_with_input() && whiteness.verdict[1].contains("at a lag of 7 samples"),
+            "{:?}",
+            whiteness.verdict
+        );
+        assert_close(&[whiteness.cross_correlation[40 + 7]], &[0.2 / 1.04f64.sqrt()], 0.2, 0.0);
+    }
+
+    /// A sine with the error of a wrong gain and phase: the bound was 1.1, and the model "covered the linear response".
+    #[test]
+    fn a_bound_that_nothing_could_exceed_is_no_proof_of_a_model() {
+        let wave = |phase: f64| -> Vec<f64> { (0..4000).map(|t| (0.004 * f64::from(t) + phase).sin()).collect() };
+        let whiteness = Whiteness::of(&wave(0.0), &wave(2.0)).unwrap();
+        assert!(
+            whiteness.cross_correlation_bound > MAX_USEFUL_BOUND && !whiteness.correlates_with_input(),
+            "{whiteness:?}"
+        );
+        assert!(
+            whiteness.verdict[1].contains("says nothing here") && !whiteness.verdict[1].contains("covers"),
+            "{whiteness:?}"
+        );
+    }
+
+    #[test]
+    fn zero_errors_and_too_few_samples_are_not_tested() {
+        assert_eq!(Whiteness::of(&prbs(400), &[1e-3; 400]), None);
+        assert_eq!(Whiteness::of(&prbs(100), &noise(1, 100)), None);
+    }
+}
