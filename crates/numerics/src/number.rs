@@ -4,7 +4,7 @@ use libm::{log10, pow};
 /// `x` with four significant digits, with a power of ten if it is very small or large; `-` if it is not finite.
 ///
 /// ```
-/// use piezoid::number::short;
+/// use piezoid_numerics::number::short;
 /// let shown = ["0", "0.01289", "146.7", "1.000e-7", "1.235e5", "-"];
 /// assert_eq!([0.0, 0.01289, 146.72, 1e-7, 123456.0, f64::NAN].map(short), shown);
 /// ```
@@ -23,7 +23,7 @@ pub fn short(x: f64) -> String {
 /// Like [`short`], but without zeros at the end, for settings and other round numbers.
 ///
 /// ```
-/// use piezoid::number::round;
+/// use piezoid_numerics::number::round;
 /// assert_eq!([5.0, 0.061, 12.5, 1e6].map(round), ["5", "0.061", "12.5", "1e6"]);
 /// ```
 pub fn round(x: f64) -> String {
@@ -36,7 +36,7 @@ pub fn round(x: f64) -> String {
 /// `x` in `unit`, with the prefix that leaves 1 to 999.9 of it.
 ///
 /// ```
-/// use piezoid::number::quantity;
+/// use piezoid_numerics::number::quantity;
 /// let shown = ["1.5 uF", "70 kF", "0 F", "500 mF"];
 /// assert_eq!([1.5e-6, 7e4, 0.0, 0.5].map(|x| quantity(x, "F")), shown);
 /// ```
@@ -50,7 +50,7 @@ pub fn quantity(x: f64, unit: &str) -> String {
 /// `x` with all its digits, and with an exponent beyond 1e15: never with hundreds of zeros.
 ///
 /// ```
-/// use piezoid::number::exact;
+/// use piezoid_numerics::number::exact;
 /// let shown = ["0.1", "0.0005", "1234567", "1e15", "1e300", "5e-324"];
 /// assert_eq!([0.1, 0.0005, 1234567.0, 1e15, 1e300, 5e-324].map(exact), shown);
 /// ```

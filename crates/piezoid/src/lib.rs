@@ -2,7 +2,7 @@
 //! code for the machine that drives it.
 //!
 //! ```
-//! use piezoid::{IdentifyOptions, Record, formats::ColumnSelection, identify};
+//! use piezoid::{IdentifyOptions, Record, Validate, compensation::Compensate, formats::ColumnSelection, identify};
 //! use piezoid_export::Export;
 //! # use piezoid::{excitation::RisingSine, plant::{Plant, Preset}};
 //! # let plant = Plant::named("pl140", 1e-3)?;

@@ -95,7 +95,8 @@ impl Bin {
     /// first.
     ///
     /// ```
-    /// use piezoid::{Record, System, hammerstein::Model, hysteresis::Proportional, linear::Arx, validation::Bin};
+    /// use piezoid::{Record, System, Validate, hammerstein::Model, hysteresis::Proportional, linear::Arx};
+    /// use piezoid::validation::Bin;
     /// let gain = std::sync::Arc::new(Proportional::new(1e-3, 1.0)?);
     /// let model = Model::new(gain, Arx::gain(1e-3, 33.0)?, 0.0)?;
     /// let wave = |hz: f64, t: i32| 5.0 * (std::f64::consts::TAU * hz * f64::from(t) * 1e-3).sin();

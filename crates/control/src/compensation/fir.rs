@@ -19,7 +19,8 @@ use std::f64::consts::TAU;
 /// State: the last inputs, newest first.
 ///
 /// ```
-/// use piezoid::{System, compensation::Fir};
+/// use piezoid::System;
+/// use piezoid_control::compensation::Fir;
 /// let mean = Fir::new(1e-3, vec![1.0 / 3.0; 3], 1)?;
 /// assert_eq!(mean.whole(&[0.0, 3.0, 6.0]), [1.0, 3.0, 5.0]); // beyond its ends a record is constant
 /// assert_eq!(mean.simulate(&[0.0, 3.0, 6.0]), [0.0, 1.0, 3.0]); // the same, a sample later, from rest

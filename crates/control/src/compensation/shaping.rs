@@ -76,7 +76,7 @@ impl Fir {
     /// A centred mean over `seconds` with minimum-jerk weights: a step becomes a minimum-jerk move.
     ///
     /// ```
-    /// use piezoid::compensation::Fir;
+    /// use piezoid_control::compensation::Fir;
     /// let smooth = Fir::smooth(1e-3, 0.01)?;
     /// let moved = smooth.whole(&[vec![0.0; 20], vec![1.0; 20]].concat());
     /// assert!((moved[19] + moved[20] - 1.0).abs() < 1e-12 && moved[0] == 0.0 && moved[39] > 1.0 - 1e-12);

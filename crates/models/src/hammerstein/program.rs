@@ -11,7 +11,8 @@ impl Model {
     /// `step(s: state, u)`.
     ///
     /// ```
-    /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx, program::Machine};
+    /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
+    /// use piezoid_models::program::Machine;
     /// let plays = (Operator::find("prandtl-ishlinskii")?.example)(5e-4)?;
     /// let model = Model::new(plays, Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.1])?, 2.0)?;
     /// let program = model.program()?;

@@ -35,7 +35,7 @@ impl BasisDesign {
 /// The responses phi_k of an operator, and the operator for given weights.
 ///
 /// ```
-/// use piezoid::hysteresis::{BasisDesign, Operator};
+/// use piezoid_models::hysteresis::{BasisDesign, Operator};
 /// let design = BasisDesign { ts: 5e-4, range: (-30.0, 30.0), elements: Some(4), frequencies: vec![] };
 /// let basis = (Operator::find("prandtl-ishlinskii")?.basis)(&design)?;
 /// let block = basis.operator(&vec![0.2; basis.len()])?;

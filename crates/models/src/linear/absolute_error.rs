@@ -29,8 +29,8 @@ struct ParticleLanes([f64; WIDEST]);
 /// The sum of absolute one-step prediction errors of a regression.
 ///
 /// ```
-/// use piezoid::linear::AbsoluteError;
-/// use piezoid::optimize::swarm::Cost;
+/// use piezoid_models::linear::AbsoluteError;
+/// use piezoid_numerics::optimize::swarm::Cost;
 /// // |1 - 2 theta| + |3 - 2 theta| for theta = 0 and theta = 1
 /// let cost = AbsoluteError::new(&[1.0, 2.0, 3.0, 2.0], 1);
 /// let mut costs = [0.0; 2];

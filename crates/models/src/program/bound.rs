@@ -19,7 +19,7 @@ impl Program {
     /// comparisons of real numbers.
     ///
     /// ```
-    /// use piezoid::program::{Block, Program};
+    /// use piezoid_models::program::{Block, Program};
     /// let text = "fn f(u) { let s = u; for k in 0..3 { if s > 1.0 { s = s * s + u; } } return s; }";
     /// let program = Program::new(vec![Block::new("b", "").text(text)])?;
     /// assert_eq!(program.bound("f")?, 9);

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 /// An interpreter of a program with a state.
 ///
 /// ```
-/// use piezoid::program::{Block, Machine, Program};
+/// use piezoid_models::program::{Block, Machine, Program};
 /// let text = "fn sum(x: sum, u) { x.total += u; return x.total; }";
 /// let program = Program::new(vec![Block::new("sum", "all so far").number("total", 0.0).text(text)])?;
 /// let mut machine = Machine::new(&program, "sum", false);

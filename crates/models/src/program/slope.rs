@@ -29,7 +29,7 @@ impl Program {
     /// returns is followed by its slope.
     ///
     /// ```
-    /// use piezoid::program::{Block, Machine, Program};
+    /// use piezoid_models::program::{Block, Machine, Program};
     /// let text = "fn square(u) { return u * u; }";
     /// let mut program = Program::new(vec![Block::new("square", "").text(text)])?;
     /// program.slope("square")?;

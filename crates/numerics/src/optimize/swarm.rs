@@ -108,7 +108,7 @@ impl Default for SwarmSettings {
 /// one without interruption.
 ///
 /// ```
-/// use piezoid::optimize::{Bounds, swarm::{SwarmSettings, Swarm}};
+/// use piezoid_numerics::optimize::{Bounds, swarm::{Swarm, SwarmSettings}};
 /// let sphere = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
 /// let bounds = Bounds::new(vec![-5.0; 3], vec![5.0; 3])?;
 /// let mut swarm = Swarm::new(&sphere, bounds, SwarmSettings { iterations: 200, ..SwarmSettings::default() })?;

@@ -33,7 +33,7 @@ const LONG: f64 = 60.0;
 /// How good a model is, on which inputs, and what no record has proven. It is stored in the model.
 ///
 /// ```
-/// use piezoid::{IdentifyOptions, Record, Records, progress::Stage};
+/// use piezoid::{IdentifyOptions, Record, Records, StatedVerdict, progress::Stage};
 /// use serde_json::Value;
 /// let u: Vec<f64> = (0..2000).map(|t| 10.0 * (0.05 * f64::from(t)).sin()).collect();
 /// let y = u.iter().map(|u| 30.0 * u + 5.0).collect();

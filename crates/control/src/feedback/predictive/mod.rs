@@ -67,8 +67,9 @@ const CARRIED: f64 = 6.0;
 /// state of the model; buffers, with the multipliers for the next warm start.
 ///
 /// ```
-/// use piezoid::control::{Controller, ControllerInput, predictive::{Predictive, PredictiveSettings}};
+/// use piezoid::control::{Controller, ControllerInput};
 /// use piezoid::{Model, System, hysteresis::Proportional, linear::Arx};
+/// use piezoid_control::feedback::predictive::{Predictive, PredictiveSettings};
 /// use std::sync::Arc;
 /// let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.0, 3.0, 3.0])?;
 /// let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0)?), linear, 2.0)?;
