@@ -3,7 +3,7 @@
 
 usage: files.py [--set first|second|third] [--only csv] [--all | --list]
 
-bench/files holds three sets of files with what is true of them; its README tells how they came about. A file is read
+bench/files holds three sets of files with what is true of them; its README states how they came about. A file is read
 right if u and y are those of truth.json to the bit, and the sampling period but for rounding; it may be refused if
 truth.json says that it cannot be known what is what. Each file that fails is listed with its message, cut to one line.
 Needs numpy and piezoid.

@@ -43,7 +43,7 @@ def read(name: str, path: Path) -> Record:
     return Record(name, float((t[-1] - t[0]) / (len(t) - 1)), u, y)
 
 
-def wanted(only: list[str], name: str) -> bool:
+def requested(only: list[str], name: str) -> bool:
     """Whether records of a plant of this name may be among those asked for."""
     return any(part.split("/")[0] in name for part in only)
 
@@ -51,7 +51,7 @@ def wanted(only: list[str], name: str) -> bool:
 def plants(data: Path, seeds: list[int], only: list[str]) -> Iterator[Record]:
     """The records of the simulated plants, made if they are not there."""
     for script in sorted((HERE / "plants").glob("p[0-9]*.py")):
-        for seed in (one for one in seeds if wanted(only, f"{script.stem}-{one}")):
+        for seed in (one for one in seeds if requested(only, f"{script.stem}-{one}")):
             folder = recorded(script.stem, seed, data)
             for path in sorted(folder.glob("*.csv")):
                 if path.name.startswith(("train", "test", "small")):
@@ -65,7 +65,7 @@ def twins(piezoid: str, folder: Path, only: list[str]) -> Iterator[Record]:
         return subprocess.run([piezoid, *words.split(), "--quiet"], check=True, capture_output=True, text=True).stdout
 
     for plant, hz in [("paper", 147), ("pl140", 145), ("pl128", 360), ("pl122", 600), ("pl112", 1800)]:
-        if not wanted(only, plant):
+        if not requested(only, plant):
             continue
         ts = min(5e-4, 0.1 / hz) if plant != "pl140" else 5e-4
         drives = {
@@ -248,12 +248,12 @@ def main() -> None:
         if found:
             print(f"- {record.name}: {', '.join(sorted(found))}")
     print("\n| mistake | made in records | named | % | only another one named |\n|---|--:|--:|--:|--:|", flush=True)
-    for mistake, (make, expected) in MISTAKES.items():
-        made = [bad for bad in map(make, records) if bad is not None]
-        found = every(made)
-        count = sum(expected in words for words in found)
-        other = sum(expected not in words and bool(words & GROSS) for words in found)
-        print(f"| {mistake} | {len(made)} | {count} | {100 * count / max(len(made), 1):.0f} | {other} |", flush=True)
+    for mistake, (make, requested) in MISTAKES.items():
+        damaged = [bad for bad in map(make, records) if bad is not None]
+        found = every(damaged)
+        count = sum(requested in words for words in found)
+        other = sum(requested not in words and bool(words & GROSS) for words in found)
+        print(f"| {mistake} | {len(damaged)} | {count} | {100 * count / max(len(damaged), 1):.0f} | {other} |", flush=True)
 
 
 if __name__ == "__main__":

@@ -52,10 +52,10 @@ def measured(piezoid: str, folder: Path, options: list[str]) -> dict:
     train = [n for n in names if n.startswith("train")]
     words = ["--small-signal", *small, "--large-signal", *train] if small else ["--data", *train]
     start = time.perf_counter()
-    status, said = run(
+    status, printed = run(
         piezoid, ["identify", *words, *options, "--quiet", "-o", "model.json", "--json", "fit.json"], folder
     )
-    row = {"seconds": time.perf_counter() - start, "notes": said, "errors": {}, "floors": {}}
+    row = {"seconds": time.perf_counter() - start, "notes": printed, "errors": {}, "floors": {}}
     if status != 0:
         return row
     model = json.loads((folder / "model.json").read_text())

@@ -17,7 +17,7 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(record) = Record::new(model.ts(), u.clone(), u.clone()) {
         let _ = model.validate(&record);
     }
-    let settings = FeedForwardSettings { clip: true, sweeps: 1, ..Default::default() };
+    let settings = FeedForwardSettings { clip: true, iterations: 1, ..Default::default() };
     for r in [&y, &u] {
         let _ = FeedForward::new(&model, settings).map(|inverse| inverse.whole(r));
     }

@@ -233,7 +233,7 @@ fn models() -> Result<Vec<Named>, Error> {
             "30 plays and creep of 4 lags".into(),
             Arc::new(model(fitted("prandtl-ishlinskii")?)?.with_creep(Creep::logarithmic(TS, 0.01, 0.01, 10.0)?)?),
         ),
-        ("30 plays behind a driver".into(), Arc::new(Model::driven(Some(driver), plays, arx()?, 0.0)?)),
+        ("30 plays behind a driver".into(), Arc::new(Model::from_blocks(Some(driver), plays, arx()?, 0.0)?)),
         ("30 plays, sample by sample".into(), Arc::new(Stepped(model(fitted("prandtl-ishlinskii")?)?))),
     ])
 }

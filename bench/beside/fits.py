@@ -37,8 +37,8 @@ class Setting:
     terms: int
 
     def __str__(self) -> str:
-        given = "u" if self.inputs == 1 else "u, du, sign du"
-        return f"{given}; degree {self.degree}, {self.lags} lags, {self.terms} terms"
+        arguments = "u" if self.inputs == 1 else "u, du, sign du"
+        return f"{arguments}; degree {self.degree}, {self.lags} lags, {self.terms} terms"
 
 
 SETTINGS = [

@@ -76,8 +76,8 @@ def identification(page: Page, bench: Bench) -> None:
     settings, once = (fits.SETTINGS[:2], 1) if page.quick else (fits.SETTINGS, 3)
 
     def ours(operator: str) -> pz.Model:
-        given: dict[str, Any] = {"linear": bench.small, "rich": bench.all} if bench.small else {"data": bench.all}
-        return pz.identify(**given, operator=operator)
+        arguments: dict[str, Any] = {"linear": bench.small, "rich": bench.all} if bench.small else {"data": bench.all}
+        return pz.identify(**arguments, operator=operator)
 
     def searched() -> tuple[fits.Setting, fits.Narx]:
         best = fits.search([*bench.small, *bench.train], bench.held, settings, bench.start, bench.free)

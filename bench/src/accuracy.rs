@@ -173,10 +173,10 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
 /// Records of a twin on which the error of the best variant of the paper's method is less than [`TIMES`] times the
 /// error of the best joint model.
 fn near(outcomes: &[Outcome]) -> String {
-    let [_, tuned, .., given] = outcomes else { return String::new() };
-    let near = times(tuned, given).filter(|(.., times)| *times < TIMES);
+    let [_, tuned, .., with_driver] = outcomes else { return String::new() };
+    let near = times(tuned, with_driver).filter(|(.., times)| *times < TIMES);
     let near: Vec<String> = near.map(|(kind, hz, times)| format!("{kind} of {hz} Hz ({times:.1})")).collect();
-    let (joint, paper, twin) = (given.way.name, tuned.way.name, given.twin);
+    let (joint, paper, twin) = (with_driver.way.name, tuned.way.name, with_driver.twin);
     format!(
         "\nOn `{twin}` the error of `{paper}` is less than {TIMES} times the error of `{joint}` on these records (ratio \
          in brackets): {}.\n",

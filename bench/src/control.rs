@@ -74,11 +74,11 @@ pub fn compared(
 }
 
 /// The rms error along each reference [% of its height]; infinite if the reference returned an error.
-pub fn errors(driven: &SchemeResult) -> Vec<f64> {
+pub fn errors(result: &SchemeResult) -> Vec<f64> {
     let percent = |a: &Result<piezoid::control::ReferenceResult, Error>| {
         a.as_ref().map_or(f64::INFINITY, |a| a.tracking.percent_of_stroke)
     };
-    driven.attempts.iter().map(percent).collect()
+    result.attempts.iter().map(percent).collect()
 }
 
 /// A table of errors by reference; each row begins with its names.
@@ -115,10 +115,10 @@ fn margins(drives: &[TunedScheme]) -> String {
 /// The errors of each scheme over plants with tolerances.
 fn spreads(drawn: &Comparison) -> String {
     let titles = ["controller", "nominal plant [%]", "median [%]", "90th percentile [%]", "worst [%]", "unstable"];
-    let body = drawn.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).map(|(d, spread)| {
+    let body = drawn.results.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).map(|(d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| cell(spread.percent_of_stroke(share)));
         let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());
-        let unstable = d.drive.scheme.law.map_or("-".into(), counted);
+        let unstable = d.tuned.scheme.law.map_or("-".into(), counted);
         let nominal = cell(errors(d)[0]);
         row(&[code(d.name()), nominal].into_iter().chain(shares).chain([unstable]).collect::<Vec<_>>())
     });
@@ -135,7 +135,7 @@ fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
     let (at, hz): (Vec<usize>, Vec<f64>) =
         PATHS.iter().enumerate().filter(|(_, p)| p.0 == "triangle").map(|(k, p)| (k, p.1)).unzip();
     let axes = Axes::new(Axis::log("f [Hz]").ticks(&hz), Axis::log("rms error [% of the height]")).titled("triangles");
-    let by_frequency = tracked.driven.iter().fold(axes, |axes, d| {
+    let by_frequency = tracked.results.iter().fold(axes, |axes, d| {
         let all = errors(d);
         let of: Vec<f64> = at.iter().map(|k| all[*k]).collect();
         axes.with(drawn_as(Series::marked(&hz, &of), &d.name()).named(d.name()))
@@ -143,7 +143,7 @@ fn figure(tracked: &Comparison, drawn: &Comparison) -> Figure {
     let title = format!("{} {} Hz, tolerance of 20 %", TRIED.0, TRIED.1);
     let axes = Axes::new(Axis::log("rms error [% of the height]"), "share of 200 draws [%]").titled(title);
     let shares: Vec<f64> = (0..=100).map(f64::from).collect();
-    let shown = drawn.driven.iter().filter(|d| SCHEMES.contains(&&*d.name()));
+    let shown = drawn.results.iter().filter(|d| SCHEMES.contains(&&*d.name()));
     let by_share = shown.filter_map(|d| Some((d, d.spread.as_ref()?))).fold(axes, |axes, (d, spread)| {
         let percent: Vec<f64> = shares.iter().map(|share| spread.percent_of_stroke(share / 100.0)).collect();
         axes.with(drawn_as(Series::line(&percent, &shares), &d.name()))
@@ -165,13 +165,13 @@ pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let tracked =
         |(twin, model): (&&'static str, &Model)| compared(twin, all(model, &SCHEMES, usize::MAX)?, &PATHS, None);
     let tracked = TWINS.iter().zip(&models).map(tracked).collect::<Result<Vec<_>, Error>>()?;
-    let rows = tracked.iter().flat_map(|c| c.driven.iter().map(|d| (vec![code(&c.plant), code(d.name())], d)));
+    let rows = tracked.iter().flat_map(|c| c.results.iter().map(|d| (vec![code(&c.plant), code(d.name())], d)));
     page::write(&page, "tracking", &table(&["twin", "controller"], rows))?;
 
     let causal = ["feed-forward", "feed-forward+integral-notch", "predictive"];
     let known = |ahead: usize| Ok((ahead, compared(TWINS[0], all(&models[0], &causal, ahead)?, &PATHS, None)?));
     let known = AHEAD.into_iter().map(known).collect::<Result<Vec<_>, Error>>()?;
-    let rows = known.iter().flat_map(|(n, c)| c.driven.iter().map(move |d| (vec![n.to_string(), code(d.name())], d)));
+    let rows = known.iter().flat_map(|(n, c)| c.results.iter().map(move |d| (vec![n.to_string(), code(d.name())], d)));
     page::write(&page, "ahead", &table(&["samples ahead", "controller"], rows))?;
 
     let feedbacks: Vec<&str> = CONTROLLERS.iter().map(|c| c.name).collect();

@@ -15,8 +15,8 @@ const TS: f64 = 5e-4;
 /// Writes a file for each operator into a folder.
 pub fn write(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let driver = DriverModel::new(1e-4, Some(2e4))?;
-    let driven = ("driven", model("prandtl-ishlinskii", Some(driver)));
-    for (name, model) in OPERATORS.iter().map(|o| (o.name, model(o.name, None))).chain([driven]) {
+    let with_driver = ("driven", model("prandtl-ishlinskii", Some(driver)));
+    for (name, model) in OPERATORS.iter().map(|o| (o.name, model(o.name, None))).chain([with_driver]) {
         let model = model?;
         let whole = ExportedProgram::new(&ExportRequest::new(&model, "m"))?;
         let document: Value = serde_json::from_str(&model.to_json())?;
@@ -34,6 +34,6 @@ pub fn write(folder: &Path) -> Result<(), Box<dyn std::error::Error>> {
 fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
     let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
-    let model = Model::driven(driver, (Operator::find(name)?.example)(TS / faster)?, block, 2.0)?;
+    let model = Model::from_blocks(driver, (Operator::find(name)?.example)(TS / faster)?, block, 2.0)?;
     model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)
 }

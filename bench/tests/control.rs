@@ -28,7 +28,7 @@ fn model() -> &'static Model {
 fn tracked(names: &[&str], paths: &[(&str, f64)], ahead: usize) -> Vec<Vec<f64>> {
     let drives = names.iter().map(|name| drive(model(), name, ahead)).collect::<Result<Vec<_>, Error>>();
     let compared = compared(TWIN, drives.expect("drives"), paths, None).expect("a comparison");
-    compared.driven.iter().map(errors).collect()
+    compared.results.iter().map(errors).collect()
 }
 
 /// Sines and triangles with their frequency [Hz].
@@ -66,10 +66,10 @@ fn rings(shaped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
     let steps: Vec<f64> = (0..4000).map(level).collect();
     let line = drive(model(), "gain", 0).expect("a drive");
     let plant = Preset::find(TWIN).expect("a twin");
-    let wanted = vec![NamedReference { name: "steps".into(), r: shaped(&steps), from: 0 }];
-    let done =
-        Comparison::run((plant.name, &(plant.spec)()), vec![line], wanted, 1, None, &mut Stage::ignore).expect("a run");
-    let y = &done.driven[0].attempts[0].as_ref().expect("a run").run.y;
+    let reference = vec![NamedReference { name: "steps".into(), r: shaped(&steps), from: 0 }];
+    let done = Comparison::run((plant.name, &(plant.spec)()), vec![line], reference, 1, None, &mut Stage::ignore)
+        .expect("a run");
+    let y = &done.results[0].attempts[0].as_ref().expect("a run").run.y;
     let oscillation = |part: &[f64]| {
         let (low, high) = part.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), y| (a.min(*y), b.max(*y)));
         high - low
@@ -108,7 +108,7 @@ fn every_feedback_is_stable_on_two_hundred_plants_within_the_tolerance() {
     let feedbacks: Vec<&str> = CONTROLLERS.iter().map(|c| c.name).collect();
     let drives = feedbacks.iter().map(|name| drive(model(), name, 20)).collect::<Result<Vec<_>, Error>>();
     let drawn = compared(TWIN, drives.expect("drives"), &[TRIED], Some(&Tolerance::default())).expect("a comparison");
-    for d in &drawn.driven {
+    for d in &drawn.results {
         let spread = d.spread.as_ref().expect("draws");
         assert_eq!((spread.trials.len(), spread.unstable()), (200, 0), "{}", d.name());
     }

@@ -210,7 +210,7 @@ function useKeys(workspace: Workspace): void {
   }, []);
 }
 
-/** A fault of a view is told in its place; the other views go on. */
+/** A fault of a view is shown in its place; the other views go on. */
 class Guard extends Component<{ children: ComponentChildren }, { fault?: string }> {
   override state: { fault?: string } = {};
 

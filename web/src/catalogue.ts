@@ -255,7 +255,7 @@ export interface CallOptions {
     /** Clip the voltage to the limits, instead of refusing a reference that exceeds them */
     clip?: boolean;
     /** Largest number of iterations that correct the error left in the model's free run */
-    sweeps?: number;
+    iterations?: number;
     /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
@@ -310,7 +310,7 @@ export interface CallOptions {
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
     /** Sensor delay in samples; controllers are tuned for it */
-    late?: number;
+    delay_samples?: number;
     /** Gain margin to tune to [dB] [dB] */
     gain_margin?: number | string;
     /** Phase margin to tune to [degrees] [degrees] */
@@ -370,13 +370,13 @@ export interface CallOptions {
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
     /** Sensor delay in samples; controllers are tuned for it */
-    late?: number;
+    delay_samples?: number;
     /** Gain margin to tune to [dB] [dB] */
     gain_margin?: number | string;
     /** Phase margin to tune to [degrees] [degrees] */
     phase_margin?: number | string;
   };
-  /** What a controller is, and the limits that it tells; nothing moves. */
+  /** What a controller is, and the limits it reports; nothing moves. */
   controller: {
     /** Address or name of the controller in the network */
     host?: string;

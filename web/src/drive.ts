@@ -54,7 +54,7 @@ export function timeFigure({ name, u, ts, unit: of, usage }: Signal): Figure {
   };
 }
 
-/** Share of the largest amplitude below which nothing is told apart from rounding. */
+/** Share of the largest amplitude below which nothing is distinguished from rounding. */
 const FLOOR = 1e-6;
 
 /** The amplitude spectrum of the signal, with the band of the application. */

@@ -13,7 +13,7 @@ interface Props {
   change(values: Options): void;
   /** Names that are offered for options of this name, in place of the members of their lists. */
   names?: Record<string, { name: string; summary: string }[]>;
-  /** Options that are shown outside their groups, which are folded otherwise. */
+  /** Options that are shown outside their groups, which are closed otherwise. */
   first?: string[];
 }
 
@@ -35,10 +35,10 @@ export function Form({ rows, values, change, names = {}, first }: Props) {
       {rows.filter(isFirst).map(field)}
       {groups.map((group) => {
         const members = rows.filter((row) => !isFirst(row) && (row.group || "More") === group);
-        const given = members.filter((row) => row.name in values).length;
+        const input = members.filter((row) => row.name in values).length;
         return (
           <details key={group}>
-            <summary>{group}{given > 0 && ` (${given} given)`}</summary>
+            <summary>{group}{input > 0 && ` (${input} given)`}</summary>
             <div class="form">{members.map(field)}</div>
           </details>
         );

@@ -77,9 +77,9 @@ async function fetched(url: URL): Promise<Response> {
   return response;
 }
 
-/** The module there. It is compiled while it loads if the server tells its type, as browsers demand. */
+/** The module there. It is compiled while it loads if the server states its type, as browsers demand. */
 async function compiled(url: URL): Promise<WebAssembly.Module> {
   const response = await fetched(url);
-  const told = response.headers.get("content-type") === "application/wasm";
-  return told ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
+  const isWasm = response.headers.get("content-type") === "application/wasm";
+  return isWasm ? WebAssembly.compileStreaming(response) : WebAssembly.compile(await response.arrayBuffer());
 }

@@ -20,7 +20,7 @@ try {
   const theme = localStorage.getItem("theme");
   if (theme) document.documentElement.dataset["theme"] = theme;
 } catch {
-  // This browser keeps nothing; the store tells it.
+  // This browser keeps nothing; the store says so.
 }
 
 const page = document.getElementById("page")!;

@@ -1,4 +1,4 @@
-// The library as a WebAssembly module: crates/piezoid-wasm tells its functions.
+// The library as a WebAssembly module: crates/piezoid-wasm lists its functions.
 
 /** How far long work is. */
 export interface Stage {
@@ -9,7 +9,7 @@ export interface Stage {
   figures: Record<string, number | null>;
 }
 
-/** What is told of long work. */
+/** Progress of long work. */
 export type Progress = (stage: Stage) => void;
 
 interface Exports {

@@ -1,4 +1,4 @@
-// Requests and answers as bytes: crates/piezoid-operations/src/packet.rs tells the layout.
+// Requests and answers as bytes: crates/piezoid-operations/src/packet.rs has the layout.
 
 /** A named content. */
 export interface File {
@@ -15,7 +15,7 @@ export interface Reading {
   origin?: unknown;
 }
 
-/** What is asked of the library. */
+/** What is requested of the library. */
 export interface Request {
   /** Name of the verb. */
   call: string;
@@ -36,7 +36,7 @@ export interface Answer {
   files: File[];
 }
 
-/** An error that the library told, in words for the user. */
+/** An error of the library, in words for the user. */
 export class Refused extends Error {}
 
 /** The user ended the work. */

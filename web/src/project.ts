@@ -80,9 +80,9 @@ function parsed(text: string): unknown {
 
 const isObject = (value: unknown): value is Options => typeof value === "object" && value !== null && !Array.isArray(value);
 
-function wrong(value: unknown, at: string, wanted: string): never {
+function wrong(value: unknown, at: string, expected: string): never {
   const shown = JSON.stringify(value) ?? "missing";
-  throw new Error(`this project is damaged: ${at} is ${shown.length > 40 ? `${shown.slice(0, 40)}...` : shown}, but must be ${wanted}`);
+  throw new Error(`this project is damaged: ${at} is ${shown.length > 40 ? `${shown.slice(0, 40)}...` : shown}, but must be ${expected}`);
 }
 
 const object = (value: unknown, at: string): Options =>
@@ -138,7 +138,7 @@ export const withSettings = (project: Project, view: string, values: Options): P
   settings: { ...project.settings, [view]: values },
 });
 
-/** True if the model was identified from the record; of a model from elsewhere the use of the record tells. */
+/** True if the model was identified from the record; of a model from elsewhere the use of the record decides. */
 export const isTraining = ({ from }: ModelEntry, { file, use }: RecordEntry): boolean =>
   from ? from.some((one) => one.file === file) : use === "training" || use === "small-signal";
 

@@ -31,14 +31,14 @@ export function useReference(view: string, start: Options): Reference {
   const [{ from, signal }, set] = useSettings(`${view}-reference`);
   const values: Options = { ...((signal as Options | undefined) ?? start), unit: start["unit"] };
   const chosen = String(from ?? "");
-  const made = useSignal(chosen === SIGNAL ? values : undefined);
+  const outcome = useSignal(chosen === SIGNAL ? values : undefined);
   const files = async (): Promise<File[]> => {
     if (chosen === "") return [];
     if (chosen === DRAWN) return [await path()];
     if (chosen !== SIGNAL) return [await displacement(chosen)];
-    if (made.lacks.length > 0) throw new Error(`the signal of the reference lacks its ${made.lacks.join(", ")}`);
-    if (!made.value) throw new Error(made.error ?? "the signal of the reference is not ready yet: try again");
-    return [{ name: "signal.csv", bytes: made.value.files[0]!.bytes }];
+    if (outcome.lacks.length > 0) throw new Error(`the signal of the reference lacks its ${outcome.lacks.join(", ")}`);
+    if (!outcome.value) throw new Error(outcome.error ?? "the signal of the reference is not ready yet: try again");
+    return [{ name: "signal.csv", bytes: outcome.value.files[0]!.bytes }];
   };
   const path = async (): Promise<File> => {
     const { points, duration = 0.5 } = (workspace.project.settings["compensate"] ?? {}) as { points?: number[]; duration?: number };
@@ -55,7 +55,7 @@ export function useReference(view: string, start: Options): Reference {
   };
   const change = (next: Options) => set({ from: next["from"] ?? chosen, signal: next["signal"] ?? values });
   const key = chosen === SIGNAL ? values : chosen === DRAWN ? workspace.project.settings["compensate"] : chosen;
-  return { chosen, values, change, key, error: made.error, lacks: made.lacks, files };
+  return { chosen, values, change, key, error: outcome.error, lacks: outcome.lacks, files };
 }
 
 /** The fields of a reference. */

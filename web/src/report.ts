@@ -33,7 +33,7 @@ const figure = (stored: StoredFigure): Figure => ({
 function plots(script: HTMLScriptElement, legend: boolean): Plot[] {
   const drawing = script.parentElement!;
   const stored = JSON.parse(script.textContent!) as StoredFigure[];
-  const made = stored.map((one) => {
+  const result = stored.map((one) => {
     const [name, host] = [document.createElement("p"), document.createElement("div")];
     [name.className, name.textContent] = ["plot name", one.name ?? ""];
     host.style.setProperty("--height", String(one.height));
@@ -41,7 +41,7 @@ function plots(script: HTMLScriptElement, legend: boolean): Plot[] {
     return new Plot(host, figure(one), { legend });
   });
   drawing.classList.add("live");
-  return made;
+  return result;
 }
 
 /** Makes the names in a legend that several drawings share to buttons. */

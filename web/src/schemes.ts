@@ -4,7 +4,7 @@ import type { Answer } from "./packet.ts";
 import { ends, type Figure, type Series } from "./plot/figure.ts";
 
 /** A reference of a comparison. */
-export interface Wanted {
+export interface Reference {
   name: string;
   samples: number;
   /** The sample from which the error counts. */
@@ -22,12 +22,12 @@ export interface Scheme {
   tolerance: { draws: number; unstable: number | null; percent_of_stroke: number[] } | null;
 }
 
-/** Share of the height of a panel below which two lines are not told apart. */
+/** Share of the height of a panel below which two lines are not reported apart. */
 const NEAR = 0.005;
 
 /** Requested and reached displacement, error and voltage of all schemes along a reference. */
 export function runsFigure({ result, series }: Answer, at: number, ts: number): Figure {
-  const wanted: Wanted = result.references[at];
+  const reference: Reference = result.references[at];
   const runs = (result.schemes as Scheme[]).flatMap(({ scheme }, k) => {
     const of = (name: string) => series.get(`${name}/${k}/${at}`);
     const [r, u, y] = [of("r"), of("u"), of("y")];
@@ -43,14 +43,14 @@ export function runsFigure({ result, series }: Answer, at: number, ts: number): 
   const requested: Series[] = runs[0] ? [{ name: "requested", y: runs[0].r, step: ts, style: "pale" }] : [];
   const { unit } = result;
   return {
-    title: `${wanted.name} on the plant ${result.plant}`,
+    title: `${reference.name} on the plant ${result.plant}`,
     x: { label: "Time", unit: "s" },
     panels: [
       { y: { label: "Displacement", unit }, series: [...requested, ...line("y")] },
       { y: { label: "Error", unit }, series: line("e") },
       { y: { label: "Voltage", unit: "V" }, series: line("u") },
     ],
-    span: { from: wanted.from * ts, to: wanted.samples * ts },
+    span: { from: reference.from * ts, to: reference.samples * ts },
   };
 }
 

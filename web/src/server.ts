@@ -1,4 +1,4 @@
-// The library and the project folder of `piezoid serve`: crates/piezoid-serve tells its interface.
+// The library and the project folder of `piezoid serve`: crates/piezoid-serve has its interface.
 
 import type { Library } from "./library.ts";
 import type { Progress } from "./module.ts";
@@ -42,12 +42,12 @@ export class Server {
 
   static #opened(): string {
     const address = new URL(location.href);
-    const given = address.searchParams.get("key");
-    if (given === null) return localStorage.getItem(KEY) ?? "";
-    localStorage.setItem(KEY, given);
+    const values = address.searchParams.get("key");
+    if (values === null) return localStorage.getItem(KEY) ?? "";
+    localStorage.setItem(KEY, values);
     address.searchParams.delete("key");
     history.replaceState(history.state, "", address);
-    return given;
+    return values;
   }
 
   /** True if the server has proven itself a moment ago. */
@@ -59,7 +59,7 @@ export class Server {
    * may listen at this address by now. */
   async prove(signal?: AbortSignal | null): Promise<void> {
     if (this.#isProven) return;
-    const asked = performance.now();
+    const requested = performance.now();
     const nonce = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
     // A program that only listens never answers.
     const ends = AbortSignal.any([AbortSignal.timeout(PATIENCE), ...(signal ? [signal] : [])]);
@@ -70,7 +70,7 @@ export class Server {
     for (const one of [this.key, this.latest()].filter((key) => key !== "")) {
       const key = await crypto.subtle.importKey("raw", text.encode(one), { name: "HMAC", hash: "SHA-256" }, false, ["verify"]);
       if (!(await crypto.subtle.verify("HMAC", key, bytes(String(proof)), text.encode(nonce)))) continue;
-      [this.key, this.#provenAt] = [one, asked];
+      [this.key, this.#provenAt] = [one, requested];
       return;
     }
     throw lost(OTHER);
@@ -84,8 +84,8 @@ export class Server {
     const headers = { ...init.headers, authorization: `Bearer ${this.key}` };
     const response = await fetch(this.root + path, { ...init, headers, cache: "no-store" }).catch(() => gone(init.signal));
     if (response.ok) return response;
-    const told = await response.json().catch(() => ({}));
-    const refused = new Refused(told.error ?? `piezoid serve refuses this: ${response.status} ${response.statusText}`);
+    const refusal = await response.json().catch(() => ({}));
+    const refused = new Refused(refusal.error ?? `piezoid serve refuses this: ${response.status} ${response.statusText}`);
     throw response.status === 412 ? Object.assign(refused, { name: "Conflict" }) : refused;
   }
 }
@@ -208,9 +208,9 @@ export class ServerStore implements Store {
 
   /** Changes are made one after the other, because each needs the version of the one before. */
   #afterwards(change: () => Promise<void>): Promise<void> {
-    const made = this.#last.then(change);
-    this.#last = made.catch(() => {});
-    return made;
+    const result = this.#last.then(change);
+    this.#last = result.catch(() => {});
+    return result;
   }
 
   /** The version that may be replaced: the one that was read or written here last, else none. */

@@ -44,7 +44,7 @@ export function useSignal(values: Options | undefined): Outcome<Answer> & { lack
   const { workspace, lists } = useShared();
   const needed = values ? rowsOf(lists, values).filter((row) => row.required && !(row.name in values)) : [];
   const key = `excite ${JSON.stringify(values)}`;
-  const made = useOutcome(values && needed.length === 0 ? key : undefined, () =>
+  const result = useOutcome(values && needed.length === 0 ? key : undefined, () =>
     workspace.answer(key, () => ({ name: "signal", request: { call: "excite", options: values! }, files: [] })));
-  return { ...made, lacks: needed.map((row) => spoken(row.name)) };
+  return { ...result, lacks: needed.map((row) => spoken(row.name)) };
 }

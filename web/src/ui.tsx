@@ -226,10 +226,10 @@ const kept = new Map<string, Outcome<unknown> & { request?: string }>();
 /** Work that a button starts, whose outcome stays. It is `stale` once `request`, what is asked for, has changed. */
 export function useKept<T>(name: string, request: unknown): Outcome<T> & { stale: boolean; start(work: () => Promise<T>): void } {
   const { workspace } = useShared();
-  const asked = JSON.stringify(request);
+  const requested = JSON.stringify(request);
   const set = (outcome: Outcome<T>) => {
     kept.delete(name);
-    kept.set(name, { ...outcome, request: asked });
+    kept.set(name, { ...outcome, request: requested });
     const oldest = kept.keys().next().value;
     if (kept.size > KEPT && oldest !== undefined) kept.delete(oldest);
     workspace.changed();
@@ -247,7 +247,7 @@ export function useKept<T>(name: string, request: unknown): Outcome<T> & { stale
     );
   };
   const now = (kept.get(name) ?? { busy: false }) as Outcome<T> & { request?: string };
-  return { ...now, stale: now.value !== undefined && now.request !== asked, start };
+  return { ...now, stale: now.value !== undefined && now.request !== requested, start };
 }
 
 /** Says that a form has changed since its results were made. */

@@ -14,7 +14,7 @@ const LONG: Record<string, string> = {
   to: "end",
   low: "lowest voltage",
   high: "highest voltage",
-  late: "samples late",
+  delay_samples: "samples late",
   zvd: "ZVD shaper",
 };
 

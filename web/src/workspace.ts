@@ -20,14 +20,14 @@ export interface Job {
   cancel(): void;
 }
 
-/** What is asked of the library, and how it is shown. */
+/** What is requested of the library, and how it is shown. */
 export interface Task {
   /** What the user started, such as "identify". */
   name: string;
   request: Request;
   files: File[];
   /** Called after each step. */
-  told?(what: string, figures: Record<string, number>): void;
+  onStage?(what: string, figures: Record<string, number>): void;
   /** Short work is not shown among the jobs. */
   quiet?: boolean;
 }
@@ -58,7 +58,7 @@ export class Workspace {
   #files = new Map<string, Uint8Array>();
   #answers = new Map<string, Promise<Answer>>();
   #listeners = new Set<() => void>();
-  /** The fault that told that the project could not be stored. */
+  /** The fault because of which the project could not be stored. */
   #untold = "";
   #conflict = false;
   #saving: ReturnType<typeof setTimeout> | undefined;
@@ -162,7 +162,7 @@ export class Workspace {
     await this.store.write(this.#name, new TextEncoder().encode(written(this.project)));
   }
 
-  /** True while it is told that another tab or program has written another version of the project. */
+  /** True while the page says that another tab or program has written another version of the project. */
   get conflict(): boolean {
     return this.#conflict && this.fault !== "" && this.fault === this.#untold;
   }
@@ -227,7 +227,7 @@ export class Workspace {
     return name;
   }
 
-  /** Adds records in one step; with `look`, the last becomes the one that is looked at. What cannot be kept is told. */
+  /** Adds records in one step; with `look`, the last becomes the one that is looked at. What cannot be kept is reported. */
   async addRecords(files: { file: File; use: RecordEntry["use"] }[], { look = false, passing = false } = {}): Promise<void> {
     const kept: Pick<RecordEntry, "file" | "use">[] = [];
     for (const { file, use } of files) {
@@ -256,9 +256,9 @@ export class Workspace {
   }
 
   /** Adds a model, which becomes the one that is used. */
-  async addModel(file: File, told: Omit<ModelEntry, "file">): Promise<string> {
+  async addModel(file: File, facts: Omit<ModelEntry, "file">): Promise<string> {
     const name = await this.keep(file);
-    const entry = { file: name, ...told };
+    const entry = { file: name, ...facts };
     this.change((project) => ({ ...project, models: [...project.models, entry], model: name }));
     return name;
   }
@@ -287,7 +287,7 @@ export class Workspace {
   // Work.
 
   /** The answer to a task, with its progress among the jobs. */
-  async run({ name, request, files, told, quiet }: Task): Promise<Answer> {
+  async run({ name, request, files, onStage, quiet }: Task): Promise<Answer> {
     const stop = new AbortController();
     const job: Job = { name, what: "", done: 0, total: 0, cancel: () => stop.abort() };
     if (!quiet) this.jobs = [...this.jobs, job];
@@ -295,7 +295,7 @@ export class Workspace {
     try {
       const progress = ({ what, done, total, figures }: Stage) => {
         Object.assign(job, { what, done, total });
-        told?.(what, Object.fromEntries(Object.entries(figures).filter(([, value]) => value !== null)) as Record<string, number>);
+        onStage?.(what, Object.fromEntries(Object.entries(figures).filter(([, value]) => value !== null)) as Record<string, number>);
         if (!quiet) this.changed();
       };
       return await this.library.call(request, files, progress, stop.signal);
@@ -305,7 +305,7 @@ export class Workspace {
     }
   }
 
-  /** The answer to a short task, kept for the next time that the same is asked. `key` tells tasks apart. */
+  /** The answer to a short task, kept for the next time that the same is requested. `key` distinguishes tasks. */
   answer(key: string, task: () => Promise<Task> | Task): Promise<Answer> {
     const known = this.#answers.get(key);
     if (known) {
@@ -313,12 +313,12 @@ export class Workspace {
       this.#answers.set(key, known);
       return known;
     }
-    const asked = Promise.resolve(task()).then((ready) => this.run({ quiet: true, ...ready }));
-    this.#answers.set(key, asked);
-    asked.catch((error) => error instanceof Cancelled && this.#answers.delete(key));
+    const requested = Promise.resolve(task()).then((ready) => this.run({ quiet: true, ...ready }));
+    this.#answers.set(key, requested);
+    requested.catch((error) => error instanceof Cancelled && this.#answers.delete(key));
     const oldest = this.#answers.keys().next().value;
     if (this.#answers.size > KEPT && oldest !== undefined) this.#answers.delete(oldest);
-    return asked;
+    return requested;
   }
 
   /** What a record's file holds, as it is read with what was said of it. */
@@ -341,9 +341,9 @@ export class Workspace {
 
   /** The prepared record as CSV, under the name of its file. */
   async ready(entry: RecordEntry): Promise<File> {
-    const [made] = (await this.prepared(entry)).files;
-    if (!made) throw new Error(`${entry.file}: nothing was prepared`);
-    return { name: entry.file, bytes: made.bytes };
+    const [result] = (await this.prepared(entry)).files;
+    if (!result) throw new Error(`${entry.file}: nothing was prepared`);
+    return { name: entry.file, bytes: result.bytes };
   }
 
   /** Records for a call: their files and how they are read; where calls read text alone, the prepared records and

@@ -40,7 +40,7 @@ export const launched = () =>
   });
 
 /** True for a request to anywhere else than the page's own server. */
-export const isForeign = (asked, url) => !["blob:", "data:", new URL(url).origin].some((start) => asked.startsWith(start));
+export const isForeign = (requested, url) => !["blob:", "data:", new URL(url).origin].some((start) => requested.startsWith(start));
 
 /** A page in a context of its own, with what it told and asked that it should not have. */
 export async function opened(browser, url, options = {}) {

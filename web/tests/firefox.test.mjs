@@ -11,11 +11,11 @@ import { csv, measured } from "./records.mjs";
 const FIREFOX = process.env.FIREFOX ?? "/usr/bin/firefox-esr";
 const skip = lacking("FIREFOX", FIREFOX);
 
-test("in Firefox a record becomes a model and a proof; all is there after a reload", { skip }, async (told) => {
+test("in Firefox a record becomes a model and a proof; all is there after a reload", { skip }, async (sentence) => {
   const folder = mkdtempSync(join(tmpdir(), "piezoid-"));
   const server = await served();
   let browser;
-  told.after(async () => {
+  sentence.after(async () => {
     await browser?.close();
     server.close();
     rmSync(folder, { recursive: true });

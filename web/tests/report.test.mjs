@@ -66,7 +66,7 @@ const drawn = (plot) =>
   });
 
 /** A file that a button gives. */
-async function given(page, button) {
+async function input(page, button) {
   const [download] = await Promise.all([page.waitForEvent("download"), button.click()]);
   return { name: download.suggestedFilename(), text: readFileSync(await download.path(), "utf8") };
 }
@@ -115,9 +115,9 @@ test("the cursor tells the values of all series", { skip }, () =>
     await plot.scrollIntoViewIfNeeded();
     await redrawn(plot, "");
     await plot.locator(".stage").hover();
-    const told = await plot.locator(".readout").textContent();
-    assert.match(told, / s \u00b7 .*measured .* \u00b5m/);
-    assert.match(told, /model .* \u00b5m/);
+    const message = await plot.locator(".readout").textContent();
+    assert.match(message, / s \u00b7 .*measured .* \u00b5m/);
+    assert.match(message, /model .* \u00b5m/);
   }));
 
 test("a name hides its series, and a legend of several plots hides it in all", { skip }, () =>
@@ -146,7 +146,7 @@ test("a plot is given as CSV with its numbers, and as SVG", { skip }, () =>
     const plot = series(page).locator(".plot").first();
     await plot.scrollIntoViewIfNeeded();
     await redrawn(plot, "");
-    const csv = await given(page, plot.getByRole("button", { name: "CSV" }));
+    const csv = await input(page, plot.getByRole("button", { name: "CSV" }));
     assert.match(csv.name, /^Time-series-y\.csv$/);
     const [head, ...rows] = csv.text.trimEnd().split("\n").map((line) => line.split(","));
     assert.deepEqual(head, ["t [s]", "measured: y [\u00b5m]", "t [s]", "model: y [\u00b5m]"]);
@@ -157,7 +157,7 @@ test("a plot is given as CSV with its numbers, and as SVG", { skip }, () =>
       const places = x ?? y.map((_, n) => Number((start + n * step).toPrecision(15)));
       assert.deepEqual(column(2 * k), places);
     });
-    const svg = await given(page, plot.getByRole("button", { name: "SVG" }));
+    const svg = await input(page, plot.getByRole("button", { name: "SVG" }));
     const marks = await page.evaluate((text) => {
       const parsed = new DOMParser().parseFromString(text, "image/svg+xml");
       return [parsed.querySelector("parsererror") === null, parsed.querySelectorAll("path").length, parsed.documentElement.textContent];

@@ -24,11 +24,11 @@ after(async () => {
 });
 
 /** Starts the program, and what it prints up to this. */
-async function printed(process, wanted) {
+async function printed(process, expected) {
   let all = "";
   for await (const piece of process.stdout) {
     all += piece;
-    const found = all.match(wanted)?.[0];
+    const found = all.match(expected)?.[0];
     if (found) return found;
   }
   throw new Error(`the program ended: ${all}`);

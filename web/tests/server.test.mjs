@@ -59,10 +59,10 @@ test("progress is told and the answer read, however they are cut", async () => {
 test("a program that only listens gets neither the key nor any content", async () => {
   proves = false;
   const heard = [];
-  for (const said of ["{}", '{"proof":"00"}', "<html>", JSON.stringify({ proof: createHmac("sha256", "another").update("x").digest("hex") })]) {
+  for (const text of ["{}", '{"proof":"00"}', "<html>", JSON.stringify({ proof: createHmac("sha256", "another").update("x").digest("hex") })]) {
     answer = (request, response) => {
       heard.push(request);
-      response.end(said);
+      response.end(text);
     };
     await assert.rejects(store().write("project.json", new Uint8Array(9)), { name: "Gone", message: /another server answers/ });
     await assert.rejects(library().call(INSPECT, []), { name: "Gone" });
@@ -75,11 +75,11 @@ test("a program that only listens gets neither the key nor any content", async (
 test("a program that never answers is given up, and does not keep a call from being cancelled", async () => {
   proves = false;
   answer = () => {};
-  const asked = performance.now();
+  const requested = performance.now();
   const cancelled = new AbortController();
   setTimeout(() => cancelled.abort(), 20);
   await assert.rejects(library().call(INSPECT, [], () => {}, cancelled.signal), { message: "cancelled" });
-  assert.ok(performance.now() - asked < 1000);
+  assert.ok(performance.now() - requested < 1000);
   await assert.rejects(store().names(), { name: "Gone", message: /does not answer/ });
   proves = true;
 });
@@ -111,13 +111,13 @@ test("a refusal is told in the words of the server, and one of the library in it
 });
 
 test("a server that is gone, or goes, is told with what to do", async () => {
-  const told = { message: /^piezoid serve does not answer: start it again in the same folder/ };
+  const sentence = { message: /^piezoid serve does not answer: start it again in the same folder/ };
   const nobody = new Server("http://127.0.0.1:9", "secret");
-  await assert.rejects(new ServerLibrary(nobody).call(INSPECT, []), told);
-  await assert.rejects(new ServerStore(nobody).names(), told);
+  await assert.rejects(new ServerLibrary(nobody).call(INSPECT, []), sentence);
+  await assert.rejects(new ServerStore(nobody).names(), sentence);
   for (const start of ["", '{"what":"x","done":1,"total":2}\n', "\nhalf"]) {
     answer = (_, response) => response.write(start || " ", () => response.destroy());
-    await assert.rejects(library().call(INSPECT, []), told);
+    await assert.rejects(library().call(INSPECT, []), sentence);
   }
 });
 
@@ -136,10 +136,10 @@ test("a call that is cancelled ends, before and after it begins", async () => {
 });
 
 test("a file is written in place of the version that was read, or of none", async () => {
-  const seen = [];
+  const inspection = [];
   answer = (request, response) => {
-    seen.push([request.method, request.url, request.headers["if-match"], request.headers["if-none-match"]]);
-    response.writeHead(200, { etag: `"${seen.length}"` }).end("content");
+    inspection.push([request.method, request.url, request.headers["if-match"], request.headers["if-none-match"]]);
+    response.writeHead(200, { etag: `"${inspection.length}"` }).end("content");
   };
   const files = store();
   // The second needs the version of the first, though it is asked for at once.
@@ -148,7 +148,7 @@ test("a file is written in place of the version that was read, or of none", asyn
   await files.write("b", new Uint8Array(3));
   await files.remove("b");
   const path = "/api/files/%C2%B5%201%2F2.csv";
-  assert.deepEqual(seen, [
+  assert.deepEqual(inspection, [
     ["PUT", path, undefined, "*"],
     ["PUT", path, '"1"', undefined],
     ["GET", "/api/files/b", undefined, undefined],

@@ -16,9 +16,9 @@ const LARGEST = {
 };
 
 for (const [name, largest] of Object.entries(LARGEST)) {
-  test(`the size of ${name}`, (told) => {
+  test(`the size of ${name}`, (message) => {
     const size = gzipSync(readFileSync(new URL(name, DIST)), { level: 9 }).length;
-    told.diagnostic(`${name}: ${size} bytes gzipped, ${largest} at most`);
+    message.diagnostic(`${name}: ${size} bytes gzipped, ${largest} at most`);
     assert.ok(size <= largest, `${name} has ${size} bytes gzipped, but ${largest} at most are loaded quickly`);
   });
 }

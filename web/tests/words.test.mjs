@@ -7,8 +7,8 @@ const row = (name) => ({ name });
 const lists = { operations: [{ options: [row("driver_lag")] }], excitations: [{ options: [row("frequency_end")] }], columns: [row("ts"), row("time_col")] };
 
 test("options are called by their labels, columns by their names", () => {
-  const told = "a.csv: there is no time column among the columns `u`, `ts`; give `{ts}` or `{time_col}`";
-  assert.equal(worded(told, lists), "a.csv: there is no time column among the columns “u”, “ts”; give “Sampling period” or “Role time”");
+  const message = "a.csv: there is no time column among the columns `u`, `ts`; give `{ts}` or `{time_col}`";
+  assert.equal(worded(message, lists), "a.csv: there is no time column among the columns “u”, “ts”; give “Sampling period” or “Role time”");
   assert.equal(worded("{driver_lag} = -1: must be positive", lists), "Driver lag = −1: must be positive");
   assert.equal(worded("a.csv: {frequency_end} = 3 Hz", lists), "a.csv: Frequency end = 3 Hz");
   assert.equal(worded("{y_um} = 3 um", lists), "y_um = 3 µm");

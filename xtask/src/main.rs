@@ -7,6 +7,7 @@ mod generate;
 mod skipped;
 mod tidy;
 mod web;
+mod words;
 
 use skipped::Skipped;
 use std::path::Path;
@@ -36,8 +37,8 @@ const VERBS: [(&str, &str, Work); 7] = [
 ];
 
 fn main() -> ExitCode {
-    let wanted = std::env::args().nth(1).unwrap_or_default();
-    let Some((_, _, run)) = VERBS.iter().find(|(name, ..)| *name == wanted) else {
+    let expected = std::env::args().nth(1).unwrap_or_default();
+    let Some((_, _, run)) = VERBS.iter().find(|(name, ..)| *name == expected) else {
         eprintln!("usage: cargo xtask VERB");
         VERBS.iter().for_each(|(name, what, _)| eprintln!("  {name:10}{what}"));
         return ExitCode::from(2);
@@ -45,11 +46,11 @@ fn main() -> ExitCode {
     let start = Instant::now();
     match run() {
         Ok(()) => {
-            eprintln!("xtask {wanted}: all well, {:.0} s", start.elapsed().as_secs_f64());
+            eprintln!("xtask {expected}: all well, {:.0} s", start.elapsed().as_secs_f64());
             ExitCode::SUCCESS
         }
         Err(what) => {
-            eprintln!("xtask {wanted}: {what}");
+            eprintln!("xtask {expected}: {what}");
             ExitCode::FAILURE
         }
     }

@@ -32,35 +32,35 @@ impl Skipped {
         let command = command.current_dir(root()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().map_err(|e| format!("cannot start `{line}`: {e}"))?;
         let (out, err) = (child.stdout.take(), child.stderr.take());
-        let told = std::thread::scope(|scope| {
+        let message = std::thread::scope(|scope| {
             let err = scope.spawn(|| passed_on(err, std::io::stderr()));
             let out = passed_on(out, std::io::stdout());
             [out, err.join().unwrap_or_default()].concat()
         });
         let status = child.wait().map_err(|e| format!("cannot wait for `{line}`: {e}"))?;
-        told.iter().filter_map(|line| read(line)).for_each(|(test, missing)| self.add(test, missing));
+        message.iter().filter_map(|line| read(line)).for_each(|(test, missing)| self.add(test, missing));
         succeeded(&line, status)
     }
 }
 
 /// Copies the input line by line; returns the lines about skipped tests.
 fn passed_on(from: Option<impl Read>, mut to: impl Write) -> Vec<String> {
-    let mut told = Vec::new();
-    let Some(from) = from else { return told };
+    let mut message = Vec::new();
+    let Some(from) = from else { return message };
     for line in BufReader::new(from).split(b'\n').map_while(Result::ok) {
         // The reader of the output may be gone.
         let _ = to.write_all(&[&line[..], b"\n"].concat());
         let line = String::from_utf8_lossy(&line);
-        told.extend(line.starts_with("SKIPPED").then(|| line.into_owned()));
+        message.extend(line.starts_with("SKIPPED").then(|| line.into_owned()));
     }
-    told
+    message
 }
 
 /// The test and what it lacks, from a line about a skipped test.
 fn read(line: &str) -> Option<(&str, &str)> {
     match line.strip_prefix("SKIPPED: ") {
         // Names of tests contain double colons.
-        Some(told) => told.split_once(": "),
+        Some(message) => message.split_once(": "),
         None => line.strip_prefix("SKIPPED [")?.split_once("] ")?.1.split_once(": "),
     }
 }
@@ -88,11 +88,11 @@ mod tests {
             "SKIPPED: simulink::a_class_is_run: no gcc",
             "SKIPPED [1] tests/test_bench.py:22: pyswarms is not installed: pip has it",
         ] {
-            let (test, missing) = read(line).expect("a line that tells");
+            let (test, missing) = read(line).expect("a line with both");
             skipped.add(test, missing);
         }
-        let told = "3 tests skipped, wholly or in part\n  no clang: 1 test\n  no gcc: 2 tests\n  pyswarms is not installed: pip has it: 1 test\n";
-        assert_eq!(skipped.to_string(), told);
+        let message = "3 tests skipped, wholly or in part\n  no clang: 1 test\n  no gcc: 2 tests\n  pyswarms is not installed: pip has it: 1 test\n";
+        assert_eq!(skipped.to_string(), message);
         assert_eq!(read("SKIPPED it is"), None);
     }
 }

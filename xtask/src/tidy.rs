@@ -91,6 +91,7 @@ pub(crate) fn tidy() -> Result<(), String> {
     for (page, phrase, file, list) in COUNTS {
         broken.extend(miscounted(page, phrase, file, list)?);
     }
+    broken.extend(crate::words::dialect()?);
     broken.extend(public_items()?);
     broken.extend(crate::generate::check_bindings().err());
     if broken.is_empty() { Ok(()) } else { Err(format!("tidy:\n  {}", broken.join("\n  "))) }
@@ -256,8 +257,8 @@ fn miscounted(page: &str, phrase: &str, file: &str, list: &str) -> Result<Option
     let count = rows.unwrap_or_default().split(',').filter(|row| row.contains("::")).count();
     let word = WORDS.split(' ').nth(count).unwrap_or_default();
     let text = read(&root().join(page))?.split_whitespace().collect::<Vec<_>>().join(" ").to_lowercase();
-    let said = [count.to_string(), word.to_string()].iter().any(|n| text.contains(&phrase.replace('#', n)));
-    Ok((!said).then(|| format!("{page}: {list} has {count} rows, and \"{phrase}\" is not said of them")))
+    let sentence = [count.to_string(), word.to_string()].iter().any(|n| text.contains(&phrase.replace('#', n)));
+    Ok((!sentence).then(|| format!("{page}: {list} has {count} rows, and \"{phrase}\" is not said of them")))
 }
 
 /// The code of a file without its tests, which are at its end, and without comments.
@@ -270,7 +271,7 @@ fn without_tests(text: &str, file: &Path) -> String {
 }
 
 /// The files of a folder with this extension, in order, without those of builds.
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+pub(crate) fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let Ok(entries) = std::fs::read_dir(folder) else { return Vec::new() };
     let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
     paths.sort();
@@ -284,10 +285,10 @@ fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     paths.into_iter().flat_map(inside).collect()
 }
 
-fn read(file: &Path) -> Result<String, String> {
+pub(crate) fn read(file: &Path) -> Result<String, String> {
     std::fs::read_to_string(file).map_err(|e| format!("cannot read {}: {e}", shown(file)))
 }
 
-fn shown(file: &Path) -> String {
+pub(crate) fn shown(file: &Path) -> String {
     file.strip_prefix(root()).unwrap_or(file).display().to_string()
 }

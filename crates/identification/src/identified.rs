@@ -45,8 +45,8 @@ pub struct Identified {
 }
 
 impl Identified {
-    /// All that is told about an identification: the reasons, then the remarks.
-    pub fn told(&self) -> Vec<String> {
+    /// All remarks on an identification: the reasons, then the remarks.
+    pub fn remarks(&self) -> Vec<String> {
         [&self.reasons[..], &self.notes].concat()
     }
 }
@@ -74,8 +74,8 @@ pub fn common_units<'a>(mut records: impl Iterator<Item = &'a Record>) -> Result
     for record in records {
         Record::same_sampling("the first record", first.ts(), "another record", record.ts())?;
         if record.units().u != first.units().u {
-            let (found, wanted) = (record.units().u.clone(), first.units().u.clone());
-            return Err(Error::Units { what: "the input of a record".into(), found, wanted });
+            let (found, expected) = (record.units().u.clone(), first.units().u.clone());
+            return Err(Error::Units { what: "the input of a record".into(), found, expected });
         }
     }
     Ok(first.units().clone())

@@ -178,9 +178,9 @@ fn a_cancelled_identification_ends_at_every_stage() {
         let (whole, all) = calls(usize::MAX);
         assert!(whole.is_ok() && all > 5, "{all}");
         for last in [0, 1, all / 2, all - 1] {
-            let (stopped, seen) = calls(last);
+            let (stopped, observed) = calls(last);
             assert!(
-                matches!(stopped, Err(Error::Cancelled { .. })) && seen == last + 1,
+                matches!(stopped, Err(Error::Cancelled { .. })) && observed == last + 1,
                 "{last} of {all}: {stopped:?}"
             );
         }
@@ -269,12 +269,16 @@ fn a_lag_before_the_hysteresis_is_found_and_belongs_to_the_driver() {
     let lag = 2e-3;
     let driver = piezoid_models::driver::DriverModel::new(lag, None).unwrap();
     let block = (Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4 / 4.0).unwrap();
-    let driven = Model::driven(Some(driver), block, Arx::gain(5e-4, 1.2).unwrap(), 0.3).unwrap();
-    let large_signal = large_signal(&driven, 0.8, &[(5.0, 0.0), (20.0, 0.0), (60.0, 0.0)]);
+    let with_driver = Model::from_blocks(Some(driver), block, Arx::gain(5e-4, 1.2).unwrap(), 0.3).unwrap();
+    let large_signal = large_signal(&with_driver, 0.8, &[(5.0, 0.0), (20.0, 0.0), (60.0, 0.0)]);
     let found = identified(&[], &large_signal, &named("prandtl-ishlinskii"));
-    let seen = found.model.driver().map_or(f64::NAN, |driver| driver.lag_s);
-    assert_close(&[seen], &[lag], 0.05, 0.0);
-    assert!(found.parameters.iter().any(|p| p.name == "driver lag [s]" && p.value == seen), "{:?}", found.parameters);
+    let observed = found.model.driver().map_or(f64::NAN, |driver| driver.lag_s);
+    assert_close(&[observed], &[lag], 0.05, 0.0);
+    assert!(
+        found.parameters.iter().any(|p| p.name == "driver lag [s]" && p.value == observed),
+        "{:?}",
+        found.parameters
+    );
     assert!(found.linear.reason.contains("driver lag 0.002"), "{}", found.linear.reason);
 }
 

@@ -77,7 +77,7 @@ impl DriverModel {
         let block = if lags { block.text(LAGGING) } else { block };
         // Without a lag the voltage is u immediately.
         let after = |from: &str, s: &str| if lags { format!("lagging({from}, u, {s})") } else { "u".into() };
-        let (block, driven) = match self.slew {
+        let (block, limited) = match self.slew {
             None => (block, after("d.v", "h")),
             Some(slew) => {
                 let text = SLEWING.replace("NEAR", &after("u - points * near", "h - limited"));
@@ -85,7 +85,7 @@ impl DriverModel {
                 (block.constant("slew", slew).constant("near", slew * self.lag_s).text(&text), "driven(d.v, u)".into())
             }
         };
-        let text = HIDDEN.replace("DRIVEN", &driven);
+        let text = HIDDEN.replace("DRIVEN", &limited);
         let text = if remembers { text } else { text.replace("x: hysteresis, ", "").replace("(x, ", "(") };
         block.count("substeps", DriverModel::SUBSTEPS).text(&text)
     }

@@ -120,14 +120,14 @@ pub enum Error {
         right_ts: f64,
     },
     /// Units that cannot be converted into each other.
-    #[error("{what} is in {found}, but {wanted} is needed and the conversion is unknown: convert it first")]
+    #[error("{what} is in {found}, but {expected} is needed and the conversion is unknown: convert it first")]
     Units {
         /// The object with this unit.
         what: String,
         /// Its unit.
         found: String,
         /// The unit needed.
-        wanted: String,
+        expected: String,
     },
     /// A part of the model that the data do not determine.
     #[error("{what} cannot be identified: {because}")]
@@ -339,26 +339,28 @@ mod tests {
 
     #[test]
     fn a_period_that_is_the_rate_of_another_is_named() {
-        let told = |left_ts, right_ts| {
+        let message = |left_ts, right_ts| {
             Error::Sampling { left: "one".into(), left_ts, right: "other".into(), right_ts }.to_string()
         };
-        assert!(told(5e-4, 2000.0).ends_with("if 2000 is the sampling rate in Hz, state it as such"));
-        assert!(told(5e-4, 1e-3).ends_with("resample one of them; `prepare` does, with the option resample = 0.001"));
-        let told =
+        assert!(message(5e-4, 2000.0).ends_with("if 2000 is the sampling rate in Hz, state it as such"));
+        assert!(
+            message(5e-4, 1e-3).ends_with("resample one of them; `prepare` does, with the option resample = 0.001")
+        );
+        let message =
             Error::Sampling { left: "the model".into(), left_ts: 5e-4, right: "the record".into(), right_ts: 1e-3 };
-        assert!(told.to_string().ends_with("resample = 0.0005"), "{told}");
+        assert!(message.to_string().ends_with("resample = 0.0005"), "{message}");
     }
 
     #[test]
     fn a_huge_value_has_an_exponent_and_not_hundreds_of_digits() {
-        let told = |value: &dyn ToString| Error::parameter("from", value.to_string(), "must be less").to_string();
-        assert_eq!(told(&1e300), "from = 1e300: must be less");
-        assert_eq!(told(&format!("{} s", -1.5e200)), "from = -1.5e200 s: must be less");
-        assert_eq!(told(&0.000_012_5), "from = 0.0000125: must be less");
-        assert_eq!(told(&12_345_678_901_234_567_890_u64), "from = 12345678901234567890: must be less");
+        let message = |value: &dyn ToString| Error::parameter("from", value.to_string(), "must be less").to_string();
+        assert_eq!(message(&1e300), "from = 1e300: must be less");
+        assert_eq!(message(&format!("{} s", -1.5e200)), "from = -1.5e200 s: must be less");
+        assert_eq!(message(&0.000_012_5), "from = 0.0000125: must be less");
+        assert_eq!(message(&12_345_678_901_234_567_890_u64), "from = 12345678901234567890: must be less");
         let samples = Error::parameter("ts", "1e-9 s", format!("gives {:.0} samples, at {} s.", 1e30, 1e200));
         assert_eq!(samples.to_string(), "ts = 1e-9 s: gives 1e30 samples, at 1e200 s.");
-        assert_eq!(told(&"a name"), "from = a name: must be less");
+        assert_eq!(message(&"a name"), "from = a name: must be less");
     }
 
     #[test]

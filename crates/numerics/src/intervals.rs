@@ -58,8 +58,8 @@ impl Intervals {
     /// Text of a program function (first, last, u) that finds the interval of u between the edges `first` to `last` of
     /// `table`, at most `most` edges apart.
     pub fn text(function: &str, table: &str, most: usize) -> String {
-        let halvings = most.max(1).next_power_of_two().ilog2();
-        TEXT.replace("FUNCTION", function).replace("TABLE", table).replace("HALVINGS", &halvings.to_string())
+        let bisections = most.max(1).next_power_of_two().ilog2();
+        TEXT.replace("FUNCTION", function).replace("TABLE", table).replace("BISECTIONS", &bisections.to_string())
     }
 
     /// The edges of the intervals, rising.
@@ -84,7 +84,7 @@ const TEXT: &str = "
 fn FUNCTION(first: whole, last: whole, u) {
     let below = first;
     let above = last;
-    while above > below + 1 at most HALVINGS {
+    while above > below + 1 at most BISECTIONS {
         let middle = (below + above) / 2;
         if TABLE[middle] <= u { below = middle; } else { above = middle; }
     }

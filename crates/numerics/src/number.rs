@@ -62,20 +62,20 @@ pub fn exact(x: f64) -> String {
 /// A text such as `from 1000000000000000000000 s`, with its numbers as [`exact`] writes them.
 pub(crate) fn tamed(text: &str) -> String {
     let digit = |c: char| c.is_ascii_digit() || c == '.';
-    let mut told = String::with_capacity(text.len());
+    let mut message = String::with_capacity(text.len());
     let mut rest = text;
     while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
         let end = rest[start..].find(|c| !digit(c)).map_or(rest.len(), |length| start + length);
         let number = rest[start..end].trim_end_matches('.');
-        told += &rest[..start];
+        message += &rest[..start];
         // A seed has up to 20 digits of its own.
         match number.parse::<f64>() {
-            Ok(x) if number.len() > 20 || number.len() > 15 && x.to_string() == number => told += &exact(x),
-            _ => told += number,
+            Ok(x) if number.len() > 20 || number.len() > 15 && x.to_string() == number => message += &exact(x),
+            _ => message += number,
         }
         rest = &rest[start + number.len()..];
     }
-    told + rest
+    message + rest
 }
 
 /// Items as text: "a, b and c".

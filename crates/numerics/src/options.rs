@@ -322,12 +322,12 @@ pub trait Options: Default + Serialize + DeserializeOwned {
     ///
     /// # Errors
     /// [`Error::Unknown`] for an unknown option, [`Error::Parameter`] for an invalid value.
-    fn from_json(given: Value) -> Result<Self, Error> {
-        let Value::Object(given) = given else {
-            return Err(Error::Content(format!("options must be an object of names and values, not {given}")));
+    fn from_json(values: Value) -> Result<Self, Error> {
+        let Value::Object(values) = values else {
+            return Err(Error::Content(format!("options must be an object of names and values, not {values}")));
         };
         let (rows, mut fitted) = (Self::rows(), serde_json::Map::new());
-        for (name, value) in given.into_iter().filter(|(_, value)| !value.is_null()) {
+        for (name, value) in values.into_iter().filter(|(_, value)| !value.is_null()) {
             let row = rows.iter().find(|row| row.name == name);
             let row = row.ok_or_else(|| Error::unknown("option", &name, rows.iter().map(|row| row.name)))?;
             fitted.insert(name, row.fit(value)?);
@@ -446,8 +446,8 @@ mod tests {
 
     #[test]
     fn values_become_what_their_fields_hold() {
-        let given = json!({"count": 4.0, "bit": 1, "small": 2, "pair": [0, 1.5], "names": "a", "several": [1]});
-        let each = Each::from_json(given).unwrap();
+        let values = json!({"count": 4.0, "bit": 1, "small": 2, "pair": [0, 1.5], "names": "a", "several": [1]});
+        let each = Each::from_json(values).unwrap();
         assert_eq!((each.count, each.bit, each.small, each.pair), (4, true, 2.0, Some((0.0, 1.5))));
         assert_eq!(each.several, [1.0]);
         assert_eq!(
@@ -490,7 +490,7 @@ mod tests {
 
     #[test]
     fn defaults_are_told_as_they_are_written() {
-        let told: Vec<String> = Each::rows().iter().map(OptionRow::usual).collect();
-        assert_eq!(told, ["3", "0", "5e-5", "", "all", "1 0.5"]);
+        let message: Vec<String> = Each::rows().iter().map(OptionRow::usual).collect();
+        assert_eq!(message, ["3", "0", "5e-5", "", "all", "1 0.5"]);
     }
 }

@@ -302,9 +302,9 @@ mod tests {
 
     #[test]
     fn a_block_without_causal_inverse_is_inverted_over_the_whole_record_with_a_note() {
-        let late = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.4, 3.3]).unwrap();
+        let delayed = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.4, 3.3]).unwrap();
         let u = sine(5.0);
-        let (z, note) = late.hidden(0.0, &late.simulate(&u)).unwrap();
+        let (z, note) = delayed.hidden(0.0, &delayed.simulate(&u)).unwrap();
         piezoid_testing::assert_close(&z, &u[..z.len()], 0.0, 1e-6);
         assert!(z.len() > 3990);
         assert!(note.unwrap().contains("non-causally"));

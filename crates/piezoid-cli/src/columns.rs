@@ -11,7 +11,7 @@ use std::path::PathBuf;
 #[derive(Args)]
 pub(crate) struct Columns {
     #[command(flatten)]
-    said: Flags<ColumnSelection>,
+    selection: Flags<ColumnSelection>,
     /// A profile that `piezoid inspect` wrote: columns, units and scales.
     #[arg(long, value_name = "FILE", help_heading = "Data files")]
     profile: Option<PathBuf>,
@@ -20,10 +20,10 @@ pub(crate) struct Columns {
 impl Columns {
     /// What flags and profile say together.
     pub(crate) fn read(&self) -> Result<ColumnSelection> {
-        let said = self.said.0.clone();
-        let Some(path) = &self.profile else { return Ok(said) };
+        let selection = self.selection.0.clone();
+        let Some(path) = &self.profile else { return Ok(selection) };
         let file = files::read(path)?;
         let profile = file.text().and_then(ColumnSelection::from_toml).map_err(|error| failed(error.of(&file.name)))?;
-        Ok(said.or(profile))
+        Ok(selection.or(profile))
     }
 }

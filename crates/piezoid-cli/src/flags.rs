@@ -24,7 +24,7 @@ impl<O: Options> Args for Flags<O> {
 
 impl<O: Options> FromArgMatches for Flags<O> {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let options = O::from_json(given(&O::rows(), matches));
+        let options = O::from_json(values(&O::rows(), matches));
         let wrong = |error: Error| format!("{}\n", error.message(&CommandLine));
         options.map(Flags).map_err(|error| clap::Error::raw(ErrorKind::ValueValidation, wrong(error)))
     }
@@ -94,7 +94,7 @@ pub(crate) fn placeholder(row: &OptionRow) -> &'static str {
 }
 
 /// The values of the flags that were given.
-pub(crate) fn given(rows: &[OptionRow], matches: &ArgMatches) -> Value {
+pub(crate) fn values(rows: &[OptionRow], matches: &ArgMatches) -> Value {
     let value = |row: &OptionRow| match row.values {
         OptionKind::Switch => matches.get_flag(row.name).then(|| Value::Bool(!turns_off(row))),
         OptionKind::Pair | OptionKind::Numbers | OptionKind::Texts(_) => {

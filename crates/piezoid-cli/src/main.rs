@@ -66,11 +66,11 @@ fn leave(wrong: &clap::Error) -> ! {
 
 /// Adds the known names to the message on an unknown verb or kind.
 fn with_the_names_there_are(mut wrong: clap::Error) -> clap::Error {
-    let given: Vec<String> = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
+    let arguments: Vec<String> = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned()).collect();
     let cli = Cli::command();
-    let asked = given.iter().find_map(|word| cli.find_subcommand(word)).filter(|verb| verb.has_subcommands());
+    let verb = arguments.iter().find_map(|word| cli.find_subcommand(word)).filter(|verb| verb.has_subcommands());
     if wrong.kind() == ErrorKind::InvalidSubcommand && wrong.get(ContextKind::SuggestedSubcommand).is_none() {
-        let names = asked.unwrap_or(&cli).get_subcommands().map(|c| c.get_name()).collect::<Vec<_>>().join(", ");
+        let names = verb.unwrap_or(&cli).get_subcommands().map(|c| c.get_name()).collect::<Vec<_>>().join(", ");
         let tip = clap::builder::StyledStr::from(format!("known are {names}"));
         wrong.insert(ContextKind::Suggested, ContextValue::StyledStrs(vec![tip]));
     }

@@ -62,7 +62,7 @@ fn figures(validated: &Validated, unit: &str, room: Option<usize>) -> String {
 
 /// The error in one sentence: noise, drift, and what a better model could gain.
 fn summary(validated: &Validated, console: &Console) -> String {
-    validated.summary().map_or(String::new(), |said| console.paragraph(&format!("{}.", capitalised(&said)), ""))
+    validated.summary().map_or(String::new(), |sentence| console.paragraph(&format!("{}.", capitalised(&sentence)), ""))
 }
 
 /// Errors by frequency or amplitude. A single bin would only repeat the total, and is not shown.
@@ -173,8 +173,8 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
     let header = ["residuals", &floor, "rmse/floor", &drift, "lag-1 corr.", "corr. with u"];
     let mut text = table(&header, &rows, console.room());
     for p in compared.iter().filter(|_| full) {
-        for said in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
-            text += &console.paragraph(&format!("{}: {said}.", p.name), "  ");
+        for sentence in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
+            text += &console.paragraph(&format!("{}: {sentence}.", p.name), "  ");
         }
     }
     text

@@ -134,11 +134,11 @@ impl ExportedProgram {
             Err(error) => self.notes.push(format!("there is no feed-forward: {error}")),
             Ok(causal) => {
                 causal.extend(&mut self.program)?;
-                let late = match request.options.preview {
+                let preview = match request.options.preview {
                     0 => String::new(),
                     n => format!("; the displacement must be given {n} samples ahead"),
                 };
-                let about = format!("the feed-forward: requested displacement to actuator voltage{late}");
+                let about = format!("the feed-forward: requested displacement to actuator voltage{preview}");
                 let r = Port { name: "r", about: "wanted displacement", ..y.clone() };
                 self.entries.push(Entry::new(["ff_step", "ff_reset", "ff_state"], about, vec![r], u.clone()));
             }
@@ -160,7 +160,7 @@ impl ExportedProgram {
         let inputs = vec![
             Port { name: "r", about: "requested displacement at the time of the reading y", ..y.clone() },
             Port { about: "the last reading of the displacement", ..y.clone() },
-            Port { name: "feed", about: "the feed-forward of this sample, or 0", ..u.clone() },
+            Port { name: "feed_forward", about: "the feed-forward of this sample, or 0", ..u.clone() },
         ];
         let names = ["control_step", "control_reset", "control_state"];
         self.entries.push(Entry::new(names, format!("the controller: {about}"), inputs, u.clone()));
@@ -236,10 +236,10 @@ mod tests {
     fn every_target_states_the_most_seen_and_the_bound_of_every_function() {
         let model = model("bouc-wen");
         for target in TARGETS.iter().filter(|target| !target.takes.contains(&"reference")) {
-            let made = (target.make)(&ExportRequest::new(&model, "m")).unwrap();
-            let text: String = made.files.iter().map(|file| String::from_utf8_lossy(&file.bytes)).collect();
-            let json = made.to_json();
-            for (k, f) in made.functions.iter().enumerate() {
+            let result = (target.make)(&ExportRequest::new(&model, "m")).unwrap();
+            let text: String = result.files.iter().map(|file| String::from_utf8_lossy(&file.bytes)).collect();
+            let json = result.to_json();
+            for (k, f) in result.functions.iter().enumerate() {
                 assert!(0 < f.most_seen && f.most_seen <= f.bound, "{}: {f:?}", target.name);
                 let bound = format!("at most {} for every input", f.bound);
                 // Fixed-point and code in its header, others in their own comments or page.

@@ -41,7 +41,7 @@ pub struct Placement {
 
 impl Exported {
     /// What to change in a folder to have it hold this export of a target under a name. `list` is the content of
-    /// [`LIST`] in the folder, and `exists` tells if there is a file of a name.
+    /// [`LIST`] in the folder, and `exists` is true if there is a file of a name.
     ///
     /// # Errors
     /// If the folder holds another export, or files of the same names, unless `force` is given.
@@ -129,10 +129,10 @@ mod tests {
         /// Exports files with this content.
         fn take(&mut self, target: &str, name: &str, files: &[&str], force: bool) -> Result<(), String> {
             let files = files.iter().map(|file| File::new(*file, format!("{target} {name}"))).collect();
-            let made = Exported { files, ..Exported::default() };
+            let result = Exported { files, ..Exported::default() };
             let target = ExportTarget::find(target).unwrap();
             let list = self.0.get(LIST).map(Vec::as_slice);
-            let placed = made.placed((target, name), list, &|file| self.0.contains_key(file), force);
+            let placed = result.placed((target, name), list, &|file| self.0.contains_key(file), force);
             let Placement { write, remove } = placed.map_err(|error| error.to_string())?;
             remove.iter().for_each(|file| drop(self.0.remove(file)));
             self.0.extend(write.into_iter().map(|file| (file.name, file.bytes)));

@@ -97,18 +97,18 @@ impl ExportOptions {
     ) -> Result<Exported, Error> {
         let model = file.model()?;
         let r = reference.map(|(file, columns)| file.reference(columns, &model)).transpose()?;
-        let made = self.of(target, &model, r.as_deref(), compiler).map(|mut made| {
-            made.notes.push(model.proven());
-            made
+        let result = self.of(target, &model, r.as_deref(), compiler).map(|mut result| {
+            result.notes.push(model.proven());
+            result
         });
         // If there is a reference, it is what asks too much.
-        made.map_err(|e| e.about(&reference.map_or(file, |(reference, _)| reference).name))
+        result.map_err(|e| e.about(&reference.map_or(file, |(reference, _)| reference).name))
     }
 
     /// Refuses what would count for nothing.
     fn fit(&self, target: &ExportTarget, is_followed: bool) -> Result<(), Error> {
-        let given = self.changed().into_iter().map(|(row, value)| (row.name, value));
-        for (name, value) in given.chain(is_followed.then(|| ("reference", "true".into()))) {
+        let arguments = self.changed().into_iter().map(|(row, value)| (row.name, value));
+        for (name, value) in arguments.chain(is_followed.then(|| ("reference", "true".into()))) {
             let takers: Vec<&str> = TARGETS.iter().filter(|t| t.takes.contains(&name)).map(|t| t.name).collect();
             if !takers.is_empty() && !takers.contains(&target.name) {
                 let rule = format!("does not apply to the target {}, only to {}", target.name, takers.join(", "));
@@ -307,7 +307,7 @@ impl ExportTarget {
 const BOTH: &[&str] = &[MODEL, FEED_FORWARD];
 
 /// What code takes.
-const CODE: &[&str] = &["float", "preview", "controller", "late", "gain_margin", "phase_margin"];
+const CODE: &[&str] = &["float", "preview", "controller", "delay_samples", "gain_margin", "phase_margin"];
 
 /// The targets there are.
 pub static TARGETS: &[ExportTarget] =

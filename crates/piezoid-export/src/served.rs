@@ -55,7 +55,7 @@ mod tests {
     use piezoid_numerics::series::ends;
 
     /// What the export of the example of an operator makes.
-    fn made(target: &ExportTarget, operator: &Operator) -> Vec<&'static str> {
+    fn makes(target: &ExportTarget, operator: &Operator) -> Vec<&'static str> {
         let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.1, 0.1029]).unwrap();
         let model = Model::new((operator.example)(5e-4).unwrap(), block, 0.0).unwrap();
         let wave = |t: i32| (std::f64::consts::TAU / 40.0 * f64::from(t)).cos();
@@ -65,10 +65,11 @@ mod tests {
         let reference = target.takes.contains(&"reference").then_some(&r[..]);
         let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
         let settings = FeedForwardSettings { limits, ..FeedForwardSettings::default() };
-        let Ok(made) = (target.make)(&ExportRequest { reference, settings, ..ExportRequest::new(&model, "m") }) else {
+        let Ok(result) = (target.make)(&ExportRequest { reference, settings, ..ExportRequest::new(&model, "m") })
+        else {
             return Vec::new();
         };
-        let has = |step: &str| made.functions.iter().any(|function| function.name == step);
+        let has = |step: &str| result.functions.iter().any(|function| function.name == step);
         let parts = [(has("step"), MODEL), (has("ff_step") || reference.is_some(), FEED_FORWARD)];
         parts.into_iter().filter_map(|(there, part)| there.then_some(part)).collect()
     }
@@ -79,7 +80,7 @@ mod tests {
             // Fixed point takes seconds; `tests/export/fixed.rs` of the command line exports every operator.
             let quick = |o: &&&Operator| target.name != "fixed" || ["preisach", "stop"].contains(&o.name);
             for operator in OPERATORS.iter().filter(quick) {
-                assert_eq!(target.serves(operator), made(target, operator), "{} {}", target.name, operator.name);
+                assert_eq!(target.serves(operator), makes(target, operator), "{} {}", target.name, operator.name);
             }
             assert_eq!(target.operators("auto,-stop").unwrap(), "auto,-stop");
         }

@@ -30,7 +30,7 @@ options! {
         /// Wait at the first voltage before the drive.
         settle: f64 = 0.5, SECONDS;
         /// Servo cycle of the controller.
-        cycle: Option<f64> = None, OptionRow::positive("s").absent("the one that it tells");
+        cycle: Option<f64> = None, OptionRow::positive("s").absent("the one it reports");
     } with connection: ConnectOptions
 }
 
@@ -67,15 +67,15 @@ impl AcquireOptions {
         let signal = drive.input(columns)?;
         let factor = Units::factor(&signal.unit, "V").ok_or_else(|| {
             let (what, found) = (format!("the drive in {}", drive.name), signal.unit.clone());
-            Error::Units { what, found, wanted: "V".into() }
+            Error::Units { what, found, expected: "V".into() }
         })?;
         let u: Vec<f64> = signal.samples.iter().map(|u| u * factor).collect();
         let mut controller = self.connection.connect()?;
         let (axis, number) = self.axis(&controller)?;
         let channel = self.channel.unwrap_or(number);
         let cycle = self.cycle.or(controller.cycle).ok_or_else(|| {
-            let told = "must be given, because the controller does not tell it (parameter 0x0E000200)";
-            Error::parameter("cycle", "(not given)", told)
+            let message = "must be given, because the controller does not report it (parameter 0x0E000200)";
+            Error::parameter("cycle", "(not given)", message)
         })?;
         let play = Play { u: &u, ts: signal.ts, cycles: cycles(signal.ts, cycle)? };
         let range = self.range(&axis)?;
@@ -104,19 +104,19 @@ impl AcquireOptions {
         let stopped = run.command(&format!("WGO {channel} 0")).map_err(|error| {
             Error::Content(format!("{error}; wave generator {channel} could not be stopped, and may run on"))
         });
-        let told = |error: Error| match &error {
+        let message = |error: Error| match &error {
             Error::Cancelled { .. } => error,
             other => Error::Content(format!("{other}; axis {} is in open loop", axis.name)),
         };
-        stopped.and(outcome).map_err(told)?;
+        stopped.and(outcome).map_err(message)?;
         let answer = points(run.controller, u.len());
         if let Err(error) = run.ramp(u[u.len() - 1], start, self.ramp) {
             notes.push(format!("the axis did not move back to where it was: {error}"));
         }
         let record = record(answer?, u.len(), &axis.unit, &identity)?;
         if (record.ts() / signal.ts - 1.0).abs() > 1e-3 {
-            let (wanted, found) = (signal.ts, record.ts());
-            notes.push(format!("the controller says that it recorded every {found} s, not every {wanted} s as asked"));
+            let (target, found) = (signal.ts, record.ts());
+            notes.push(format!("the controller says that it recorded every {found} s, not every {target} s as asked"));
         }
         notes.extend(difference(&u, record.u()));
         Ok(Acquired { record, identity, notes })
@@ -126,7 +126,7 @@ impl AcquireOptions {
     fn axis(&self, controller: &Controller) -> Result<(Axis, usize), Error> {
         let axes = &controller.axes;
         if axes.is_empty() {
-            return Err(Error::Content("the controller tells no axes: configure its stages first".into()));
+            return Err(Error::Content("the controller reports no axes: configure its stages first".into()));
         }
         let k = self.axis.as_ref().map_or(Some(0), |name| axes.iter().position(|axis| axis.name == *name));
         let unknown = || {
@@ -138,13 +138,13 @@ impl AcquireOptions {
         Ok((axes[k].clone(), number.unwrap_or(k + 1)))
     }
 
-    /// Lowest and highest voltage: what is given, within what the controller tells.
+    /// Lowest and highest voltage: what is given, within what the controller reports.
     fn range(&self, axis: &Axis) -> Result<(f64, f64), Error> {
         match (self.range, axis.range) {
             (Some((low, high)), Some((lowest, highest))) => Ok((low.max(lowest), high.min(highest))),
             (Some(range), None) | (None, Some(range)) => Ok(range),
             (None, None) => {
-                let rule = "must be two numbers [V], because the controller tells no limits";
+                let rule = "must be two numbers [V], because the controller reports no limits";
                 Err(Error::parameter("range", "(not given)", rule))
             }
         }
@@ -186,9 +186,9 @@ fn cycles(ts: f64, cycle: f64) -> Result<u64, Error> {
 }
 
 /// What to say if the recorded voltage is another one than the voltage that was asked for.
-fn difference(asked: &[f64], measured: &[f64]) -> Option<String> {
-    let largest = asked.iter().zip(measured).map(|(a, m)| (a - m).abs()).fold(0.0, f64::max);
-    let peak = asked.iter().fold(0.0, |peak: f64, u| peak.max(u.abs()));
+fn difference(requested: &[f64], measured: &[f64]) -> Option<String> {
+    let largest = requested.iter().zip(measured).map(|(a, m)| (a - m).abs()).fold(0.0, f64::max);
+    let peak = requested.iter().fold(0.0, |peak: f64, u| peak.max(u.abs()));
     (largest > DIFFERENCE * peak).then(|| {
         format!("the recorded voltage differs from the drive by up to {largest:.3} V: the record has the recorded one")
     })

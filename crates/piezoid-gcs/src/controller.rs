@@ -61,17 +61,17 @@ pub struct Controller {
     pub(crate) line: Line,
     /// What it answers to `*IDN?`.
     pub identity: String,
-    /// Servo update time, the period of its wave generators and recorder, if it tells it [s].
+    /// Servo update time, the period of its wave generators and recorder, if it reports it [s].
     pub cycle: Option<f64>,
-    /// Points of a wave table, if it tells them.
+    /// Points of a wave table, if it reports them.
     pub table: Option<usize>,
-    /// Points of a table of the recorder, if it tells them.
+    /// Points of a table of the recorder, if it reports them.
     pub recorder: Option<usize>,
     /// Its axes.
     pub axes: Vec<Axis>,
 }
 
-/// An axis of a controller, as it was found. What the controller does not tell of it is `None`.
+/// An axis of a controller, as it was found. What the controller does not report of it is `None`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
     /// Its name.
@@ -82,9 +82,9 @@ pub struct Axis {
     pub servo: Option<bool>,
     /// Its position.
     pub position: Option<f64>,
-    /// Voltage of the output channel with the number of the axis, if it is told [V].
+    /// Voltage of the output channel with the number of the axis, if it is reported [V].
     pub voltage: Option<f64>,
-    /// Lowest and highest voltage of that channel, if they are told [V].
+    /// Lowest and highest voltage of that channel, if they are reported [V].
     pub range: Option<(f64, f64)>,
 }
 
@@ -99,7 +99,7 @@ impl Controller {
 
     /// The number that answers a query; `None` if the controller refuses it.
     pub(crate) fn value(&mut self, query: &str) -> Result<Option<f64>, Error> {
-        let Some(lines) = self.line.asked(query)? else { return Ok(None) };
+        let Some(lines) = self.line.optional_query(query)? else { return Ok(None) };
         let text = lines[0].rsplit('=').next().unwrap_or_default().trim().to_string();
         let number = text.parse().ok().filter(|number: &f64| number.is_finite());
         number.map(Some).ok_or_else(|| self.line.strange(&lines[0], "a number"))
@@ -131,7 +131,7 @@ impl Controller {
     }
 
     fn axis(&mut self, name: String, channel: usize) -> Result<Axis, Error> {
-        let unit = self.line.asked(&format!("PUN? {name}"))?.map_or_else(String::new, |lines| lines.concat());
+        let unit = self.line.optional_query(&format!("PUN? {name}"))?.map_or_else(String::new, |lines| lines.concat());
         let unit = unit.rsplit('=').next().unwrap_or_default().trim().to_lowercase();
         let lowest = self.value(&format!("VMI? {channel}"))?;
         Ok(Axis {

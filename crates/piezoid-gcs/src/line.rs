@@ -52,7 +52,7 @@ impl Line {
 
     /// Gives a command. It is an error if the controller refuses it.
     pub(crate) fn command(&mut self, command: &str) -> Result<(), Error> {
-        match self.given(command)? {
+        match self.arguments(command)? {
             0 => Ok(()),
             code => Err(self.refused(command, code)),
         }
@@ -60,14 +60,14 @@ impl Line {
 
     /// Gives a command that not every controller knows.
     pub(crate) fn command_if_known(&mut self, command: &str) -> Result<(), Error> {
-        match self.given(command)? {
+        match self.arguments(command)? {
             0 | UNKNOWN => Ok(()),
             code => Err(self.refused(command, code)),
         }
     }
 
     /// Gives a command; its error, or 0.
-    fn given(&mut self, command: &str) -> Result<i32, Error> {
+    fn arguments(&mut self, command: &str) -> Result<i32, Error> {
         self.send(format!("{command}\nERR?\n").as_bytes())?;
         let text = self.lines(LONGEST)?.concat();
         self.code(&text)
@@ -91,7 +91,7 @@ impl Line {
     }
 
     /// The lines of the answer to a query whose answer has an equals sign; `None` if the controller refuses it.
-    pub(crate) fn asked(&mut self, query: &str) -> Result<Option<Vec<String>>, Error> {
+    pub(crate) fn optional_query(&mut self, query: &str) -> Result<Option<Vec<String>>, Error> {
         self.send(format!("{query}\nERR?\n").as_bytes())?;
         let lines = self.lines(LONGEST)?;
         if lines.iter().any(|line| line.contains('=')) {
@@ -137,10 +137,10 @@ impl Line {
     }
 
     /// An error about an answer.
-    pub(crate) fn strange(&self, answer: &str, wanted: &str) -> Error {
+    pub(crate) fn strange(&self, answer: &str, expected: &str) -> Error {
         let (short, address): (String, _) = (answer.chars().take(60).collect(), &self.address);
         Error::Content(format!(
-            "the controller at {address} answers {short:?}, which is not {wanted}: check that it speaks GCS 2.0"
+            "the controller at {address} answers {short:?}, which is not {expected}: check that it speaks GCS 2.0"
         ))
     }
 

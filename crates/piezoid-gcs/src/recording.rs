@@ -17,7 +17,7 @@ impl Sources {
     /// The options of this controller.
     pub(crate) fn of(line: &mut Line) -> Result<Self, Error> {
         let rows: Vec<(u32, String)> = line
-            .asked("HDR?")?
+            .optional_query("HDR?")?
             .ok_or_else(|| Error::Content("the controller has no recorder that lists what it records (`HDR?`)".into()))?
             .iter()
             .skip_while(|line| !line.starts_with("#RecordOptions"))
@@ -28,12 +28,12 @@ impl Sources {
                 Some((number.trim().parse().ok()?, what.trim().to_lowercase()))
             })
             .collect();
-        let find = |wanted: &[&str]| {
+        let find = |expected: &[&str]| {
             let named = |name: &&str| rows.iter().find(|(_, what)| what.starts_with(*name));
-            wanted.iter().find_map(named).map(|(number, _)| *number).ok_or_else(|| {
-                let told: Vec<&str> = rows.iter().map(|(_, what)| &**what).collect();
-                let wanted = wanted[0];
-                Error::Content(format!("the recorder cannot record the {wanted}: it records {}", told.join("; ")))
+            expected.iter().find_map(named).map(|(number, _)| *number).ok_or_else(|| {
+                let message: Vec<&str> = rows.iter().map(|(_, what)| &**what).collect();
+                let expected = expected[0];
+                Error::Content(format!("the recorder cannot record the {expected}: it records {}", message.join("; ")))
             })
         };
         Ok(Sources {

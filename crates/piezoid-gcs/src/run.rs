@@ -126,7 +126,7 @@ impl Run<'_, '_> {
         let probe = way.signum() * (PROBE * way.abs()).max(LEAST_PROBE).min(way.abs());
         let query = format!("VOL? {}", self.channel);
         let Some(first) = self.controller.value(&query)? else {
-            let rule = "must be given, because the controller does not tell its voltage to check it";
+            let rule = "must be given, because the controller does not report its voltage to check it";
             return if self.gain.is_some() { Ok(()) } else { Err(Error::parameter("gain", "(not given)", rule)) };
         };
         let mut wrong = None;

@@ -52,7 +52,7 @@ fn refused(options: &AcquireOptions, drive: &File) -> String {
 }
 
 /// The answers of a controller to lines, as a terminal shows them.
-fn said(port: u16, lines: &str) -> String {
+fn text(port: u16, lines: &str) -> String {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     stream.write_all(lines.as_bytes()).unwrap();
     stream.shutdown(std::net::Shutdown::Write).unwrap();
@@ -69,7 +69,7 @@ fn a_record_is_the_drive_and_what_the_plant_makes_of_it() {
     let record = &acquired.record;
     assert!(acquired.notes.is_empty(), "{:?}", acquired.notes);
     assert_eq!((record.len(), record.ts(), &*record.units().u, &*record.units().y), (400, 1e-3, "V", "um"));
-    assert!(u.iter().zip(record.u()).all(|(asked, had)| (asked - had).abs() < 1e-5));
+    assert!(u.iter().zip(record.u()).all(|(requested, had)| (requested - had).abs() < 1e-5));
     // The same drive on the plant alone, held for twenty servo cycles a sample. Its past differs by the check of the
     // gain, which hysteresis remembers.
     let plant = Plant::named("paper", 5e-5).unwrap();
@@ -100,47 +100,47 @@ fn a_controller_tells_its_axis_limits_and_tables() {
 #[test]
 fn a_gain_that_is_not_that_of_the_controller_is_refused_before_the_drive() {
     let port = simulated(&Simulation { gain: 2.5, ..Simulation::default() });
-    let told = refused(&at(port), &drive(1e-3, &sine(100)));
-    let wanted = "gain = 1: the controller gives about 2.5000 V for an open-loop value of 1: give this gain; axis 1";
-    assert!(told.starts_with(wanted), "{told}");
-    assert!(said(port, "VOL?\n").starts_with("1=0.000000"), "the axis is back where it was");
+    let message = refused(&at(port), &drive(1e-3, &sine(100)));
+    let expected = "gain = 1: the controller gives about 2.5000 V for an open-loop value of 1: give this gain; axis 1";
+    assert!(message.starts_with(expected), "{message}");
+    assert!(text(port, "VOL?\n").starts_with("1=0.000000"), "the axis is back where it was");
     let with = AcquireOptions { gain: Some(2.5), ..at(port) };
     let record = run(&with, &drive(1e-3, &sine(100)), &mut Stage::ignore).unwrap().record;
-    assert!(sine(100).iter().zip(record.u()).all(|(asked, had)| (asked - had).abs() < 1e-5));
+    assert!(sine(100).iter().zip(record.u()).all(|(requested, had)| (requested - had).abs() < 1e-5));
     // A gain that is far too small would make the first move a large one: it is seen in its first step.
     let far = AcquireOptions { gain: Some(0.1), ..at(port) };
-    let told = refused(&far, &drive(1e-3, &sine(100)));
-    assert!(told.contains("the controller gives about 2.5"), "{told}");
+    let message = refused(&far, &drive(1e-3, &sine(100)));
+    assert!(message.contains("the controller gives about 2.5"), "{message}");
 }
 
 #[test]
 fn an_offset_of_the_generator_and_other_programs_settings_do_not_move_the_drive() {
     let port = simulated(&Simulation::default());
-    said(port, "WOS 1 20\nWGC 1 7\nRTR 3\n");
+    text(port, "WOS 1 20\nWGC 1 7\nRTR 3\n");
     let u = sine(50);
     let record = run(&at(port), &drive(1e-3, &u), &mut Stage::ignore).unwrap().record;
-    assert!(u.iter().zip(record.u()).all(|(asked, had)| (asked - had).abs() < 1e-5));
+    assert!(u.iter().zip(record.u()).all(|(requested, had)| (requested - had).abs() < 1e-5));
 }
 
 #[test]
 fn a_generator_that_runs_already_is_left_alone() {
     let port = simulated(&Simulation::default());
-    said(port, "WAV 1 X PNT 1 2 0 1\nWSL 1 1\nWTR 1 100 0\nWGC 1 0\nWGO 1 1\n");
+    text(port, "WAV 1 X PNT 1 2 0 1\nWSL 1 1\nWTR 1 100 0\nWGC 1 0\nWGO 1 1\n");
     assert!(refused(&at(port), &drive(1e-3, &sine(50))).contains("wave generator 1 runs already"));
-    assert_eq!(said(port, "\x09"), "0x1\n");
+    assert_eq!(text(port, "\x09"), "0x1\n");
 }
 
 #[test]
 fn an_output_that_does_not_follow_its_axis_is_told() {
     let gain = Simulation { gain: 1e-3, ..Simulation::default() };
-    let told = refused(&at(simulated(&gain)), &drive(1e-3, &sine(50)));
-    assert!(told.contains("output channel 1 does not follow axis 1"), "{told}");
+    let message = refused(&at(simulated(&gain)), &drive(1e-3, &sine(50)));
+    assert!(message.contains("output channel 1 does not follow axis 1"), "{message}");
 }
 
 #[test]
 fn drives_that_a_controller_cannot_play_are_refused_with_what_to_do() {
     let port = simulated(&Simulation::default());
-    for (options, ts, u, told) in [
+    for (options, ts, u, message) in [
         (at(port), 1e-3, vec![0.0, 31.0], "the drive is 31.0000 V at 0.001000 s, outside -30 to 30 V: make it smaller"),
         (AcquireOptions { range: Some((0.0, 5.0)), ..at(port) }, 1e-3, vec![0.0, -1.0], "outside 0 to 5 V"),
         (at(port), 3.3e-4, vec![0.0, 1.0], "multiples of its servo cycle of 0.00005 s: make the drive with 0.00035 s"),
@@ -153,7 +153,7 @@ fn drives_that_a_controller_cannot_play_are_refused_with_what_to_do() {
         ),
     ] {
         let error = refused(&options, &drive(ts, &u));
-        assert!(error.contains(told), "{error}");
+        assert!(error.contains(message), "{error}");
     }
 }
 
@@ -164,23 +164,23 @@ fn a_measurement_that_is_cancelled_stops_the_generator() {
         |stage: Stage| if stage.what.contains("played") { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
     let error = run(&at(port), &drive(1e-3, &sine(20_000)), &mut stop).unwrap_err();
     assert!(matches!(error, Error::Cancelled { .. }), "{error}");
-    assert_eq!(said(port, "\x09"), "0x0\n");
+    assert_eq!(text(port, "\x09"), "0x0\n");
 }
 
 #[test]
 fn the_servo_is_opened_and_that_is_told() {
     let port = simulated(&Simulation::default());
-    said(port, "SVO 1 1\nMOV 1 100\n");
+    text(port, "SVO 1 1\nMOV 1 100\n");
     let acquired = run(&at(port), &drive(1e-3, &sine(50)), &mut Stage::ignore).unwrap();
     assert_eq!(acquired.notes, ["the servo of axis 1 was on; it is off now"]);
-    assert!(said(port, "SVO?\n").starts_with("1=0"));
+    assert!(text(port, "SVO?\n").starts_with("1=0"));
 }
 
 #[test]
 fn the_servo_moves_to_its_target() {
     let port = simulated(&Simulation { plant: "paper".into(), ..Simulation::default() });
-    let told = said(port, "SVO 1 1\nMOV 1 500\nPOS? 1\nONT?\nMOV 1 5000\nERR?\nSVA 1 3\nERR?\n");
-    let lines: Vec<&str> = told.lines().collect();
+    let message = text(port, "SVO 1 1\nMOV 1 500\nPOS? 1\nONT?\nMOV 1 5000\nERR?\nSVA 1 3\nERR?\n");
+    let lines: Vec<&str> = message.lines().collect();
     let position: f64 = lines[0].strip_prefix("1=").unwrap().parse().unwrap();
     assert!((position - 500.0).abs() < 5.0, "{position}");
     assert_eq!(lines[1..], ["1=1", "7", "79"]);
@@ -211,7 +211,7 @@ fn commands_that_are_wrong_have_the_errors_of_gcs() {
         ("WTR 1 0 0", 17),
         ("STP", 10),
     ] {
-        assert_eq!(said(port, &format!("{command}\nERR?\nERR?\n")), format!("{code}\n0\n"), "{command}");
+        assert_eq!(text(port, &format!("{command}\nERR?\nERR?\n")), format!("{code}\n0\n"), "{command}");
     }
 }
 

@@ -12,7 +12,7 @@ pub fn here() -> Option<Compiler> {
         ("linux", "aarch64") => "aarch64-linux",
         _ => return None,
     };
-    let there = Command::new("cc").arg("--version").output().is_ok_and(|told| told.status.success());
+    let there = Command::new("cc").arg("--version").output().is_ok_and(|message| message.status.success());
     there.then_some(Compiler { platform, run: library })
 }
 
@@ -44,9 +44,9 @@ fn library(files: &[File]) -> Result<Vec<u8>, Error> {
     let mut cc = cc.stdin(Stdio::piped()).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().map_err(failed)?;
     // Open until the compiler has ended.
     let _alive = cc.stdin.take();
-    let told = cc.wait_with_output().map_err(failed)?;
-    if !told.status.success() {
-        let why = String::from_utf8_lossy(&told.stderr);
+    let message = cc.wait_with_output().map_err(failed)?;
+    if !message.status.success() {
+        let why = String::from_utf8_lossy(&message.stderr);
         let first = why.lines().find(|line| line.contains("error")).unwrap_or("it did not say why");
         return Err(Error::Content(format!("the C compiler refuses them: {first}")));
     }

@@ -91,10 +91,10 @@ impl FileSet {
     ///
     /// # Errors
     /// The errors of [`FileSet::in_folder`], and if the folder holds another export, unless `force` is given.
-    pub fn export(folder: &Path, (target, name): (&str, &str), made: &Exported, force: bool) -> Result<Self, Error> {
+    pub fn export(folder: &Path, (target, name): (&str, &str), result: &Exported, force: bool) -> Result<Self, Error> {
         let list = std::fs::read(folder.join(LIST)).ok();
         let exists = |file: &str| folder.join(file).exists();
-        let placed = made.placed((ExportTarget::find(target)?, name), list.as_deref(), &exists, force);
+        let placed = result.placed((ExportTarget::find(target)?, name), list.as_deref(), &exists, force);
         let Placement { write, remove } = placed.map_err(|error| error.of(&folder.display().to_string()))?;
         // As the places of files that are written.
         let home = std::fs::canonicalize(folder).unwrap_or(folder.into());
@@ -114,12 +114,12 @@ impl FileSet {
     /// # Errors
     /// Returns the reason why a file cannot be written, and what to do.
     pub fn write(self) -> Result<(), Error> {
-        let made = match self.folder.as_deref() {
+        let result = match self.folder.as_deref() {
             Some(folder) => make(folder).map_err(|error| unwritable(folder, &error))?,
             None => Vec::new(),
         };
         let written = self.staged().and_then(|staged| self.place(staged));
-        forsake(&made);
+        forsake(&result);
         written
     }
 
@@ -155,7 +155,7 @@ impl FileSet {
         let mut begun = false;
         let named = marks.iter().try_for_each(|mark| mark.name(&mark.during, &mut held));
         let placed = named.and_then(|()| self.replace(staged, &mut begun));
-        let told = match (&placed, begun) {
+        let message = match (&placed, begun) {
             (Ok(()), _) => marks.iter().try_for_each(|mark| mark.name(&mark.after, &mut held)),
             (Err(_), false) => marks.iter().try_for_each(|mark| mark.name(&mark.before, &mut held)),
             (Err(_), true) => Ok(()),
@@ -169,7 +169,7 @@ impl FileSet {
         });
         drop((held, locked));
         folders.iter().for_each(|folder| sweep_files(folder));
-        placed.and(told)
+        placed.and(message)
     }
 
     /// Removes what is no longer of the set before the rename of its list, which says what is. `begun` is set once a
@@ -231,9 +231,9 @@ fn gone(removed: io::Result<()>) -> io::Result<()> {
 /// Has other runs wait until this is dropped. What cannot be locked is not.
 fn locked(folder: &Path) -> Option<std::fs::File> {
     let file = std::fs::File::open(folder).ok()?;
-    let asked = Instant::now();
+    let requested = Instant::now();
     while let Err(TryLockError::WouldBlock) = file.try_lock() {
-        if asked.elapsed() > PATIENCE {
+        if requested.elapsed() > PATIENCE {
             return None;
         }
         std::thread::sleep(Duration::from_millis(1));

@@ -48,10 +48,10 @@ pub fn abandon() {
 
 /// A file beside `path`, which is deleted unless it is kept.
 pub(crate) fn beside(own: &mut Own, path: &Path) -> io::Result<NamedTempFile> {
-    let made = shared(FILE).tempfile_in(folder_of(path))?;
+    let result = shared(FILE).tempfile_in(folder_of(path))?;
     own.temporary.retain(|path| path.exists());
-    own.temporary.push(made.path().into());
-    Ok(made)
+    own.temporary.push(result.path().into());
+    Ok(result)
 }
 
 /// A folder for work with these files.
@@ -59,10 +59,10 @@ pub(crate) fn folder(files: &[File]) -> io::Result<TempDir> {
     sweep(&std::env::temp_dir(), FOLDER, OLD);
     // Until the files are there, nobody removes the folder.
     let mut own = own();
-    let made = named(FOLDER).tempdir()?;
-    own.temporary.push(made.path().into());
-    files.iter().try_for_each(|file| std::fs::write(made.path().join(&file.name), &file.bytes))?;
-    Ok(made)
+    let result = named(FOLDER).tempdir()?;
+    own.temporary.push(result.path().into());
+    files.iter().try_for_each(|file| std::fs::write(result.path().join(&file.name), &file.bytes))?;
+    Ok(result)
 }
 
 /// Makes a folder and those that it is in. Returns those that were not there, to be [forsaken](forsake).
@@ -77,10 +77,10 @@ pub(crate) fn make(folder: &Path) -> io::Result<Vec<PathBuf>> {
 }
 
 /// Removes those of these folders that are still empty; the others are finished.
-pub(crate) fn forsake(made: &[PathBuf]) {
+pub(crate) fn forsake(result: &[PathBuf]) {
     let mut own = own();
-    remove_empty(made);
-    own.folders.retain(|folder| !made.contains(folder));
+    remove_empty(result);
+    own.folders.retain(|folder| !result.contains(folder));
 }
 
 /// Removes empty folders, each after what is in it.
@@ -167,8 +167,8 @@ mod tests {
     #[test]
     fn only_what_runs_left_is_swept() {
         let home = tempfile::tempdir().unwrap();
-        let made = [beside(&mut own(), &home.path().join("x")), upload(home.path()), secret(home.path())];
-        let left = made.map(|file| file.unwrap().keep().unwrap().1);
+        let result = [beside(&mut own(), &home.path().join("x")), upload(home.path()), secret(home.path())];
+        let left = result.map(|file| file.unwrap().keep().unwrap().1);
         let others = [".piezoid-config", ".piezoid-backup", ".piezoid-tmp-notes", ".piezoid-upload-of-monday"];
         let others = others.map(|name| home.path().join(name));
         others.iter().for_each(|path| write(path, "a user's").unwrap());

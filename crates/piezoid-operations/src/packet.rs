@@ -160,15 +160,15 @@ mod tests {
     fn damaged_requests_are_refused_with_the_reason() {
         let request = json!({"call": "inspect", "files": {"data": ["a.csv"]}});
         let whole = packed(&request, &[("a.csv", "t_s,u_V,y_um\n0,1,2\n1,2,3\n")]);
-        let told = |bytes: &[u8]| {
+        let message = |bytes: &[u8]| {
             let answer = answered(bytes, &mut Stage::ignore);
             parts(&answer).0["error"].as_str().unwrap_or_default().to_string()
         };
-        assert_eq!(told(&whole), "");
+        assert_eq!(message(&whole), "");
         for end in 0..whole.len() - 8 {
-            assert!(told(&whole[..end]).starts_with("this is not a request: "), "{end}");
+            assert!(message(&whole[..end]).starts_with("this is not a request: "), "{end}");
         }
-        let of = |request: Value| told(&packed(&request, &[]));
+        let of = |request: Value| message(&packed(&request, &[]));
         assert!(
             of(json!({"call": "fly"})).starts_with("there is no call called `fly`"),
             "{}",

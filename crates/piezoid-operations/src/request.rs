@@ -60,14 +60,14 @@ impl Request {
         for Role { name, least, many } in roles {
             let count = self.files.get(*name).map_or(0, Vec::len);
             if count < *least || count > 1 && !many {
-                let wanted = match (least, many) {
+                let expected = match (least, many) {
                     (1, false) => "exactly 1".into(),
                     (least, true) => format!("{least} or more"),
                     (_, false) => "0 to 1".to_string(),
                 };
                 let call = &self.call;
                 return Err(Error::Content(format!(
-                    "{call} takes {wanted} of the files `{name}`, but {count} are given"
+                    "{call} takes {expected} of the files `{name}`, but {count} are given"
                 )));
             }
         }

@@ -13,7 +13,7 @@ use serde_json::{Value, json};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Models unless told otherwise.
+/// Models unless the environment says otherwise.
 const CASES: u32 = 12;
 
 /// Builds for tests are three times slower than releases.
@@ -42,7 +42,7 @@ fn calls() -> Vec<Value> {
         json!({"call": "validate", "files": data}),
         json!({"call": "report", "files": data}),
         json!({"call": "compare", "files": {"model": ["m.json", "m.json"], "data": ["d.csv"]}}),
-        json!({"call": "compensate", "options": {"clip": true, "driver": "pl140", "sweeps": 1}, "files": path}),
+        json!({"call": "compensate", "options": {"clip": true, "driver": "pl140", "iterations": 1}, "files": path}),
         json!({"call": "control", "options": {"plant": "pl140", "controller": ["feed-forward"]}, "files": path}),
         json!({"call": "plan", "options": {"actuator": "pl140", "bandwidth": 50}, "files": {"model": ["m.json"]}}),
     ];
@@ -56,7 +56,7 @@ fn calls() -> Vec<Value> {
 
 /// A record of a twin, and a path.
 fn files() -> [File; 2] {
-    let made = |name: &str, request: Value, files: &[File]| {
+    let result = |name: &str, request: Value, files: &[File]| {
         let answer = run(&Request::of(request).unwrap(), files, &mut Stage::ignore).unwrap();
         File::new(name, answer.files[0].bytes.clone())
     };
@@ -65,9 +65,9 @@ fn files() -> [File; 2] {
             json!({"kind": "sine", "frequency": 10, "amplitude": amplitude, "unit": unit, "ts": 5e-4, "duration": 0.3});
         json!({"call": "excite", "options": options})
     };
-    let drive = made("u.csv", sine("V", 20.0), &[]);
+    let drive = result("u.csv", sine("V", 20.0), &[]);
     let simulate = json!({"call": "simulate", "options": {"plant": "pl140"}, "files": {"input": ["u.csv"]}});
-    [made("d.csv", simulate, &[drive]), made("r.csv", sine("um", 100.0), &[])]
+    [result("d.csv", simulate, &[drive]), result("r.csv", sine("um", 100.0), &[])]
 }
 
 /// Calls with a model; the error is an answer too, and the time that it took.

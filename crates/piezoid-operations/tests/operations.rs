@@ -39,7 +39,7 @@ fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
         ControlFlow::Continue(())
     });
     let identified = identified.unwrap();
-    assert!(stages > 0 && identified.result["told"].as_str().unwrap().starts_with("good to "));
+    assert!(stages > 0 && identified.result["sentence"].as_str().unwrap().starts_with("good to "));
     let model = as_file("model.json", identified);
     let stopped = run(&Request::of(request).unwrap(), &files, &mut |_: Stage| ControlFlow::Break(()));
     assert!(matches!(stopped, Err(Error::Cancelled { .. })));
@@ -58,12 +58,12 @@ fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
     let reference = as_file("r.csv", answer(json!({"call": "excite", "options": path}), &[]));
     let files = [files.to_vec(), vec![reference]].concat();
     let of = json!({"model": ["model.json"], "reference": ["r.csv"]});
-    let made = answer(json!({"call": "compensate", "files": of}), &files);
-    let series = |name: &str| &made.series.iter().find(|(known, _)| known == name).unwrap().1;
+    let result = answer(json!({"call": "compensate", "files": of}), &files);
+    let series = |name: &str| &result.series.iter().find(|(known, _)| known == name).unwrap().1;
     // The sine begins with its full speed, which no voltage gives.
     let error = series("requested").iter().zip(series("y")).skip(100).map(|(r, y)| (r - y).abs()).fold(0.0, f64::max);
     assert!(error < 0.01 && series("u").len() == 1000, "{error} um");
-    assert!(made.result["told"].as_str().unwrap().starts_with("the model is good to "));
+    assert!(result.result["sentence"].as_str().unwrap().starts_with("the model is good to "));
 
     let export = |target: &str| {
         let files_of = json!({"model": ["model.json"]});
@@ -88,8 +88,8 @@ fn a_plan_and_a_prepared_record_come_as_files() {
     assert_eq!((plan.series.len(), plan.files.len()), (18, 7));
     let record = measured("a.csv", 4.0);
     let options = json!({"decimate": 2});
-    let made = answer(json!({"call": "prepare", "options": options, "files": {"data": ["a.csv"]}}), &[record]);
-    assert_eq!((made.series[0].1.len(), made.result["record"]["ts"].as_f64()), (500, Some(2e-3)));
+    let result = answer(json!({"call": "prepare", "options": options, "files": {"data": ["a.csv"]}}), &[record]);
+    assert_eq!((result.series[0].1.len(), result.result["record"]["ts"].as_f64()), (500, Some(2e-3)));
 }
 
 #[test]
@@ -136,9 +136,9 @@ fn helps_name_options_and_lists_that_there_are_and_no_front_end() {
     let excitations = catalogue.excitations.iter().map(|excitation| (excitation.rows)());
     for rows in operations.chain(excitations).chain([catalogue.columns.clone()]) {
         for row in &rows {
-            let asked = Asked::default();
-            let help = row.help_in(&asked);
-            for name in asked.0.into_inner() {
+            let requested = Asked::default();
+            let help = row.help_in(&requested);
+            for name in requested.0.into_inner() {
                 assert!(name == row.list || rows.iter().any(|row| row.name == name), "{}: {name}", row.name);
             }
             assert!(row.list.is_empty() || document[row.list].is_array(), "{}: {}", row.name, row.list);

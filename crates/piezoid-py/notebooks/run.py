@@ -1,6 +1,6 @@
 """Runs the notebooks, each in a folder of its own that goes away, and keeps what they show: `python run.py [paper ...]`.
 
-The files stay the same from run to run: times, versions and what else tells of the machine is left out.
+The files stay the same from run to run: times, versions and what else depends on the machine is left out.
 """
 
 from __future__ import annotations

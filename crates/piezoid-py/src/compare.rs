@@ -16,12 +16,13 @@ pub(crate) fn compare(
     py: Python<'_>,
     models: Vec<(String, Bound<'_, Model>)>,
     records: Vec<(String, Bound<'_, Record>)>,
-    given: &Bound<'_, PyDict>,
+    settings: &Bound<'_, PyDict>,
 ) -> PyResult<(Py<PyAny>, String)> {
-    let options: CompareOptions = options(given)?;
+    let options: CompareOptions = options(settings)?;
     let models = models.into_iter().map(|(name, model)| (name, inner(&model))).collect();
     let records: Vec<_> = records.into_iter().map(|(name, record)| (name, record.get().record.clone())).collect();
-    let made = py.detach(|| options.on(models, &records).map(|made| (made.to_json(), comparison(&made).html())));
-    let (figures, page) = made.map_err(raised)?;
+    let result =
+        py.detach(|| options.on(models, &records).map(|result| (result.to_json(), comparison(&result).html())));
+    let (figures, page) = result.map_err(raised)?;
     Ok((object(py, &figures)?, page))
 }

@@ -28,8 +28,8 @@ pub(crate) fn compensated<'py>(
 ) -> PyResult<Bound<'py, PyDict>> {
     let (read, options) = (samples("reference", reference)?, options::<CompensateOptions>(settings)?);
     let r = slice(&read)?;
-    let made = py.detach(|| options.of(model, r.to_vec())).map_err(raised)?;
-    let Compensated { u, reached, usage, clipped, notes } = made.made;
+    let result = py.detach(|| options.of(model, r.to_vec())).map_err(raised)?;
+    let Compensated { u, reached, usage, clipped, notes } = result.compensated;
     let document = json!({"usage": usage, "clipped": clipped, "notes": notes});
     members(py, &document, [("u", array(py, u).into_any()), ("reached", array(py, reached).into_any())])
 }
@@ -43,8 +43,8 @@ pub(crate) struct FeedForward {
 }
 
 impl FeedForward {
-    pub(crate) fn new(model: &piezoid::Model, settings: FeedForwardSettings, late: usize) -> PyResult<Self> {
-        let causal = Causal::new(model, settings, late).map_err(raised)?;
+    pub(crate) fn new(model: &piezoid::Model, settings: FeedForwardSettings, delay_samples: usize) -> PyResult<Self> {
+        let causal = Causal::new(model, settings, delay_samples).map_err(raised)?;
         let state = Mutex::new(causal.initial());
         Ok(FeedForward { causal, state })
     }
@@ -59,8 +59,8 @@ impl FeedForward {
 impl FeedForward {
     /// Samples by which the displacement follows the reference.
     #[getter]
-    fn late(&self) -> usize {
-        self.causal.late()
+    fn delay_samples(&self) -> usize {
+        self.causal.delay_samples()
     }
 
     #[getter]
@@ -94,7 +94,7 @@ impl FeedForward {
     }
 
     fn __repr__(&self) -> String {
-        format!("<FeedForward, delay {} samples, sampling period {} s>", self.causal.late(), self.causal.ts())
+        format!("<FeedForward, delay {} samples, sampling period {} s>", self.causal.delay_samples(), self.causal.ts())
     }
 }
 

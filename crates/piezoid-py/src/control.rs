@@ -34,27 +34,27 @@ pub(crate) fn control(
     plant: (String, Py<Plant>),
     model: &Bound<'_, Model>,
     references: Vec<(String, Bound<'_, PyAny>)>,
-    given: &Bound<'_, PyDict>,
+    settings: &Bound<'_, PyDict>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Py<PyAny>, Py<PyAny>, String)> {
-    let (model, options) = (inner(model), options::<ControlOptions>(given)?);
-    let mut wanted = Vec::with_capacity(references.len());
+    let (model, options) = (inner(model), options::<ControlOptions>(settings)?);
+    let mut reference = Vec::with_capacity(references.len());
     for (name, r) in &references {
         let r = samples(name, r)?;
         let r = slice(&r)?;
         if r.is_empty() {
             return Err(refused(&format!("{name} is empty: give at least 2 samples")));
         }
-        wanted.push(NamedReference::new(name.clone(), model.ts(), r.to_vec()));
+        reference.push(NamedReference::new(name.clone(), model.ts(), r.to_vec()));
     }
     let (name, spec) = (plant.0, plant.1.get().spec.clone());
-    let compared = watched(py, progress, |progress| options.along((&name, &spec), &model, wanted, progress))?;
+    let compared = watched(py, progress, |progress| options.along((&name, &spec), &model, reference, progress))?;
     let runs = PyList::empty(py);
-    for driven in &compared.driven {
-        for (wanted, attempt) in compared.wanted.iter().zip(&driven.attempts) {
+    for result in &compared.results {
+        for (reference, attempt) in compared.references.iter().zip(&result.attempts) {
             let run = PyDict::new(py);
-            run.set_item("controller", driven.name())?;
-            run.set_item("reference", &wanted.name)?;
+            run.set_item("controller", result.name())?;
+            run.set_item("reference", &reference.name)?;
             match attempt {
                 Err(error) => run.set_item("error", error.to_string())?,
                 Ok(attempt) => {

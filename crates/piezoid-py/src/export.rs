@@ -32,24 +32,24 @@ pub(crate) fn export<'py>(
     py: Python<'py>,
     model: &Bound<'py, Model>,
     target: &str,
-    given: &Bound<'_, PyDict>,
+    settings: &Bound<'_, PyDict>,
     reference: Option<Bound<'_, PyAny>>,
     folder: Option<PathBuf>,
     force: bool,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (model, options) = (inner(model), options::<ExportOptions>(given)?);
+    let (model, options) = (inner(model), options::<ExportOptions>(settings)?);
     let read = reference.as_ref().map(|r| samples("reference", r)).transpose()?;
     let reference = read.as_ref().map(|r| slice(r)).transpose()?;
-    let made = py.detach(|| {
-        let made = options.of(target, &model, reference, compiler::here())?;
-        let given = (target, options.name.as_str());
-        folder.iter().try_for_each(|folder| FileSet::export(folder, given, &made, force)?.write())?;
-        Ok(made)
+    let result = py.detach(|| {
+        let result = options.of(target, &model, reference, compiler::here())?;
+        let settings = (target, options.name.as_str());
+        folder.iter().try_for_each(|folder| FileSet::export(folder, settings, &result, force)?.write())?;
+        Ok(result)
     });
-    let made = made.map_err(raised)?;
+    let result = result.map_err(raised)?;
     let files = PyDict::new(py);
-    made.files.iter().try_for_each(|file| files.set_item(&file.name, PyBytes::new(py, &file.bytes)))?;
-    let document = json!({"functions": made.to_json()["functions"], "notes": made.notes});
+    result.files.iter().try_for_each(|file| files.set_item(&file.name, PyBytes::new(py, &file.bytes)))?;
+    let document = json!({"functions": result.to_json()["functions"], "notes": result.notes});
     members(py, &document, [("files", files.into_any())])
 }
 

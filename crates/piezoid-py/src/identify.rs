@@ -16,10 +16,10 @@ const FRONT_END: &str = "piezoid.identify";
 pub(crate) fn identify(
     py: Python<'_>,
     records: (Vec<Py<Record>>, Vec<Py<Record>>),
-    given: &Bound<'_, PyDict>,
+    settings: &Bound<'_, PyDict>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Model> {
-    let options: IdentifyOptions = options(given)?;
+    let options: IdentifyOptions = options(settings)?;
     let origin = |r: &Py<Record>| r.get().origin.clone().unwrap_or_default();
     let origins: Vec<_> = records.0.iter().chain(&records.1).map(origin).collect();
     let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();

@@ -43,13 +43,13 @@ pub(crate) fn members<'py>(
 }
 
 /// Options of the library from keywords; numbers may have any Python type.
-pub(crate) fn options<O: Options>(given: &Bound<'_, PyDict>) -> PyResult<O> {
-    O::from_json(document(given)?).map_err(raised)
+pub(crate) fn options<O: Options>(settings: &Bound<'_, PyDict>) -> PyResult<O> {
+    O::from_json(document(settings)?).map_err(raised)
 }
 
 /// Settings by their names as a document.
-pub(crate) fn document(given: &Bound<'_, PyDict>) -> PyResult<Value> {
-    let members = given.iter().map(|(name, value)| Ok((name.extract()?, value_of(&value)?)));
+pub(crate) fn document(settings: &Bound<'_, PyDict>) -> PyResult<Value> {
+    let members = settings.iter().map(|(name, value)| Ok((name.extract()?, value_of(&value)?)));
     members.collect::<PyResult<Map<_, _>>>().map(Value::Object)
 }
 

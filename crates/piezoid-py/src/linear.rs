@@ -65,15 +65,15 @@ impl Arx {
     }
 
     fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
-        let given = samples("u", u)?;
-        let u = finite("u", slice(&given)?)?;
+        let settings = samples("u", u)?;
+        let u = finite("u", slice(&settings)?)?;
         let y = py.detach(|| self.arx.simulate(u));
         Ok(array(py, y).unbind())
     }
 
     fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
-        let given = (samples("u", u)?, samples("y", y)?);
-        let (u, y) = (finite("u", slice(&given.0)?)?, finite("y", slice(&given.1)?)?);
+        let settings = (samples("u", u)?, samples("y", y)?);
+        let (u, y) = (finite("u", slice(&settings.0)?)?, finite("y", slice(&settings.1)?)?);
         if u.len() != y.len() {
             let (left, right) = ("u".into(), "y".into());
             return Err(raised(piezoid::Error::Lengths { left, left_len: u.len(), right, right_len: y.len() }));
@@ -111,8 +111,8 @@ pub(crate) fn fit(
     for record in &records {
         let (record, first) = (&record.get().record, &records[0].get().record);
         if record.units().u != first.units().u {
-            let (found, wanted) = (record.units().u.clone(), first.units().u.clone());
-            return Err(raised(piezoid::Error::Units { what: "the input of a record".into(), found, wanted }));
+            let (found, expected) = (record.units().u.clone(), first.units().u.clone());
+            return Err(raised(piezoid::Error::Units { what: "the input of a record".into(), found, expected }));
         }
         own.push(record.output_in(&first.units().y).map_err(raised)?);
     }

@@ -54,8 +54,8 @@ pub(crate) fn excite(
 ) -> PyResult<Py<PyArray1<f64>>> {
     let (excitation, own) = (Excitation::find(name).map_err(raised)?, document(own)?);
     let common: ExciteOptions = options(common)?;
-    let made = py.detach(|| common.run(excitation, own)).map_err(raised)?;
-    Ok(array(py, made.u).unbind())
+    let result = py.detach(|| common.run(excitation, own)).map_err(raised)?;
+    Ok(array(py, result.u).unbind())
 }
 
 /// The drives of an identification with their sampling period; the page, notes and advice. Files are written into a
@@ -63,17 +63,17 @@ pub(crate) fn excite(
 #[pyfunction]
 pub(crate) fn plan<'py>(
     py: Python<'py>,
-    given: &Bound<'_, PyDict>,
+    settings: &Bound<'_, PyDict>,
     model: Option<&Bound<'_, Model>>,
     folder: Option<PathBuf>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let (options, model) = (options::<PlanOptions>(given)?, model.map(inner));
-    let made = py.detach(|| {
+    let (options, model) = (options::<PlanOptions>(settings)?, model.map(inner));
+    let result = py.detach(|| {
         let plan = options.run(model.as_ref())?;
         folder.iter().try_for_each(|folder| FileSet::in_folder(folder, &plan.files()?)?.write())?;
         Ok(plan)
     });
-    let plan = made.map_err(raised)?;
+    let plan = result.map_err(raised)?;
     let document = json!({"ts": plan.ts, "page": plan.page(), "notes": plan.notes, "advice": plan.advice});
     let drives = PyDict::new(py);
     plan.drives.into_iter().try_for_each(|drive| drives.set_item(drive.name, array(py, drive.u)))?;

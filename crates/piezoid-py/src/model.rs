@@ -114,8 +114,8 @@ impl Model {
 
     #[pyo3(signature = (u, begin="rest"))]
     fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>, begin: &str) -> PyResult<Py<PyArray1<f64>>> {
-        let given = samples("u", u)?;
-        let u = finite("u", slice(&given)?)?;
+        let settings = samples("u", u)?;
+        let u = finite("u", slice(&settings)?)?;
         let initial_condition = match begin {
             "rest" => InitialCondition::Rest,
             "settled" => InitialCondition::Settled,
@@ -135,16 +135,16 @@ impl Model {
 
     /// Prediction one step ahead, from measured outputs.
     fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
-        let given = (samples("u", u)?, samples("y", y)?);
-        let (u, y) = (finite("u", slice(&given.0)?)?, finite("y", slice(&given.1)?)?);
+        let settings = (samples("u", u)?, samples("y", y)?);
+        let (u, y) = (finite("u", slice(&settings.0)?)?, finite("y", slice(&settings.1)?)?);
         let predicted = py.detach(|| self.model.predict(u, y)).map_err(raised)?;
         Ok(array(py, predicted).unbind())
     }
 
     /// The output of hysteresis and creep for this input.
     fn hidden(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
-        let given = samples("u", u)?;
-        let u = finite("u", slice(&given)?)?;
+        let settings = samples("u", u)?;
+        let u = finite("u", slice(&settings)?)?;
         let z = py.detach(|| self.model.crept(u));
         Ok(array(py, z).unbind())
     }
@@ -154,9 +154,9 @@ impl Model {
         &self,
         py: Python<'_>,
         record: &Record,
-        given: &Bound<'_, PyDict>,
+        settings: &Bound<'_, PyDict>,
     ) -> PyResult<(Py<PyAny>, Py<PyArray1<f64>>)> {
-        let options: ValidateOptions = options(given)?;
+        let options: ValidateOptions = options(settings)?;
         let v = py.detach(|| self.model.validate_with(&record.record, &options)).map_err(raised)?;
         let figures = json!({
             "unit": record.record.units().y, "start": v.start, "initial_condition": v.initial_condition,
@@ -168,8 +168,8 @@ impl Model {
         Ok((object(py, &figures)?, array(py, v.simulated).unbind()))
     }
 
-    fn _inverse(&self, late: usize, settings: &Bound<'_, PyDict>) -> PyResult<FeedForward> {
-        FeedForward::new(&self.model, feed_forward_settings(settings)?, late)
+    fn _inverse(&self, delay_samples: usize, settings: &Bound<'_, PyDict>) -> PyResult<FeedForward> {
+        FeedForward::new(&self.model, feed_forward_settings(settings)?, delay_samples)
     }
 
     fn _compensation<'py>(

@@ -47,9 +47,9 @@ impl Plant {
         py: Python<'_>,
         u: &Bound<'_, PyAny>,
         ts: f64,
-        given: &Bound<'_, PyDict>,
+        settings: &Bound<'_, PyDict>,
     ) -> PyResult<(Py<PyArray1<f64>>, Option<String>)> {
-        let (read, options) = (samples("u", u)?, options::<SimulateOptions>(given)?);
+        let (read, options) = (samples("u", u)?, options::<SimulateOptions>(settings)?);
         let u = finite("u", slice(&read)?)?;
         let plant = plant::Plant::new(&self.spec, ts).map_err(raised)?.with_seed(options.seed);
         let mut x = options.before(&plant, u);

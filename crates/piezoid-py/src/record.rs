@@ -68,14 +68,14 @@ impl Record {
 
     #[getter]
     fn u(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
-        let made = || frozen(py, self.record.u()).map(Bound::unbind);
-        self.u.get_or_try_init(py, made).map(|u| u.clone_ref(py))
+        let result = || frozen(py, self.record.u()).map(Bound::unbind);
+        self.u.get_or_try_init(py, result).map(|u| u.clone_ref(py))
     }
 
     #[getter]
     fn y(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
-        let made = || frozen(py, self.record.y()).map(Bound::unbind);
-        self.y.get_or_try_init(py, made).map(|y| y.clone_ref(py))
+        let result = || frozen(py, self.record.y()).map(Bound::unbind);
+        self.y.get_or_try_init(py, result).map(|y| y.clone_ref(py))
     }
 
     #[getter]
@@ -108,8 +108,8 @@ impl Record {
         self.after(Step::Scaled(input, output))
     }
 
-    fn prepare(&self, py: Python<'_>, given: &Bound<'_, PyDict>) -> PyResult<Self> {
-        let options: PrepareOptions = options(given)?;
+    fn prepare(&self, py: Python<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Self> {
+        let options: PrepareOptions = options(settings)?;
         py.detach(|| self.after(Step::Prepare(options)))
     }
 
@@ -140,10 +140,10 @@ impl Record {
 type Profile = (String, String);
 
 /// What keywords say of the columns, and what the profile says where they say nothing.
-fn selection(given: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<ColumnSelection> {
-    let said: ColumnSelection = options(given)?;
-    let Some((name, text)) = profile else { return Ok(said) };
-    ColumnSelection::from_toml(&text).map(|profile| said.or(profile)).map_err(|error| raised(error.of(&name)))
+fn selection(settings: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<ColumnSelection> {
+    let sentence: ColumnSelection = options(settings)?;
+    let Some((name, text)) = profile else { return Ok(sentence) };
+    ColumnSelection::from_toml(&text).map(|profile| sentence.or(profile)).map_err(|error| raised(error.of(&name)))
 }
 
 /// A column of a table: its name and its samples.
@@ -190,8 +190,8 @@ impl Columns {
         self.table.names().collect()
     }
 
-    fn record(&self, given: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<Record> {
-        let columns = selection(given, profile)?;
+    fn record(&self, settings: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<Record> {
+        let columns = selection(settings, profile)?;
         let record = self.table.record(&columns).map_err(raised)?;
         Ok(self.read_as(columns, record))
     }
@@ -201,22 +201,22 @@ impl Columns {
         &self,
         py: Python<'_>,
         name: &str,
-        given: &Bound<'_, PyDict>,
+        settings: &Bound<'_, PyDict>,
         profile: Option<Profile>,
     ) -> PyResult<(Py<PyAny>, Option<Record>, Option<String>)> {
-        let columns = selection(given, profile)?;
+        let columns = selection(settings, profile)?;
         let format = self.file.as_ref().map_or("arrays", |(format, _)| format);
-        let (seen, read) = self.table.inspect(name, format, &columns);
+        let (inspection, read) = self.table.inspect(name, format, &columns);
         let (record, error) = match read {
             Ok(record) => (Some(self.read_as(columns, record)), None),
             Err(error) => (None, Some(raised(error).value(py).to_string())),
         };
-        Ok((object(py, &seen)?, record, error))
+        Ok((object(py, &inspection)?, record, error))
     }
 
     /// How records like this one are read: the text of a profile.
-    fn profile(&self, given: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<String> {
-        let selection = selection(given, profile)?;
+    fn profile(&self, settings: &Bound<'_, PyDict>, profile: Option<Profile>) -> PyResult<String> {
+        let selection = selection(settings, profile)?;
         self.table.record(&selection).map_err(raised)?;
         Ok(self.table.profile(&selection).to_toml())
     }
@@ -225,10 +225,10 @@ impl Columns {
     fn input(
         &self,
         py: Python<'_>,
-        given: &Bound<'_, PyDict>,
+        settings: &Bound<'_, PyDict>,
         model: (String, f64),
     ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
-        let ((unit, ts), mut selection) = (model, options::<ColumnSelection>(given)?);
+        let ((unit, ts), mut selection) = (model, options::<ColumnSelection>(settings)?);
         if !self.table.is_timed(&selection) {
             selection.ts = Some(ts);
         }
@@ -241,8 +241,13 @@ impl Columns {
     }
 
     /// The sampling period [s] and the samples of the reference, in this unit.
-    fn reference(&self, py: Python<'_>, given: &Bound<'_, PyDict>, unit: &str) -> PyResult<(f64, Py<PyArray1<f64>>)> {
-        let Signal { ts, mut samples, unit: own } = self.table.reference(&options(given)?).map_err(raised)?;
+    fn reference(
+        &self,
+        py: Python<'_>,
+        settings: &Bound<'_, PyDict>,
+        unit: &str,
+    ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
+        let Signal { ts, mut samples, unit: own } = self.table.reference(&options(settings)?).map_err(raised)?;
         let Some(factor) = Units::factor(&own, unit) else {
             return Err(refused(&format!("the reference is in {own}, but {unit} is needed: convert it first")));
         };

@@ -11,24 +11,24 @@ use pyo3::sync::PyOnceLock;
 /// # Errors
 /// Returns an error for more than one dimension (with the shape), complex numbers, masked arrays, and values that are
 /// not numbers.
-pub(crate) fn samples<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArray1<'py, f64>> {
-    if let Ok(array) = given.cast::<PyArray1<f64>>()
+pub(crate) fn samples<'py>(what: &str, settings: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArray1<'py, f64>> {
+    if let Ok(array) = settings.cast::<PyArray1<f64>>()
         && array.get_type().name().is_ok_and(|name| name == "ndarray")
         && let view = array.try_readonly()?
         && view.as_slice().is_ok()
     {
         return Ok(view);
     }
-    converted(what, given)
+    converted(what, settings)
 }
 
-fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArray1<'py, f64>> {
-    let py = given.py();
+fn converted<'py>(what: &str, settings: &Bound<'py, PyAny>) -> PyResult<PyReadonlyArray1<'py, f64>> {
+    let py = settings.py();
     let numpy = numpy(py)?;
-    if given.is_instance(&numpy.getattr(intern!(py, "ma"))?.getattr(intern!(py, "MaskedArray"))?)? {
+    if settings.is_instance(&numpy.getattr(intern!(py, "ma"))?.getattr(intern!(py, "MaskedArray"))?)? {
         return Err(refused(&format!("{what} is a masked array: fill it, or leave the masked samples out")));
     }
-    let array = numpy.call_method1(intern!(py, "asarray"), (given,));
+    let array = numpy.call_method1(intern!(py, "asarray"), (settings,));
     let array = array.map_err(|e| refused(&format!("{what} is not a series of numbers: {}", e.value(py))))?;
     let untyped = array.cast::<PyUntypedArray>()?;
     if untyped.ndim() != 1 {
@@ -37,7 +37,7 @@ fn converted<'py>(what: &str, given: &Bound<'py, PyAny>) -> PyResult<PyReadonlyA
     }
     let kind: String = untyped.dtype().getattr(intern!(py, "kind"))?.extract()?;
     if !["f", "i", "u", "b"].contains(&kind.as_str()) && untyped.len() > 0 {
-        let numbers = kind == "O" && given.call_method0(intern!(py, "__len__")).is_ok();
+        let numbers = kind == "O" && settings.call_method0(intern!(py, "__len__")).is_ok();
         if !numbers {
             return Err(refused(&format!("{what} is of type {}: its samples must be real numbers", untyped.dtype())));
         }

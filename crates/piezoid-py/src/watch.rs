@@ -64,13 +64,13 @@ pub(crate) fn watched<T: Send>(
                 return ControlFlow::Continue(());
             }
             heard = now;
-            let told = Python::attach(|py| {
+            let message = Python::attach(|py| {
                 py.check_signals()?;
                 let Some(progress) = &progress else { return Ok(()) };
                 last = Some((stage.what.to_string(), stage.done, stage.total));
                 progress.call1(py, (stage.what, stage.done, stage.total)).map(drop)
             });
-            match told {
+            match message {
                 Ok(()) => ControlFlow::Continue(()),
                 Err(error) => {
                     raised_within = Some(error);
@@ -83,12 +83,12 @@ pub(crate) fn watched<T: Send>(
     if let Some(error) = raised_within {
         return Err(error);
     }
-    let made = outcome.map_err(raised)?;
+    let result = outcome.map_err(raised)?;
     // Stages are reported when they begin. This reports the end of the last one.
     if let (Some(progress), Some((what, done, total))) = (&progress, last)
         && done < total
     {
         progress.call1(py, (what, total, total))?;
     }
-    Ok(made)
+    Ok(result)
 }

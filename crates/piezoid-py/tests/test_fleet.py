@@ -162,12 +162,12 @@ def test_models_are_validated_and_turned_around_by_name(undisturbed, tmp_path):
     two = [undisturbed.model["stage 2"].validate(sine(2, f), offset="free").max_abs for f in (5.0, 11.0)]
     assert proof.max_abs["stage 2"] == max(two)
 
-    wanted = 300 * np.sin(2 * np.pi * 5 * TS * np.arange(800))
-    turned = pz.fleet.compensate(models, wanted, smooth=0.01)
-    assert np.array_equal(turned.u["stage 1"], models["stage 1"].compensate(wanted, smooth=0.01))
+    expected = 300 * np.sin(2 * np.pi * 5 * TS * np.arange(800))
+    turned = pz.fleet.compensate(models, expected, smooth=0.01)
+    assert np.array_equal(turned.u["stage 1"], models["stage 1"].compensate(expected, smooth=0.01))
     assert turned.u["stage 0"].shape == (800,) and list(turned.error.isna()) == [True, True, True, False]
-    own = pz.fleet.compensate({"stage 1": models["stage 1"]}, {"stage 1": wanted / 2})
-    assert np.abs(own.reached["stage 1"] - wanted / 2).max() < 15
+    own = pz.fleet.compensate({"stage 1": models["stage 1"]}, {"stage 1": expected / 2})
+    assert np.abs(own.reached["stage 1"] - expected / 2).max() < 15
 
 
 def test_an_actuator_may_have_settings_and_proof_of_its_own():
@@ -180,9 +180,9 @@ def test_an_actuator_may_have_settings_and_proof_of_its_own():
 
 
 def test_progress_counts_what_is_settled_and_may_end_the_work():
-    told = []
-    pz.fleet.run(lambda x: 1 / x, {1: 1, 2: 0, 3: 3}, progress=lambda *now: told.append(now))
-    assert told[-1] == ("fleet", 3, 3) and [done for _, done, _ in told] == [1, 1, 2, 2, 3]
+    message = []
+    pz.fleet.run(lambda x: 1 / x, {1: 1, 2: 0, 3: 3}, progress=lambda *now: message.append(now))
+    assert message[-1] == ("fleet", 3, 3) and [done for _, done, _ in message] == [1, 1, 2, 2, 3]
 
     def stop(*_: object) -> None:
         raise InterruptedError

@@ -1,4 +1,4 @@
-"""What Python users expect: DataFrames, arrays as they have them, one line that tells, figures, summaries."""
+"""What Python users expect: DataFrames, arrays as they have them, one line that says what it is, figures, summaries."""
 
 from __future__ import annotations
 
@@ -98,10 +98,10 @@ def test_a_model_tells_what_it_is_and_how_good_it_is(found: pz.Model) -> None:
     assert verdict is not None and verdict.error_percent < 5 and verdict.u == pytest.approx((-28, 28), rel=0.05)
     assert str(verdict).startswith(f"{verdict.short} (free run") and "minor loops" not in verdict.unproven
     assert repr(found).startswith("<Model prandtl-ishlinskii, order 2, ") and verdict.short in repr(found)
-    told = found.summary()
-    assert told.startswith("prandtl-ishlinskii, gain ") and "\nGood to " in told
-    assert all(len(line) <= 100 for line in told.splitlines())
-    assert all(name in told for name in found.parameters["name"])
+    message = found.summary()
+    assert message.startswith("prandtl-ishlinskii, gain ") and "\nGood to " in message
+    assert all(len(line) <= 100 for line in message.splitlines())
+    assert all(name in message for name in found.parameters["name"])
     bare = pz.Model.from_dict({key: part for key, part in found.to_dict().items() if key != "fit"})
     assert bare.verdict is None and "no verdict" in repr(bare) and "No verdict in its file." in bare.summary()
 
@@ -110,8 +110,8 @@ def test_a_model_draws_its_parts(found: pz.Model) -> None:
     plt = pytest.importorskip("matplotlib.pyplot")
     axes = found.plot()
     assert [ax.get_ylabel() for ax in axes] == ["hidden variable z [V]", "gain [µm/V]", "phase [°]"]
-    _, given = plt.subplots(3)
-    assert list(found.plot(ax=given)) == list(given)
+    _, axes = plt.subplots(3)
+    assert list(found.plot(ax=axes)) == list(axes)
     bare = pz.Model.from_dict({key: part for key, part in found.to_dict().items() if key not in ("fit", "identified")})
     bare.plot()
     plt.close("all")
@@ -120,16 +120,16 @@ def test_a_model_draws_its_parts(found: pz.Model) -> None:
 def test_a_source_is_inspected_and_its_profile_reads_it_again(tmp_path: Path) -> None:
     t = np.arange(400)
     scope = {"CH1": 0.1 * np.sin(0.1 * t), "CH2": np.cos(0.1 * t)}
-    seen = pz.inspect(scope, fs=1000)
-    assert seen.record is None and "input_col=" in (seen.error or "") and "no record: " in repr(seen)
+    inspection = pz.inspect(scope, fs=1000)
+    assert inspection.record is None and "input_col=" in (inspection.error or "") and "no record: " in repr(inspection)
     with pytest.raises(pz.PiezoidError, match="there is no profile, because there is no record"):
-        seen.save_profile(tmp_path / "rig.toml")
+        inspection.save_profile(tmp_path / "rig.toml")
     how = {"fs": 1000, "input_col": "CH1", "input_scale": 20, "output_col": "CH2", "output_scale": "5um/V"}
-    seen = pz.inspect(pd.DataFrame(scope), **how)
-    assert list(seen.channels["role"]) == ["input", "output"] and "DataFrame" in repr(seen)
-    seen.save_profile(tmp_path / "rig.toml")
+    inspection = pz.inspect(pd.DataFrame(scope), **how)
+    assert list(inspection.channels["role"]) == ["input", "output"] and "DataFrame" in repr(inspection)
+    inspection.save_profile(tmp_path / "rig.toml")
     again = pz.read(scope, profile=tmp_path / "rig.toml")
-    assert again == seen.record and again.units == ("V", "um") and np.allclose(again.u, 20 * scope["CH1"])
+    assert again == inspection.record and again.units == ("V", "um") and np.allclose(again.u, 20 * scope["CH1"])
     # A keyword counts more than the profile.
     assert pz.read(scope, profile=tmp_path / "rig.toml", ts=1.0).ts == 1.0
     again.save(tmp_path / "r.csv")
@@ -145,11 +145,11 @@ def test_a_source_is_inspected_and_its_profile_reads_it_again(tmp_path: Path) ->
 
 
 def test_an_export_tells_its_operations_and_is_not_mixed_with_another(found: pz.Model, tmp_path: Path) -> None:
-    made = pz.export(found, "c", tmp_path / "out", name="a")
-    operations = made.operations
+    result = pz.export(found, "c", tmp_path / "out", name="a")
+    operations = result.operations
     assert list(operations.index) == ["step", "ff_step"]
     assert (operations["most_seen"] <= operations["bound"]).all() and operations.loc["step", "bound"] > 0
-    assert f"bound {operations.loc['step', 'bound']} for every input" in repr(made)
+    assert f"bound {operations.loc['step', 'bound']} for every input" in repr(result)
     pz.export(found, "c", tmp_path / "out", name="a")
     with pytest.raises(pz.PiezoidError, match=r"out: the folder holds .* target c, name a: .* give force=True"):
         pz.export(found, "c", tmp_path / "out", name="b")

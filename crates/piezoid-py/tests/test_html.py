@@ -14,8 +14,8 @@ def parts(thing: pz.Record | pz.Model | pz.Validation) -> tuple[dict[str, str], 
     root = ElementTree.fromstring(f"<div>{thing._repr_html_()}</div>")
     rows, drawn = {}, {}
     for row in root.iter("tr"):
-        name, said, drawing = row
-        rows[name.text or ""] = said.text or ""
+        name, text, drawing = row
+        rows[name.text or ""] = text.text or ""
         for line in drawing.iter("polyline"):
             drawn[name.text or ""] = np.array([point.split(",") for point in line.attrib["points"].split()], dtype=float)
     return rows, drawn, [note.text or "" for note in root.iter("li")]

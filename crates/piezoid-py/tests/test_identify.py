@@ -65,7 +65,7 @@ def test_of_several_operators_the_better_is_taken(small: pz.Record, rich: pz.Rec
 
 
 @pytest.mark.parametrize(
-    ("settings", "told"),
+    ("settings", "message"),
     [
         ({"operator": "preisac"}, "did you mean `preisach`?"),
         ({"method": "best"}, "joint or paper"),
@@ -78,10 +78,10 @@ def test_of_several_operators_the_better_is_taken(small: pz.Record, rich: pz.Rec
         ({"method": "paper", "global_best": "last"}, "ever or current"),
     ],
 )
-def test_settings_that_make_no_sense_are_refused(rich: pz.Record, settings: dict[str, object], told: str) -> None:
+def test_settings_that_make_no_sense_are_refused(rich: pz.Record, settings: dict[str, object], message: str) -> None:
     with pytest.raises(pz.PiezoidError) as raised:
         pz.identify(data=rich, **settings)  # type: ignore[arg-type]
-    assert told in str(raised.value)
+    assert message in str(raised.value)
 
 
 def test_the_former_names_of_records_still_work(small: pz.Record, rich: pz.Record, model: pz.Model) -> None:
@@ -104,10 +104,10 @@ def test_a_lag_that_outlasts_the_records_is_no_part_of_a_model(rich: pz.Record) 
 
 
 def test_who_watches_is_told_and_may_stop(rich: pz.Record) -> None:
-    told: list[tuple[str, int, int]] = []
-    pz.identify(data=rich, operator="stop", order=2, progress=lambda *stage: told.append(stage))
-    assert told[-1] == ("stop", 3, 3), "the end is told too"
-    assert {what for what, _, _ in told} >= {"linear block", "stop"} and all(done <= total for _, done, total in told)
+    message: list[tuple[str, int, int]] = []
+    pz.identify(data=rich, operator="stop", order=2, progress=lambda *stage: message.append(stage))
+    assert message[-1] == ("stop", 3, 3), "the end is reported too"
+    assert {what for what, _, _ in message} >= {"linear block", "stop"} and all(done <= total for _, done, total in message)
 
     def stop(what: str, done: int, total: int) -> None:
         raise KeyError("enough")

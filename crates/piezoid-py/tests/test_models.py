@@ -22,8 +22,8 @@ def test_every_operator_gives_the_numbers_of_its_vector_file_to_the_bit(file: Pa
     vectors = json.loads(file.read_text())
     model = pz.Model.from_dict(vectors["model"])
     inputs, outputs = (np.array(vectors["step"][part]) for part in ["inputs", "outputs"])
-    for given in [inputs, list(inputs), np.repeat(inputs, 3)[::3]]:
-        assert model.simulate(given).tobytes() == outputs.tobytes()
+    for input in [inputs, list(inputs), np.repeat(inputs, 3)[::3]]:
+        assert model.simulate(input).tobytes() == outputs.tobytes()
     if "ff_step" in vectors:
         r, u = (np.array(vectors["ff_step"][part]) for part in ["inputs", "outputs"])
         assert model.inverse().resume(r).tobytes() == u.tobytes()
@@ -108,8 +108,8 @@ def test_the_voltage_for_a_reference_makes_the_twin_follow(model: pz.Model) -> N
     u = model.compensate(r, driver="pl140")
     y = pz.plants["pl140"].simulate(u, model.ts)
     assert np.std((y - r)[400:]) / np.ptp(r) < 0.01
-    made = model.compensation(r, low=-25, high=25)
-    assert np.abs(made.u).max() <= 25 and np.std((made.reached - r)[400:]) < 1 and made.clipped == 0
+    result = model.compensation(r, low=-25, high=25)
+    assert np.abs(result.u).max() <= 25 and np.std((result.reached - r)[400:]) < 1 and result.clipped == 0
     shaped = model.compensation(np.repeat([0.0, 500.0], 1000), smooth=0.02, zvd=True)
     assert np.abs(shaped.reached[1200:] - 500).max() < 5
     with pytest.raises(pz.PiezoidError, match="cannot be reached"):
@@ -124,7 +124,7 @@ def test_the_inverse_runs_sample_by_sample_and_begins_anew(model: pz.Model) -> N
     r = 300 * np.sin(0.03 * np.arange(500))
     first = inverse.resume(r)
     inverse.reset()
-    assert np.array_equal(np.array([inverse.step(v) for v in r]), first) and inverse.late == 4
+    assert np.array_equal(np.array([inverse.step(v) for v in r]), first) and inverse.delay_samples == 4
     inverse.reset(200.0)
     assert abs(inverse.step(200.0) - model.compensate([200.0] * 5)[0]) < 1e-6
 
@@ -136,7 +136,7 @@ def test_settings_that_nobody_knows_are_refused_and_so_are_numbers_that_are_none
             wrong()
     with pytest.raises(TypeError, match="options are name"):
         pz.export(model, "c", lwo=-1.0)
-    for refused in [lambda: model.inverse(-1), lambda: model.compensation([0.0], sweeps=-1),
+    for refused in [lambda: model.inverse(-1), lambda: model.compensation([0.0], iterations=-1),
                     lambda: pz.plants["paper"].simulate([0.0], seed=2**64), lambda: model.inverse(1.5)]:  # type: ignore[arg-type]  # fmt: skip
         with pytest.raises(pz.PiezoidError, match="must be a whole number"):
             refused()

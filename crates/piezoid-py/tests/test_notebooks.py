@@ -32,11 +32,11 @@ def kept(name: str) -> Any:
     return nbformat.read(FOLDER / f"{name}.ipynb", as_version=4)
 
 
-def came_to(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, **asked: str) -> dict[str, Any]:
+def came_to(name: str, folder: Path, monkeypatch: pytest.MonkeyPatch, **requested: str) -> dict[str, Any]:
     """Values of expressions after a notebook has run. Its outputs must be those of the stored notebook."""
     monkeypatch.setenv("IPYTHONDIR", str(folder / ".ipython"))
-    wanted = ", ".join(f"{key!r}: {expression}" for key, expression in (asked | {"by": "sys.executable"}).items())
-    done = run.executed(name, folder, after=f"import json, sys\nprint(json.dumps({{{wanted}}}))")
+    expected = ", ".join(f"{key!r}: {expression}" for key, expression in (requested | {"by": "sys.executable"}).items())
+    done = run.executed(name, folder, after=f"import json, sys\nprint(json.dumps({{{expected}}}))")
     values: dict[str, Any] = json.loads(done.cells.pop().outputs[0].text)
     assert values.pop("by") == sys.executable
     assert outputs(done) == outputs(kept(name)), f"what {name} shows has changed: python notebooks/run.py {name}"
@@ -85,8 +85,8 @@ def test_a_fleet_is_identified_but_for_the_one_without_a_sensor(tmp_path: Path, 
     assert found["models"] == 24 and found["again"] == ["bender 07"]
     assert 130 < found["hz"][0] < 160 and 175 < found["hz"][1] < 210
     assert found["median"]["common model"] > 10 * found["median"]["own model"] and found["largest"]["own model"] < 0.5
-    said = next(cell.outputs[0].text for cell in kept("fleet").cells if cell.id == "errors")
-    assert said.startswith("bender 07:") and "is the sensor connected" in said
+    text = next(cell.outputs[0].text for cell in kept("fleet").cells if cell.id == "errors")
+    assert text.startswith("bender 07:") and "is the sensor connected" in text
 
 
 def test_notebooks_are_kept_with_what_they_show_and_nothing_of_the_machine() -> None:
@@ -104,5 +104,5 @@ def test_notebooks_are_kept_with_what_they_show_and_nothing_of_the_machine() -> 
         for output in shown:
             data = dict(output.get("data", {}))
             assert b"Software" not in base64.b64decode(data.pop("image/png", "")), name
-            said = " ".join([output.get("text", ""), *data.values()])
-            assert not re.search(r"(^|[\s'\"])/\w+/|\\Users\\|0x[0-9a-f]{6}|20\d\d-\d\d-\d\d", said), (name, said)
+            text = " ".join([output.get("text", ""), *data.values()])
+            assert not re.search(r"(^|[\s'\"])/\w+/|\\Users\\|0x[0-9a-f]{6}|20\d\d-\d\d-\d\d", text), (name, text)

@@ -47,8 +47,8 @@ def validation(model):
 
 @pytest.fixture(scope="module")
 def comparison(model):
-    wanted = reference("triangle", model, peak=300, frequency=5, duration=0.4)
-    return pz.control(PLANT, model, {"triangle": wanted}, controller=["gain", "feed-forward"])
+    expected = reference("triangle", model, peak=300, frequency=5, duration=0.4)
+    return pz.control(PLANT, model, {"triangle": expected}, controller=["gain", "feed-forward"])
 
 
 @pytest.fixture(autouse=True)
@@ -89,11 +89,11 @@ def test_every_axis_has_its_unit_in_brackets(drawings):
 
 def test_axes_that_are_given_are_drawn_into_and_no_figure_is_made(drawings):
     for name, (draw, n) in drawings.items():
-        figure, given = plt.subplots(n)
+        figure, input = plt.subplots(n)
         before = plt.get_fignums()
-        drawn = draw(given)
+        drawn = draw(input)
         assert plt.get_fignums() == before, name
-        assert list(np.ravel(drawn)) == list(np.ravel(given)) and all(a.has_data() for a in np.ravel(given)), name
+        assert list(np.ravel(drawn)) == list(np.ravel(input)) and all(a.has_data() for a in np.ravel(input)), name
 
 
 def test_a_number_of_axes_that_does_not_fit_is_refused_with_both_numbers(validation, record):

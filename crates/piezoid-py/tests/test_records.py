@@ -39,7 +39,7 @@ def test_whole_numbers_are_numbers() -> None:
 
 
 @pytest.mark.parametrize(
-    ("u", "told"),
+    ("u", "message"),
     [
         (np.zeros((4, 2)), "shape (4, 2)"),
         (np.zeros((1, 4)), "shape (1, 4)"),
@@ -53,10 +53,10 @@ def test_whole_numbers_are_numbers() -> None:
         ([None, 1.0, 2.0, 3.0], "NaN"),
     ],
 )
-def test_what_is_no_series_is_refused_with_what_it_is(u: Any, told: str) -> None:
+def test_what_is_no_series_is_refused_with_what_it_is(u: Any, message: str) -> None:
     with pytest.raises(pz.PiezoidError) as raised:
         pz.Record(u, Y, ts=5e-4)
-    assert told in str(raised.value)
+    assert message in str(raised.value)
 
 
 def test_samples_of_a_record_cannot_be_changed_behind_its_back() -> None:
@@ -132,11 +132,11 @@ def test_a_file_of_matlab_itself_is_read() -> None:
     folder = files("scipy.io.matlab") / "tests" / "data"
     if not folder.is_dir():
         pytest.skip("this scipy comes without MATLAB's files")
-    wanted = np.arange(9) * np.pi / 4
+    expected = np.arange(9) * np.pi / 4
     for name in ["testhdf5_7.4_GLNX86.mat", "testdouble_4.2c_SOL2.mat", "testdouble_6.1_SOL2.mat", "testdouble_7.4_GLNX86.mat"]:
         columns = Columns.from_file(name, (folder / name).read_bytes())
         _, samples = columns.reference({"ts": 1.0, "output_col": "testdouble", "output_unit": "um"}, "um")
-        assert np.allclose(samples, wanted, rtol=1e-15), name
+        assert np.allclose(samples, expected, rtol=1e-15), name
 
 
 @pytest.mark.parametrize("kind", ["<f8", ">f4", "<f2", ">i2", "<u4", "i1", "?"])
@@ -186,7 +186,7 @@ def test_a_file_is_what_it_holds_whatever_it_is_called(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("columns", "how", "told"),
+    ("columns", "how", "message"),
     [
         ({"u_V": U, "y_um": Y}, {}, "there is no time column"),
         ({"u_V": U, "y_um": Y}, {"input_col": "u"}, "`u_V`"),
@@ -199,11 +199,11 @@ def test_a_file_is_what_it_holds_whatever_it_is_called(tmp_path: Path) -> None:
     ],
 )
 def test_tables_that_say_too_little_are_refused_by_row_and_keyword(
-    columns: dict[str, Any], how: dict[str, Any], told: str
+    columns: dict[str, Any], how: dict[str, Any], message: str
 ) -> None:
     with pytest.raises(pz.PiezoidError) as raised:
         pz.read(columns, **how)
-    assert told in str(raised.value) and "--" not in str(raised.value)
+    assert message in str(raised.value) and "--" not in str(raised.value)
 
 
 def test_units_may_be_said_and_greek_letters_are_read() -> None:
@@ -229,11 +229,11 @@ def test_files_that_cannot_be_read_are_named(tmp_path: Path) -> None:
     (tmp_path / "broken.mat").write_bytes(b"nothing of the kind")
     (tmp_path / "broken.csv").write_text("t_s,u_V,y_um\n0,1,2\n1,x,3\n")
     (tmp_path / "broken.npz").write_text("nothing of the kind")
-    for name, told in [("broken.npz", "damaged"), ("none.csv", "no such file"), ("none.npz", "no such file"), ("broken.mat", "cannot be read"),
+    for name, message in [("broken.npz", "damaged"), ("none.csv", "no such file"), ("none.npz", "no such file"), ("broken.mat", "cannot be read"),
                        ("broken.csv", "line 3")]:  # fmt: skip
         with pytest.raises(pz.PiezoidError) as raised:
             pz.read(tmp_path / name)
-        assert name in str(raised.value) and told in str(raised.value)
+        assert name in str(raised.value) and message in str(raised.value)
     with pytest.raises(pz.PiezoidError, match="an object of type int cannot be read as a record"):
         pz.read(3)  # type: ignore[arg-type]
 

@@ -13,11 +13,11 @@ import pytest
 
 
 def test_a_plan_is_within_its_limits_and_written_to_a_folder(tmp_path: Path) -> None:
-    made = pz.plan(tmp_path, range=(0, 120), bandwidth=50, driver="e-610", actuator="p-885.51")
-    assert set(made) >= {"small", "rise1", "rise2", "rise3", "creep", "path"}
-    assert all(u.min() >= 0 and u.max() <= 120 for u in made.values())
-    assert "piezoid identify" in made.page and (tmp_path / "plan.md").read_text() == made.page
-    assert made.advice is None
+    result = pz.plan(tmp_path, range=(0, 120), bandwidth=50, driver="e-610", actuator="p-885.51")
+    assert set(result) >= {"small", "rise1", "rise2", "rise3", "creep", "path"}
+    assert all(u.min() >= 0 and u.max() <= 120 for u in result.values())
+    assert "piezoid identify" in result.page and (tmp_path / "plan.md").read_text() == result.page
+    assert result.advice is None
     with pytest.raises(pz.PiezoidError, match="range"):
         pz.plan(bandwidth=50)
 
@@ -28,8 +28,8 @@ def test_every_excitation_is_a_function_that_says_what_it_takes() -> None:
         kind = getattr(pz.excite, name)
         needed = [p.name for p in inspect.signature(kind).parameters.values() if p.default is p.empty]
         values = {"amplitude": 5.0, "frequency": 5.0, "frequency_start": 1.0, "frequency_end": 50.0, "ts": 1e-3}
-        given = {n: values.get(n, 10.0) for n in needed if n != "duration"}
-        u = kind(duration=1.0, **given)
+        input = {n: values.get(n, 10.0) for n in needed if n != "duration"}
+        u = kind(duration=1.0, **input)
         assert u.shape == (1000,) and 0 < np.abs(u).max() <= 5.0 * 3, name
         assert "[V]" in (kind.__doc__ or "") and "Reference" in (kind.__doc__ or "")
     with pytest.raises(AttributeError, match="known are prbs"):
@@ -92,13 +92,13 @@ def test_models_are_compared_on_records(tmp_path: Path, model: pz.Model, rich: p
     twins = [f"{model.operator} (1)", f"{model.operator} (2)"]
     assert list(listed.table.index) == ["good.json", *twins] and list(listed.table.columns) == ["record 1"]
     assert pz.compare(tmp_path / "good.json", rich).best == "good.json"
-    for told, call in {
+    for message, call in {
         "models is empty": lambda: pz.compare([], rich),
         "data is empty": lambda: pz.compare(model, {}),
         "no record called `c`": lambda: pz.compare(model, {"a": rich}, record="c"),
         "skip = -1": lambda: pz.compare(model, rich, skip=-1),
     }.items():
-        with pytest.raises(pz.PiezoidError, match=told):
+        with pytest.raises(pz.PiezoidError, match=message):
             call()
 
 
@@ -119,15 +119,15 @@ def test_errors_call_settings_by_their_names_here(model: pz.Model, rich: pz.Reco
         "low = -inf": lambda: model.compensate(r, low=float("-inf")),
         "range = 3": lambda: pz.export(model, "waveform", reference=r, range=3),  # type: ignore[arg-type]
         "model = 3": lambda: pz.export(3, "c"),  # type: ignore[arg-type]
-        "give controller=": lambda: pz.export(model, "c", late=2),
+        "give controller=": lambda: pz.export(model, "c", delay_samples=2),
         "servo_cycle = 0.001: does not apply to": lambda: pz.export(model, "c", servo_cycle=1e-3),
         "not the parameters of a plant": lambda: pz.Plant("pl140"),
         "cannot contain a set": lambda: pz.Model.from_dict({"ts": {1}}),
     }
-    for told, call in wrong.items():
+    for message, call in wrong.items():
         with pytest.raises(pz.PiezoidError) as raised:
             call()
-        assert told in str(raised.value)
+        assert message in str(raised.value)
 
 
 def test_a_model_is_exported_as_code_that_gives_its_numbers(model: pz.Model, tmp_path: Path) -> None:
@@ -135,8 +135,8 @@ def test_a_model_is_exported_as_code_that_gives_its_numbers(model: pz.Model, tmp
     assert {path.name for path in (tmp_path / "bender").iterdir()} == {*files, "piezoid-export.json"}
     build = ["cc", "-std=c99", "-ffp-contract=off", "bender.c", "bender_test.c", "-o", "self_test"]
     subprocess.run(build, cwd=tmp_path / "bender", check=True)
-    said = subprocess.run(["./self_test"], cwd=tmp_path / "bender", check=True, capture_output=True, text=True).stdout
-    assert said.count("0 of 400 differ") == 3
+    sentence = subprocess.run(["./self_test"], cwd=tmp_path / "bender", check=True, capture_output=True, text=True).stdout
+    assert sentence.count("0 of 400 differ") == 3
     with pytest.raises(pz.PiezoidError, match="float = true: does not apply to the target fixed"):
         pz.export(model, "fixed", float=True)
     with pytest.raises(pz.PiezoidError, match="must begin with a letter"):

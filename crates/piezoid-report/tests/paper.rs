@@ -236,11 +236,11 @@ fn the_same_seed_gives_the_same_bytes_and_another_seed_others() {
 fn a_study_can_be_cancelled_at_any_stage() {
     let stages = [("swarm", 0), ("swarm", 77), ("one model", 0), ("one model", 2), ("loops", 3), ("test signal", 1)];
     for (stage, at) in stages {
-        let mut seen = 0;
+        let mut observed = 0;
         let mut stop = |s: Stage| {
             let here = s.what.contains(stage) && s.done >= at;
-            assert!(seen == 0, "called again after cancellation");
-            seen += usize::from(here);
+            assert!(observed == 0, "called again after cancellation");
+            observed += usize::from(here);
             if here { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
         match Study::run(Preset::find("paper").expect("a preset"), 1, &mut stop) {

@@ -94,7 +94,7 @@ pub(crate) async fn call(State(server): State<Arc<Server>>, request: Request) ->
         drop(input.write_all(&request).await);
     }
     drop((request, memory));
-    let (pieces, given) = mpsc::channel(4);
+    let (pieces, arguments) = mpsc::channel(4);
     tokio::spawn(async move {
         relay(&mut child, &pieces).await;
         // If it still runs, nobody waits for it.
@@ -104,8 +104,8 @@ pub(crate) async fn call(State(server): State<Arc<Server>>, request: Request) ->
         }
         drop((core, place));
     });
-    let given = unfold(given, async |mut given| Some((given.recv().await?, given)));
-    Ok(([(header::CONTENT_TYPE, "application/octet-stream")], Body::from_stream(given)).into_response())
+    let arguments = unfold(arguments, async |mut arguments| Some((arguments.recv().await?, arguments)));
+    Ok(([(header::CONTENT_TYPE, "application/octet-stream")], Body::from_stream(arguments)).into_response())
 }
 
 /// Hands on what the process prints, until its end or until nobody takes it.
@@ -137,11 +137,11 @@ async fn relay(child: &mut Child, pieces: &mpsc::Sender<std::io::Result<Bytes>>)
     };
     let last = match head {
         Head::Line { begins: true } => {
-            let told = format!(
+            let message = format!(
                 "the work ended without an answer ({why}): either the memory did not suffice, or this is a fault of \
                  piezoid, and the terminal of `piezoid serve` says more; files are unchanged"
             );
-            Ok([b"\n", &*piezoid_operations::refused(&told)].concat().into())
+            Ok([b"\n", &*piezoid_operations::refused(&message)].concat().into())
         }
         // Part of an answer is none: the connection breaks.
         _ => Err(why),

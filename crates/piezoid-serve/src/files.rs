@@ -159,7 +159,7 @@ pub(crate) async fn write(
     let (parts, mut body) = request.into_parts();
     let stated = body::length(&parts.headers, &mut body, server.limit).await?;
     let failed = |e: Error| Failure::of(&name, &e);
-    let (folder, told) = (server.folder.path.clone(), name.clone());
+    let (folder, message) = (server.folder.path.clone(), name.clone());
     let staged = blocking(move || {
         let staged = temporary::upload(&folder)?;
         Ok::<_, Error>((staged.as_file().try_clone()?, staged))
@@ -177,12 +177,12 @@ pub(crate) async fn write(
     drop(file);
     let changing = server.folder.change.lock().await;
     let placed = move || {
-        let there = permitted(&path, &told, &parts.headers)?;
-        staged.persist(&path).map_err(|e| Failure::of(&told, &e.error))?;
+        let there = permitted(&path, &message, &parts.headers)?;
+        staged.persist(&path).map_err(|e| Failure::of(&message, &e.error))?;
         // The new name is on disk too.
         #[cfg(unix)]
         if let Some(folder) = path.parent() {
-            File::open(folder).and_then(|folder| folder.sync_all()).map_err(|e| Failure::of(&told, &e))?;
+            File::open(folder).and_then(|folder| folder.sync_all()).map_err(|e| Failure::of(&message, &e))?;
         }
         Ok::<_, Failure>(if there { StatusCode::NO_CONTENT } else { StatusCode::CREATED })
     };

@@ -44,13 +44,13 @@ pub(crate) async fn guard(State(server): State<Arc<Server>>, request: Request, n
 
 /// Refuses requests without the key.
 pub(crate) async fn locked(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
-    let given = text(request.headers(), "authorization").and_then(|value| value.strip_prefix("Bearer "));
+    let arguments = text(request.headers(), "authorization").and_then(|value| value.strip_prefix("Bearer "));
     // Compared to the end: the time must not tell where they differ.
-    let same = |given: &str| {
-        let differ = given.bytes().zip(server.key.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
-        given.len() == server.key.len() && differ == 0
+    let same = |arguments: &str| {
+        let differ = arguments.bytes().zip(server.key.bytes()).fold(0, |differ, (a, b)| differ | (a ^ b));
+        arguments.len() == server.key.len() && differ == 0
     };
-    if given.is_some_and(same) {
+    if arguments.is_some_and(same) {
         if let Some(place) = request.extensions().get::<Arc<Place>>() {
             place.shown();
         }

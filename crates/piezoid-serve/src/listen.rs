@@ -36,12 +36,12 @@ pub(crate) async fn bind(port: u16) -> Result<(Vec<TcpListener>, u16), Error> {
         match both(port).await {
             Ok(bound) => return Ok(bound),
             Err(e) if e.kind() == ErrorKind::AddrInUse && attempts > 0 => {}
-            Err(e) => return Err(Error::Content(told(port, &e))),
+            Err(e) => return Err(Error::Content(message(port, &e))),
         }
     }
 }
 
-fn told(port: u16, error: &io::Error) -> String {
+fn message(port: u16, error: &io::Error) -> String {
     let any = "give another --port, or --port 0 for any that is free";
     match error.kind() {
         ErrorKind::AddrInUse => format!(
@@ -139,7 +139,7 @@ mod tests {
     async fn a_port_in_use_is_an_error_that_says_what_to_do() {
         let (taken, port) = bind(0).await.unwrap();
         assert!(!taken.is_empty());
-        let told = bind(port).await.unwrap_err().to_string();
-        assert!(told.starts_with(&format!("port {port} is in use")) && told.contains("--port 0"), "{told}");
+        let message = bind(port).await.unwrap_err().to_string();
+        assert!(message.starts_with(&format!("port {port} is in use")) && message.contains("--port 0"), "{message}");
     }
 }

@@ -63,8 +63,8 @@ mod tests {
             ("a\u{202e}vsc.exe", "'\\u{202e}'"),
             (&"n".repeat(201), "201 bytes, at most 200"),
         ] {
-            let told = fault(name).unwrap_or_default();
-            assert!(told.contains(why), "{name:?}: {told}");
+            let message = fault(name).unwrap_or_default();
+            assert!(message.contains(why), "{name:?}: {message}");
         }
     }
 }

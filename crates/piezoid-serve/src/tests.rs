@@ -34,8 +34,8 @@ impl Answer {
 
     /// Asserts that the request was refused, and the reason.
     fn refused(&self, status: u16, why: &str) {
-        let told = self.json()["error"].as_str().unwrap().to_string();
-        assert!(self.status == status && told.contains(why), "{} {told}", self.status);
+        let message = self.json()["error"].as_str().unwrap().to_string();
+        assert!(self.status == status && message.contains(why), "{} {message}", self.status);
     }
 }
 
@@ -125,9 +125,9 @@ async fn another_site_may_link_to_the_page_and_do_nothing_else() {
     for from in ["same-origin", "none"] {
         assert_eq!(site.get("/api/lists", &[("sec-fetch-site", from)]).await.status, 200);
     }
-    let asked = site.ask("OPTIONS /api/call", &[("origin", "http://127.0.0.1:8642")], "").await;
-    asked.refused(405, "method");
-    assert!(!asked.headers.keys().any(|name| name.as_str().starts_with("access-control")));
+    let requested = site.ask("OPTIONS /api/call", &[("origin", "http://127.0.0.1:8642")], "").await;
+    requested.refused(405, "method");
+    assert!(!requested.headers.keys().any(|name| name.as_str().starts_with("access-control")));
 }
 
 #[tokio::test]
@@ -222,19 +222,19 @@ async fn the_interface_describes_itself() {
 async fn files_are_written_listed_read_and_deleted() {
     let site = Site::new();
     let bytes: Vec<u8> = (0..200_000u32).map(|k| (k % 251) as u8).collect();
-    let made = site.ask("PUT /api/files/%C2%B5%20log.csv", &[], bytes.clone()).await;
-    assert_eq!((made.status.as_u16(), made.body.len()), (201, 0));
+    let result = site.ask("PUT /api/files/%C2%B5%20log.csv", &[], bytes.clone()).await;
+    assert_eq!((result.status.as_u16(), result.body.len()), (201, 0));
     let listed = site.get("/api/files", &[]).await.json();
     assert_eq!((&listed[0]["name"], &listed[0]["size"]), (&"µ log.csv".into(), &200_000.into()));
     let read = site.get("/api/files/%C2%B5%20log.csv", &[]).await;
-    assert!(read.body == bytes && read.header("etag") == made.header("etag"));
+    assert!(read.body == bytes && read.header("etag") == result.header("etag"));
     assert_eq!(read.header("content-length"), "200000");
     assert_eq!(
         (read.header("content-type"), read.header("content-disposition")),
         ("application/octet-stream", "attachment")
     );
     assert!(read.header("content-security-policy").contains("sandbox"));
-    let known = [("if-none-match", made.header("etag"))];
+    let known = [("if-none-match", result.header("etag"))];
     assert_eq!(site.get("/api/files/%C2%B5%20log.csv", &known).await.status, 304);
     assert_eq!(site.ask("PUT /api/files/%C2%B5%20log.csv", &[], "new").await.status, 204);
     assert_eq!(site.ask("DELETE /api/files/%C2%B5%20log.csv", &[], "").await.status, 204);

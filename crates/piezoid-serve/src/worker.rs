@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Progress is told so often at most, unless a new task begins or there are figures.
+/// Progress is reported so often at most, unless a new task begins or there are figures.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// Once nobody waits for the answer any more, work that moves an instrument has so long to stop it.
@@ -40,16 +40,16 @@ pub fn answer() -> Result<(), Error> {
         }
         std::process::exit(1);
     });
-    let mut told: Option<(String, Instant)> = None;
+    let mut message: Option<(String, Instant)> = None;
     let mut tell = |stage: Stage| {
         if LEFT.load(Ordering::Relaxed) {
             return ControlFlow::Break(());
         }
         let soon = |(last, at): &(String, Instant)| last == stage.what && at.elapsed() < PAUSE;
-        if stage.figures.is_empty() && told.as_ref().is_some_and(soon) {
+        if stage.figures.is_empty() && message.as_ref().is_some_and(soon) {
             return ControlFlow::Continue(());
         }
-        told = Some((stage.what.to_string(), Instant::now()));
+        message = Some((stage.what.to_string(), Instant::now()));
         let line = format!("{}\n", json!(stage));
         match stdout().lock().write_all(line.as_bytes()).and_then(|()| stdout().flush()) {
             Ok(()) => ControlFlow::Continue(()),

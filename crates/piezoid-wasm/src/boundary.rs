@@ -58,7 +58,7 @@ pub(crate) unsafe extern "C" fn answer(address: *mut u8, length: usize) -> *mut 
     let answer = piezoid_operations::answered(request, &mut tell);
     // SAFETY: as above; the request is not used any more.
     unsafe { release(address, length) };
-    given(&answer)
+    arguments(&answer)
 }
 
 /// Length of the last answer.
@@ -67,7 +67,7 @@ pub(crate) extern "C" fn length() -> usize {
     LENGTH.get()
 }
 
-fn given(bytes: &[u8]) -> *mut u8 {
+fn arguments(bytes: &[u8]) -> *mut u8 {
     LENGTH.set(bytes.len());
     let address = reserve(bytes.len());
     if !address.is_null() {

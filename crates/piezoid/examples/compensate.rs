@@ -38,8 +38,8 @@ fn main() -> Result<(), Error> {
     let line = path.iter().map(|r| r * 30.0 / 1000.0).collect();
     println!("straight line: {:.3} %", error(&path, line)?);
 
-    let made = model.compensate(&path)?;
-    println!("inverse of the model: {:.3} %", error(&path, made.u)?);
-    made.notes.iter().for_each(|note| println!("note: {note}"));
+    let result = model.compensate(&path)?;
+    println!("inverse of the model: {:.3} %", error(&path, result.u)?);
+    result.notes.iter().for_each(|note| println!("note: {note}"));
     Ok(())
 }

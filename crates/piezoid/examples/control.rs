@@ -32,9 +32,9 @@ fn main() -> Result<(), Error> {
     let options = ControlOptions { reference: references, amplitude: Some(400.0), ..ControlOptions::default() };
     let (spec, model) = ((Preset::find("pl140")?.spec)(), File::new("model.json", model.to_json()));
     let compared = options.run(("pl140", &spec), &model, &[], &ColumnSelection::default(), &mut Stage::ignore)?;
-    for result in &compared.driven {
+    for result in &compared.results {
         print!("{:30}", result.name());
-        for (attempt, reference) in result.attempts.iter().zip(&compared.wanted) {
+        for (attempt, reference) in result.attempts.iter().zip(&compared.references) {
             match attempt {
                 Ok(attempt) => print!("{} {:.3} %   ", reference.name, attempt.tracking.percent_of_stroke),
                 Err(refused) => print!("{} refused: {refused}   ", reference.name),

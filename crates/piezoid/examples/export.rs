@@ -29,10 +29,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let controller = Some("integral-notch".into());
     let options = ExportOptions { name: "bender".into(), controller, ..ExportOptions::default() };
-    let made = options.of("c", &model, None, None)?;
-    made.notes.iter().for_each(|note| println!("note: {note}"));
+    let result = options.of("c", &model, None, None)?;
+    result.notes.iter().for_each(|note| println!("note: {note}"));
     let folder = std::env::args().nth(1);
-    for file in &made.files {
+    for file in &result.files {
         println!("{}: {} bytes", file.name, file.bytes.len());
         if let Some(folder) = &folder {
             std::fs::create_dir_all(folder)?;

@@ -279,10 +279,10 @@ mod tests {
     #[test]
     fn the_defaults_that_are_told_of_the_papers_method_are_those_it_has() {
         let usual = PaperOptions::default();
-        let told = |name: &str| IdentifyOptions::rows().iter().find(|row| row.name == name).unwrap().usual();
-        assert_eq!([told("bins"), told("particles")], [usual.bins, usual.swarm.particles].map(|n| n.to_string()));
-        assert_eq!(told("iterations"), usual.swarm.iterations.to_string());
-        assert_eq!((told("estimator"), usual.swarm.seed), (usual.estimator, IdentifyOptions::default().seed));
+        let message = |name: &str| IdentifyOptions::rows().iter().find(|row| row.name == name).unwrap().usual();
+        assert_eq!([message("bins"), message("particles")], [usual.bins, usual.swarm.particles].map(|n| n.to_string()));
+        assert_eq!(message("iterations"), usual.swarm.iterations.to_string());
+        assert_eq!((message("estimator"), usual.swarm.seed), (usual.estimator, IdentifyOptions::default().seed));
     }
 
     #[test]

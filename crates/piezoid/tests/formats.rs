@@ -44,31 +44,31 @@ const HDF5: &str = "cells (of class cell), empty (empty), map (of shape 2 x 2), 
 fn record(table: &Table) -> Result<Record, Error> {
     // The channels of a WAV file have no names.
     let wav = table.names().next() == Some("channel 1");
-    let said = |text: &str| wav.then(|| text.to_string());
+    let sentence = |text: &str| wav.then(|| text.to_string());
     table.record(&ColumnSelection {
-        input_col: said("1"),
-        output_col: said("channel 2"),
-        input_unit: said("V"),
-        output_unit: said("um"),
+        input_col: sentence("1"),
+        output_col: sentence("channel 2"),
+        input_unit: sentence("V"),
+        output_unit: sentence("um"),
         ..ColumnSelection::default()
     })
 }
 
 /// What an error says of a channel that there is not.
 fn missing(table: &Table) -> String {
-    let asked = ColumnSelection { output_col: Some("no such channel".into()), ..ColumnSelection::default() };
-    table.record(&asked).expect_err("there is no such channel").to_string()
+    let requested = ColumnSelection { output_col: Some("no such channel".into()), ..ColumnSelection::default() };
+    table.record(&requested).expect_err("there is no such channel").to_string()
 }
 
 #[test]
 fn one_record_is_the_same_in_every_format_whatever_the_file_is_called() {
-    let wanted = Record::new(5e-4, vec![0.0, 1.0, 1.5, -2.0], vec![0.0, 20.0, 33.0, -40.0]).expect("a record");
+    let expected = Record::new(5e-4, vec![0.0, 1.0, 1.5, -2.0], vec![0.0, 20.0, 33.0, -40.0]).expect("a record");
     for (_, name, bytes, left) in FILES {
         for called in [name, "record", "record.csv", "record.mat"] {
             let table = Table::read(called, bytes).unwrap_or_else(|error| panic!("{name}: {error}"));
-            assert_eq!(record(&table).as_ref(), Ok(&wanted), "{name}");
-            let told = missing(&table);
-            let left_out = told.split_once("; left out: ").map_or("", |(_, left)| left);
+            assert_eq!(record(&table).as_ref(), Ok(&expected), "{name}");
+            let message = missing(&table);
+            let left_out = message.split_once("; left out: ").map_or("", |(_, left)| left);
             assert_eq!(left_out, *left, "{name}");
         }
     }
@@ -102,7 +102,7 @@ fn every_row_is_complete_and_knows_its_files() {
 
 #[test]
 fn other_types_and_names_are_there_to_choose() {
-    for (name, channel, wanted) in [
+    for (name, channel, expected) in [
         ("stored.npz", "counts", [-300.0, 0.0, 1.0, 300.0]),
         ("stored.npz", "armed", [0.0, 1.0, 1.0, 0.0]),
         ("fields.npy", "armed", [0.0, 1.0, 1.0, 0.0]),
@@ -118,7 +118,7 @@ fn other_types_and_names_are_there_to_choose() {
         let (_, _, bytes, _) = FILES.iter().find(|(_, file, ..)| *file == name).expect("a file of the list");
         let table = Table::read(name, bytes).expect("a file that is read");
         let selection = ColumnSelection { output_col: Some(channel.into()), ..ColumnSelection::default() };
-        assert_eq!(table.record(&selection).expect("a record").y(), wanted, "{name}: {channel}");
+        assert_eq!(table.record(&selection).expect("a record").y(), expected, "{name}: {channel}");
     }
 }
 

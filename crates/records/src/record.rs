@@ -184,7 +184,7 @@ impl Record {
         let k = Units::factor(&self.units.y, unit).ok_or_else(|| Error::Units {
             what: "the output of the record".into(),
             found: self.units.y.clone(),
-            wanted: unit.into(),
+            expected: unit.into(),
         })?;
         let units = Units { y: unit.into(), ..self.units.clone() };
         let y = if k == 1.0 { self.y.clone() } else { self.y.iter().map(|v| v * k).collect() };

@@ -374,7 +374,7 @@ mod tests {
             let worst = |y: &[f64]| y.iter().zip(&truth).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             let (coarse, fine) = (worst(&coarse), worst(&fine));
             assert!(coarse < 1e-6, "{name}: off by {coarse:e} m");
-            assert!((3.5..4.6).contains(&(coarse / fine)), "{name}: halving h divides the error by {}", coarse / fine);
+            assert!((3.5..4.6).contains(&(coarse / fine)), "{name}: half of h divides the error by {}", coarse / fine);
         }
     }
 

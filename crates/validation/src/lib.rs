@@ -138,14 +138,14 @@ impl Validate for Model {
     fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
         Record::same_sampling("the model", self.ts(), "the record", record.ts())?;
         if record.units().u != self.units().u {
-            let (found, wanted) = (record.units().u.clone(), self.units().u.clone());
-            return Err(Error::Units { what: "the input of the record".into(), found, wanted });
+            let (found, expected) = (record.units().u.clone(), self.units().u.clone());
+            return Err(Error::Units { what: "the input of the record".into(), found, expected });
         }
         let known = Units::factor(&self.units().y, &record.units().y);
         let k = known.ok_or_else(|| Error::Units {
             what: "the output of the record".into(),
             found: record.units().y.clone(),
-            wanted: self.units().y.clone(),
+            expected: self.units().y.clone(),
         })?;
         let free_offset = options.offset != Offset::Kept;
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;

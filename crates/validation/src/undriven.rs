@@ -83,7 +83,7 @@ struct Background {
     /// Of the error without what is linear in the free run.
     error: Vec<f64>,
     /// Of the free run.
-    driven: Vec<f64>,
+    with_driver: Vec<f64>,
 }
 
 impl Background {
@@ -104,7 +104,7 @@ impl Background {
             rest = (lower, &rest.1[..lower.len()]);
         }
         error.reverse();
-        Background { error, driven: s.iter().map(Complex::norm_sqr).collect() }
+        Background { error, with_driver: s.iter().map(Complex::norm_sqr).collect() }
     }
 
     /// The mean square of the noise.
@@ -135,7 +135,7 @@ impl Background {
             let of = |from: usize, to: usize| level(&self.error[from..to]);
             let spread = (0..2).map(|half| deviation([middle - low, high - middle][half]).powi(2)).sum::<f64>().sqrt();
             let flat = log(of(low, middle) / of(middle, high)).abs() < log(MAX_FLAT_LEVEL_RATIO) + 2.0 * spread;
-            let quiet = k == 0 || level(&self.driven[low..high]) < MAX_UNDRIVEN_POWER_RATIO * of(low, high);
+            let quiet = k == 0 || level(&self.with_driver[low..high]) < MAX_UNDRIVEN_POWER_RATIO * of(low, high);
             (flat && quiet).then_some((low, high))
         })
     }

@@ -10,7 +10,7 @@ export interface Point {
   y: number;
 }
 
-/** What is told, and what marks it: a line through all panels, or a ring. */
+/** What is shown, and what marks it: a line through all panels, or a ring. */
 export interface Reading {
   text: string;
   line?: number;
@@ -34,7 +34,7 @@ export function reading(figure: Figure, frames: Frame[], frame: Frame, hidden: S
       ...(found && { ring: { x: pixelX(figure, frame, x), y: pixelY(frame, y) } }),
     };
   }
-  // At a sample, so that all that is told belongs together.
+  // At a sample, so that all that is shown belongs together.
   const samples = (x: number) =>
     frames.flatMap((one) =>
       shown(one).flatMap((series) => {

@@ -2,11 +2,11 @@
 
 import type { Point } from "./cursor.ts";
 
-/** Who is told. Places are in pixels of the canvas. */
+/** What a gesture asks for. Places are in pixels of the canvas. */
 export interface Gestured {
   /** Zoomed by a factor about a place, and moved by shares of the panel there. */
   change(factor: number, at: Point, move?: Point): void;
-  /** Moved by a hand that began at `start`; `way` is from `now` back to where it was told last. */
+  /** Moved by a hand that began at `start`; `way` is from `now` back to where it was before. */
   drag(start: Point, now: Point, way: Point): void;
   /** A box is being drawn. */
   box(start: Point, now: Point): void;
@@ -21,7 +21,7 @@ export interface Gestured {
 }
 
 /** Tells what is done on this canvas; keys act about `middle`. */
-export function listen(canvas: HTMLCanvasElement, told: Gestured, middle: () => Point | undefined): void {
+export function listen(canvas: HTMLCanvasElement, on: Gestured, middle: () => Point | undefined): void {
   const at = (event: MouseEvent): Point => {
     const box = canvas.getBoundingClientRect();
     return { x: event.clientX - box.x, y: event.clientY - box.y };
@@ -32,7 +32,7 @@ export function listen(canvas: HTMLCanvasElement, told: Gestured, middle: () => 
     // A page is scrolled over its plots, unless a plot has the focus or a key is held.
     if (!event.ctrlKey && document.activeElement !== canvas) return;
     event.preventDefault();
-    told.change(1.0015 ** event.deltaY, at(event));
+    on.change(1.0015 ** event.deltaY, at(event));
   }, { passive: false });
   canvas.addEventListener("pointerdown", (event) => {
     canvas.setPointerCapture(event.pointerId);
@@ -42,42 +42,42 @@ export function listen(canvas: HTMLCanvasElement, told: Gestured, middle: () => 
   canvas.addEventListener("pointermove", (event) => {
     const now = at(event);
     const before = held.get(event.pointerId);
-    if (!before || !start) return told.point(now);
+    if (!before || !start) return on.point(now);
     held.set(event.pointerId, now);
     if (held.size === 2) {
       const other = [...held].find(([id]) => id !== event.pointerId)![1];
       const apart = (p: Point) => Math.hypot(p.x - other.x, p.y - other.y) || 1;
-      told.change(apart(before) / apart(now), other);
+      on.change(apart(before) / apart(now), other);
     } else if (event.pointerType === "touch" || event.shiftKey) {
-      told.drag(start, now, { x: before.x - now.x, y: before.y - now.y });
+      on.drag(start, now, { x: before.x - now.x, y: before.y - now.y });
     } else {
-      told.box(start, now);
+      on.box(start, now);
     }
   });
   canvas.addEventListener("pointerup", (event) => {
-    if (start && held.size === 1 && event.pointerType !== "touch" && !event.shiftKey) told.boxed(start, at(event));
+    if (start && held.size === 1 && event.pointerType !== "touch" && !event.shiftKey) on.boxed(start, at(event));
     held.delete(event.pointerId);
     if (held.size === 0) start = undefined;
   });
   canvas.addEventListener("pointercancel", () => {
     held.clear();
     start = undefined;
-    told.leave();
+    on.leave();
   });
-  canvas.addEventListener("pointerleave", () => held.size === 0 && told.leave());
-  canvas.addEventListener("dblclick", () => told.all());
+  canvas.addEventListener("pointerleave", () => held.size === 0 && on.leave());
+  canvas.addEventListener("dblclick", () => on.all());
   canvas.addEventListener("keydown", (event) => {
     const place = middle();
     if (!place || event.ctrlKey || event.metaKey) return;
     const moves: Record<string, () => void> = {
-      ArrowLeft: () => told.change(1, place, { x: -0.1, y: 0 }),
-      ArrowRight: () => told.change(1, place, { x: 0.1, y: 0 }),
-      ArrowUp: () => told.change(1, place, { x: 0, y: -0.1 }),
-      ArrowDown: () => told.change(1, place, { x: 0, y: 0.1 }),
-      "+": () => told.change(0.8, place),
-      "=": () => told.change(0.8, place),
-      "-": () => told.change(1.25, place),
-      "0": () => told.all(),
+      ArrowLeft: () => on.change(1, place, { x: -0.1, y: 0 }),
+      ArrowRight: () => on.change(1, place, { x: 0.1, y: 0 }),
+      ArrowUp: () => on.change(1, place, { x: 0, y: -0.1 }),
+      ArrowDown: () => on.change(1, place, { x: 0, y: 0.1 }),
+      "+": () => on.change(0.8, place),
+      "=": () => on.change(0.8, place),
+      "-": () => on.change(1.25, place),
+      "0": () => on.all(),
     };
     const move = moves[event.key];
     if (!move) return;

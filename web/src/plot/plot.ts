@@ -72,7 +72,7 @@ export class Plot {
     this.#figure = figure;
     const same = before.x.label === figure.x.label && before.panels.length === figure.panels.length;
     if (!same) [this.#x, this.#y] = [undefined, []];
-    this.#canvas.setAttribute("aria-label", told(figure));
+    this.#canvas.setAttribute("aria-label", description(figure));
     this.#legends();
     this.#handles.set(figure.handles ?? []);
     this.redraw();
@@ -171,12 +171,12 @@ export class Plot {
     const bar = document.createElement("div");
     bar.className = "bar";
     const button = (text: string, title: string, act: () => void) => {
-      const made = document.createElement("button");
-      made.type = "button";
-      made.textContent = text;
-      made.title = title;
-      made.onclick = act;
-      return made;
+      const result = document.createElement("button");
+      result.type = "button";
+      result.textContent = text;
+      result.title = title;
+      result.onclick = act;
+      return result;
     };
     const name = (ending: string) => `${this.#figure.title.replace(/[^\p{L}\p{N}]+/gu, "-")}.${ending}`;
     bar.append(
@@ -296,7 +296,7 @@ export class Plot {
 }
 
 /** What a screen reader says of a figure. */
-function told(figure: Figure): string {
+function description(figure: Figure): string {
   const panels = figure.panels.map(({ y, series }) => {
     const names = series.map((one) => one.name).filter(Boolean).join(", ");
     return `${y.label} [${y.unit}]${names ? `: ${names}` : ""}`;

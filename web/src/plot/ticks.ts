@@ -10,7 +10,7 @@ export function ticks({ from, to }: Span, count: number, log = false): number[] 
   const step = power * ([1, 2, 5, 10].find((factor) => factor * power >= rough * 0.999) ?? 10);
   const first = Math.ceil(from / step - 1e-9);
   const last = Math.floor(to / step + 1e-9);
-  // One number tells no scale.
+  // One number has no scale.
   if (last <= first && count < 8) return ticks({ from, to }, 2 * Math.max(1, count));
   return Array.from({ length: Math.max(0, last - first + 1) }, (_, k) => (first + k) * step);
 }

@@ -75,19 +75,19 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
   const duration = settings.duration ?? 0.5;
   const of = model.units?.y ?? "um";
   const usual = { amplitude: height, offset: centre, frequency: 4 / duration };
-  const wanted = JSON.stringify([settings.path, points, duration, settings.signal, model.ts]);
-  const path = useLatest(wanted, async () =>
-    ({ wanted, file: await pathOf(workspace, settings, { points, duration, ts: model.ts, of, usual }) }));
+  const expected = JSON.stringify([settings.path, points, duration, settings.signal, model.ts]);
+  const path = useLatest(expected, async () =>
+    ({ expected, file: await pathOf(workspace, settings, { points, duration, ts: model.ts, of, usual }) }));
   // Of the path that is there, which is the one before while another is made.
-  const given = path.value && JSON.stringify([file, path.value.wanted, settings.options]);
-  const made = useLatest(given, async () =>
-    ({ given, answer: await compensated(workspace, file, path.value!.file, settings.options ?? {}) }));
-  const answer = made.value?.answer;
-  const current = path.value?.wanted === wanted && made.value?.given === given;
+  const input = path.value && JSON.stringify([file, path.value.expected, settings.options]);
+  const result = useLatest(input, async () =>
+    ({ input, answer: await compensated(workspace, file, path.value!.file, settings.options ?? {}) }));
+  const answer = result.value?.answer;
+  const current = path.value?.expected === expected && result.value?.input === input;
   return (
     <>
       <Path settings={settings} change={change} points={points} duration={duration} of={of} answer={answer} lists={lists} usual={usual} />
-      <Fault text={path.error ?? made.error} />
+      <Fault text={path.error ?? result.error} />
       {answer && <Voltage answer={answer} current={current} />}
       <Section title="Limits and shaping" help="The voltage keeps the driver's limits; a path with corners is smoothed, or filtered at the resonance.">
         <Form
@@ -97,7 +97,7 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
           first={["driver", "clip", "smooth", "zvd"]}
         />
       </Section>
-      {path.value && <Twin file={file} ts={model.ts} path={path.value.file} wanted={path.value.wanted} settings={settings} change={change} />}
+      {path.value && <Twin file={file} ts={model.ts} path={path.value.file} expected={path.value.expected} settings={settings} change={change} />}
     </>
   );
 }
@@ -206,7 +206,7 @@ function Voltage({ answer, current }: { answer: Answer; current: boolean }) {
     .map((one: any) => [one.quantity, `${short(one.value)} ${one.unit}`, one.limit === null ? "none" : `${short(one.limit)} ${one.unit}`, one.share === null ? "" : `${short(100 * one.share)} %`]);
   return (
     <Section title="Voltage">
-      <Verdict text={result.told} />
+      <Verdict text={result.sentence} />
       {result.expected_rms !== null && result.expected_rms !== undefined && (
         <p>Expected error on the actuator: {short(result.expected_rms)} {unit(result.units.y)} rms.</p>
       )}
@@ -226,11 +226,11 @@ function Voltage({ answer, current }: { answer: Answer; current: boolean }) {
 /** The schemes that are compared on the twin: before and after. */
 const SCHEMES = ["gain", "feed-forward"];
 
-function Twin({ file, ts, path, wanted, settings, change }: Changing & { file: string; ts: number; path: File; wanted: string }) {
+function Twin({ file, ts, path, expected, settings, change }: Changing & { file: string; ts: number; path: File; expected: string }) {
   const { workspace, lists } = useShared();
   const plant = settings.plant ?? "pl140";
   const options = { plant, controller: SCHEMES, ...pick(settings.options ?? {}) };
-  const work = useKept<Answer>("twin of compensate", [file, wanted, options]);
+  const work = useKept<Answer>("twin of compensate", [file, expected, options]);
   const request = { call: "control", options, files: { model: [file], reference: [path.name] } };
   const start = () =>
     work.start(async () => workspace.run({ name: `path on the twin ${plant}`, request, files: [await workspace.file(file), path] }));

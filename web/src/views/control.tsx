@@ -7,7 +7,7 @@ import { ModelChoice } from "../models.tsx";
 import type { Answer } from "../packet.ts";
 import { short } from "../plot/ticks.ts";
 import { ReferenceForm, useReference } from "../reference.tsx";
-import { runsFigure, type Scheme, type Wanted } from "../schemes.ts";
+import { runsFigure, type Scheme, type Reference } from "../schemes.ts";
 import { Chart, Choice, Download, Fault, Missing, Notes, Section, Stale, Table, useKept, useModel, useSettings, useShared } from "../ui.tsx";
 
 /** What came of a comparison. */
@@ -30,14 +30,14 @@ function Comparison({ model }: { model: string }) {
   const ts: number = document.value?.ts ?? 5e-4;
   const start = { kind: "triangle", unit: document.value?.units?.y ?? "um", frequency: 5, duration: 1, ts };
   const reference = useReference("control", start);
-  const made = useKept<Compared>(`control ${model}`, [options, reference.key]);
+  const result = useKept<Compared>(`control ${model}`, [options, reference.key]);
   const compare = async (): Promise<Compared> => {
     const files = await reference.files();
     const request = { call: "control", options, files: { model: [model], reference: files.map((file) => file.name) } };
     const answer = await workspace.run({ name: "control", request, files: [await workspace.file(model), ...files] });
     return { answer, ts };
   };
-  const feeds = lists.controllers.filter(({ name }) => name === "feed-forward" || name === "learning");
+  const feedForwards = lists.controllers.filter(({ name }) => name === "feed-forward" || name === "learning");
   const both = lists.controllers.slice(3).filter(({ name }) => name !== "predictive");
   const pairs = both.map(({ name, summary }) => ({ name: `feed-forward+${name}`, summary: `the inverse of the model, and: ${summary}` }));
   return (
@@ -46,17 +46,17 @@ function Comparison({ model }: { model: string }) {
         <ModelChoice />
         <Form rows={optionsOf(lists, "control")} values={options} change={change}
           names={{
-            controller: [...feeds, ...both, ...pairs],
+            controller: [...feedForwards, ...both, ...pairs],
             reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),
           }}
           first={["plant", "controller", "reference", "amplitude", "noise"]} />
         <ReferenceForm reference={reference} label="In place of the named references" none="no other" />
         <div class="row">
-          <button type="button" class="main" disabled={made.busy || !document.value} onClick={() => made.start(compare)}>Compare</button>
+          <button type="button" class="main" disabled={result.busy || !document.value} onClick={() => result.start(compare)}>Compare</button>
         </div>
-        <Fault text={made.error ?? document.error} />
+        <Fault text={result.error ?? document.error} />
       </Section>
-      {made.value && <Result {...made.value} stale={made.stale} />}
+      {result.value && <Result {...result.value} stale={result.stale} />}
     </>
   );
 }
@@ -64,11 +64,11 @@ function Comparison({ model }: { model: string }) {
 function Result({ answer, ts, stale }: Compared & { stale: boolean }) {
   const { result, files } = answer;
   const [{ reference }, choose] = useSettings("control-shown");
-  const references: Wanted[] = result.references;
+  const references: Reference[] = result.references;
   const schemes: Scheme[] = result.schemes;
   const fed = schemes.filter((one) => one.margins);
   const at = Math.max(0, references.findIndex((one) => one.name === reference));
-  const wanted = references[at]!;
+  const target = references[at]!;
   const figure = useMemo(() => runsFigure(answer, at, ts), [answer, at]);
   const notes = schemes.flatMap(({ scheme, tracking }) => (tracking[at]?.notes ?? []).map((note) => `${scheme}: ${note}`));
   return (
@@ -90,10 +90,10 @@ function Result({ answer, ts, stale }: Compared & { stale: boolean }) {
         </Section>
       )}
       <Section title="Along a reference" wide>
-        <Choice label="Reference that is shown" names={references.map(({ name }) => name)} chosen={wanted.name} choose={(name) => choose({ reference: name })} />
+        <Choice label="Reference that is shown" names={references.map(({ name }) => name)} chosen={target.name} choose={(name) => choose({ reference: name })} />
         <Chart figure={figure} height={640} />
         <p class="help">The error counts in the shaded part. Where lines coincide, the later one is dashed.</p>
-        <Notes title={`Notes on ${wanted.name}`} notes={notes} />
+        <Notes title={`Notes on ${target.name}`} notes={notes} />
       </Section>
     </>
   );
@@ -113,12 +113,12 @@ function errors(schemes: Scheme[]) {
   ]);
 }
 
-const given = (value: number | null | undefined, of = ""): string => (value == null ? "\u2013" : short(value) + of);
+const values = (value: number | null | undefined, of = ""): string => (value == null ? "\u2013" : short(value) + of);
 
 const margins = (schemes: Scheme[]) =>
   schemes.map(({ scheme, margins: m, least_bandwidth_hz: least }) => [
     m && !m.stable ? `${scheme} (unstable)` : scheme,
-    given(m?.gain_db, " dB"), given(m?.phase_deg, "\u00b0"), given(m?.peak), given(m?.bandwidth_hz, " Hz"), given(least, " Hz"),
+    values(m?.gain_db, " dB"), values(m?.phase_deg, "\u00b0"), values(m?.peak), values(m?.bandwidth_hz, " Hz"), values(least, " Hz"),
   ]);
 
 const spreads = (schemes: Scheme[]) =>
@@ -126,5 +126,5 @@ const spreads = (schemes: Scheme[]) =>
     if (!tolerance) return [];
     const sorted = [...tolerance.percent_of_stroke].sort((a, b) => a - b);
     const median = sorted[sorted.length >> 1];
-    return [[scheme, String(tolerance.draws), given(tolerance.unstable), given(median, " %"), given(sorted.at(-1), " %")]];
+    return [[scheme, String(tolerance.draws), values(tolerance.unstable), values(median, " %"), values(sorted.at(-1), " %")]];
   });

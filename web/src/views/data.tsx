@@ -122,11 +122,11 @@ function whole(entry: RecordEntry): RecordEntry {
 /** Whether a record can be used. */
 function State({ entry }: { entry: RecordEntry }) {
   const { workspace } = useShared();
-  const seen = useOutcome(JSON.stringify(whole(entry)), () => workspace.inspected(whole(entry)));
-  const count = seen.value?.result.problems.length ?? 0;
-  if (seen.error) return <span class="bad">cannot be read</span>;
-  if (!seen.value) return <>{"\u2026"}</>;
-  if (!seen.value.result.record) return <span class="bad">roles are open</span>;
+  const inspection = useOutcome(JSON.stringify(whole(entry)), () => workspace.inspected(whole(entry)));
+  const count = inspection.value?.result.problems.length ?? 0;
+  if (inspection.error) return <span class="bad">cannot be read</span>;
+  if (!inspection.value) return <>{"\u2026"}</>;
+  if (!inspection.value.result.record) return <span class="bad">roles are open</span>;
   return <>{count === 0 ? "read" : `read; ${count} ${count === 1 ? "problem" : "problems"}`}</>;
 }
 
@@ -145,13 +145,13 @@ const ROLES = { time: "time_col", input: "input_col", output: "output_col" } as 
 function RecordView({ entry }: { entry: RecordEntry }) {
   const { workspace, lists } = useShared();
   const { from, to } = entry.columns;
-  const seen = useOutcome(JSON.stringify(whole(entry)), () => workspace.inspected(whole(entry)));
+  const inspection = useOutcome(JSON.stringify(whole(entry)), () => workspace.inspected(whole(entry)));
   const changed = from !== undefined || to !== undefined || Object.keys(entry.prepare).length > 0;
-  const made = useOutcome(changed && seen.value?.result.record ? JSON.stringify(entry) : undefined, () => workspace.prepared(entry));
-  const result = seen.value?.result;
+  const outcome = useOutcome(changed && inspection.value?.result.record ? JSON.stringify(entry) : undefined, () => workspace.prepared(entry));
+  const result = inspection.value?.result;
   const record = result?.record;
   const shift = Number(from ?? 0);
-  const figure = useMemo(() => seen.value && record && recordFigure(entry, seen.value, made.value, shift), [seen.value, made.value, entry]);
+  const figure = useMemo(() => inspection.value && record && recordFigure(entry, inspection.value, outcome.value, shift), [inspection.value, outcome.value, entry]);
   const cut = (end: "from" | "to") => (x: number, _: number, done: boolean) => {
     const [first, last] = [Number(from ?? 0), Number(to ?? record.duration)];
     const at = Number(Math.max(0, Math.min(record.duration, x)).toPrecision(6));
@@ -178,12 +178,12 @@ function RecordView({ entry }: { entry: RecordEntry }) {
             {si(record.ts, "s")}; input in {unit(record.units.u)}, output in {unit(record.units.y)}
           </p>
         )}
-        <Fault text={seen.error ?? made.error} />
-        {seen.busy && !figure && <p class="missing">Reading {entry.file}.</p>}
+        <Fault text={inspection.error ?? outcome.error} />
+        {inspection.busy && !figure && <p class="missing">Reading {entry.file}.</p>}
         {handled && <Chart figure={handled} />}
         {result && <Notes title="Problems" notes={result.problems} />}
-        {made.value && <Notes title="Done to this record" notes={made.value.result.history ?? []} />}
-        {result && !made.value && <Notes title="How it is read" notes={result.history} />}
+        {outcome.value && <Notes title="Done to this record" notes={outcome.value.result.history ?? []} />}
+        {result && !outcome.value && <Notes title="How it is read" notes={result.history} />}
       </Section>
       {result?.channels && <Channels entry={entry} channels={result.channels} />}
       <Section title="Units, rate and part">
@@ -235,13 +235,13 @@ function Channels({ entry, channels }: { entry: RecordEntry; channels: Channel[]
 }
 
 /** Input and output against time, and what is identified of them. */
-function recordFigure(entry: RecordEntry, seen: Answer, made: Answer | undefined, shift: number): Figure {
-  const { record, defects } = seen.result;
-  const prepared = made?.result.record;
+function recordFigure(entry: RecordEntry, inspection: Answer, outcome: Answer | undefined, shift: number): Figure {
+  const { record, defects } = inspection.result;
+  const prepared = outcome?.result.record;
   const panel = (of: "u" | "y", label: string, colour: number) => {
-    const whole = { name: made ? "as measured" : "", y: seen.series.get(of)!, step: record.ts };
-    const used = made && {
-      name: "as used", y: made.series.get(of)!, start: shift, step: prepared?.ts ?? record.ts, colour,
+    const whole = { name: outcome ? "as measured" : "", y: inspection.series.get(of)!, step: record.ts };
+    const used = outcome && {
+      name: "as used", y: outcome.series.get(of)!, start: shift, step: prepared?.ts ?? record.ts, colour,
     };
     return {
       y: { label, unit: record.units[of] },

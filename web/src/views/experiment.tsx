@@ -34,7 +34,7 @@ export function ExperimentView() {
   const options = settings["plan"] ?? PLAN;
   const advised = model !== undefined && advise === true;
   const request = { call: "plan", options, ...(advised && { files: { model: [model] } }) };
-  const made = useKept<Answer>("plan", request);
+  const outcome = useKept<Answer>("plan", request);
   const plan = async () => workspace.run({ name: "plan", request, files: advised ? [await workspace.file(model)] : [] });
   return (
     <>
@@ -48,12 +48,12 @@ export function ExperimentView() {
           </label></div>
         )}
         <div class="row">
-          <button type="button" class="main" disabled={made.busy} onClick={() => made.start(plan)}>Plan</button>
+          <button type="button" class="main" disabled={outcome.busy} onClick={() => outcome.start(plan)}>Plan</button>
         </div>
-        <Fault text={made.error} />
+        <Fault text={outcome.error} />
       </Section>
-      {made.value && (
-        <Drives answer={made.value} stale={made.stale} bandwidth={Number(options["bandwidth"])} chosen={String(drive ?? "")}
+      {outcome.value && (
+        <Drives answer={outcome.value} stale={outcome.stale} bandwidth={Number(options["bandwidth"])} chosen={String(drive ?? "")}
           choose={(name) => choose({ ...settings["experiment"], drive: name })} />
       )}
       <OneSignal />
@@ -148,20 +148,20 @@ function OneSignal() {
   const { workspace } = useShared();
   const [, change] = useSettings("excite");
   const values = workspace.project.settings["excite"] ?? SIGNAL;
-  const made = useSignal(values);
+  const outcome = useSignal(values);
   const [time, spectrum] = useMemo(() => {
-    if (!made.value) return [];
-    const { result, series } = made.value;
+    if (!outcome.value) return [];
+    const { result, series } = outcome.value;
     const signal: Signal = { name: String(values["kind"] ?? "sine"), ...samplesOf(series, "u"), ...result };
     return [timeFigure(signal), spectrumFigure(signal)];
-  }, [made.value]);
-  const { clipped, usage } = made.value?.result ?? {};
+  }, [outcome.value]);
+  const { clipped, usage } = outcome.value?.result ?? {};
   return (
     <Section title="A single signal" wide help="A drive signal, or with another unit than V a reference.">
       <SignalForm values={values} change={change} />
-      <Fault text={made.error} />
-      {made.lacks.length > 0 && <p class="missing">Give {made.lacks.join(", ")}.</p>}
-      {time && spectrum && made.lacks.length === 0 && (
+      <Fault text={outcome.error} />
+      {outcome.lacks.length > 0 && <p class="missing">Give {outcome.lacks.join(", ")}.</p>}
+      {time && spectrum && outcome.lacks.length === 0 && (
         <div class="pair"><Chart figure={time} height={240} /><Chart figure={spectrum} height={240} /></div>
       )}
       {usage && (
@@ -169,7 +169,7 @@ function OneSignal() {
           rows={[[<Voltage usage={usage} />, <Share use={usage.slew} />, <Share use={usage.current} />]]} />
       )}
       {clipped > 0 && <p>{clipped} samples are clipped to the limits.</p>}
-      {made.value && made.lacks.length === 0 && <div class="row"><Download files={made.value.files} title="Download signal.csv" /></div>}
+      {outcome.value && outcome.lacks.length === 0 && <div class="row"><Download files={outcome.value.files} title="Download signal.csv" /></div>}
     </Section>
   );
 }

@@ -24,16 +24,16 @@ function Exports({ model }: { model: string }) {
   const limited = lists.targets.flatMap(({ takes }) => takes);
   const taken = (name: string) => !limited.includes(name) || chosen.takes.includes(name);
   const rows = optionsOf(lists, "export").filter(({ name }) => name !== "target" && taken(name));
-  const [given, kept] = [true, false].map((wanted) =>
-    Object.fromEntries(Object.entries(options).filter(([name]) => taken(name) === wanted)),
+  const [input, kept] = [true, false].map((expected) =>
+    Object.fromEntries(Object.entries(options).filter(([name]) => taken(name) === expected)),
   ) as [Options, Options];
   const start = { kind: "sine", unit: document.value?.units?.y ?? "um", frequency: 10, duration: 0.1, ts: document.value?.ts ?? 5e-4 };
   const reference = useReference("export", start);
-  const made = useKept<Answer>(`export ${model}`, [chosen.name, given, taken("reference") && reference.key]);
+  const result = useKept<Answer>(`export ${model}`, [chosen.name, input, taken("reference") && reference.key]);
   const write = async () => {
     const files = taken("reference") ? await reference.files() : [];
     const named = { model: [model], reference: files.map((file) => file.name) };
-    const request = { call: "export", options: { target: chosen.name, ...given }, files: named };
+    const request = { call: "export", options: { target: chosen.name, ...input }, files: named };
     return workspace.run({ name: "export", request, files: [await workspace.file(model), ...files] });
   };
   return (
@@ -56,7 +56,7 @@ function Exports({ model }: { model: string }) {
         <Fault text={document.error} />
       </Section>
       <Section title="Options">
-        <Form rows={rows} values={given} change={(values) => change({ ...kept, ...values, ...(target !== undefined && { target }) })}
+        <Form rows={rows} values={input} change={(values) => change({ ...kept, ...values, ...(target !== undefined && { target }) })}
           first={["name", "float", "controller", "preview"]} />
         {taken("reference") && (
           <>
@@ -65,11 +65,11 @@ function Exports({ model }: { model: string }) {
           </>
         )}
         <div class="row">
-          <button type="button" class="main" disabled={made.busy} onClick={() => made.start(write)}>Export as {chosen.name}</button>
+          <button type="button" class="main" disabled={result.busy} onClick={() => result.start(write)}>Export as {chosen.name}</button>
         </div>
-        <Fault text={made.error} />
+        <Fault text={result.error} />
       </Section>
-      {made.value && <Result answer={made.value} stale={made.stale} />}
+      {result.value && <Result answer={result.value} stale={result.stale} />}
     </>
   );
 }

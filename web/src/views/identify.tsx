@@ -22,8 +22,8 @@ interface Trial {
   verdict?: string;
 }
 
-/** A step of the search: the figures that it told. */
-interface Told {
+/** A step of the search: its figures. */
+interface SearchStep {
   what: string;
   figures: Record<string, number>;
 }
@@ -33,12 +33,12 @@ export function IdentifyView() {
   const { records, models, settings } = workspace.project;
   const values = settings["identify"] ?? {};
   const work = useWork<void>();
-  const [told, setTold] = useState<Told[]>([]);
+  const [steps, setSteps] = useState<SearchStep[]>([]);
   const large = records.filter((entry) => entry.use === "training");
   const small = records.filter((entry) => entry.use === "small-signal");
   const start = () => {
-    setTold([]);
-    work.start(() => identify(workspace, small, large, (step) => setTold((before) => [...before, step])));
+    setSteps([]);
+    work.start(() => identify(workspace, small, large, (step) => setSteps((before) => [...before, step])));
   };
   const ready = large.length + small.length > 0;
   return (
@@ -63,7 +63,7 @@ export function IdentifyView() {
         </div>
         <Fault text={work.error} />
       </Section>
-      {(work.busy || work.error) && told.length > 0 && <Search told={told} />}
+      {(work.busy || work.error) && steps.length > 0 && <Search steps={steps} />}
       {models.length > 0 && <Models />}
     </>
   );
@@ -72,7 +72,7 @@ export function IdentifyView() {
 const named = (entries: RecordEntry[]) => entries.map((entry) => entry.file).join(", ");
 
 /** Identifies a model and adds it to the project. */
-async function identify(workspace: Workspace, small: RecordEntry[], large: RecordEntry[], tell: (told: Told) => void): Promise<void> {
+async function identify(workspace: Workspace, small: RecordEntry[], large: RecordEntry[], report: (step: SearchStep) => void): Promise<void> {
   const { files, records } = await workspace.sources([...small, ...large]);
   const options = workspace.project.settings["identify"] ?? {};
   const names = (entries: RecordEntry[]) => entries.map((entry) => entry.file);
@@ -80,27 +80,27 @@ async function identify(workspace: Workspace, small: RecordEntry[], large: Recor
     name: "identify",
     request: { call: "identify", options, records, files: { small_signal: names(small), large_signal: names(large) } },
     files,
-    told: (what, figures) => Object.keys(figures).length > 0 && tell({ what, figures }),
+    onStage: (what, figures) => Object.keys(figures).length > 0 && report({ what, figures }),
   });
   const [file] = answer.files;
   if (!file) return;
-  const { model, told, notes, reasons } = answer.result;
+  const { model, sentence, notes, reasons } = answer.result;
   const operator = String(answer.result.found.operator);
   await workspace.addModel({ name: `${operator}.json`, bytes: file.bytes }, {
-    summary: model, verdict: told ?? "", notes: [...(notes ?? []), ...(reasons ?? [])], from: [...small, ...large],
+    summary: model, verdict: sentence ?? "", notes: [...(notes ?? []), ...(reasons ?? [])], from: [...small, ...large],
   });
 }
 
 /** The search while it runs: what each operator has reached, and the errors in the order of the fits. */
-function Search({ told }: { told: Told[] }) {
+function Search({ steps }: { steps: SearchStep[] }) {
   const trials = useMemo(() => {
     const found = new Map<string, Trial>();
-    for (const { what, figures } of told) {
+    for (const { what, figures } of steps) {
       if ("held_out_percent" in figures) found.set(what, { operator: what, ...found.get(what), ...figures });
     }
     return [...found.values()];
-  }, [told]);
-  const figure = useMemo(() => convergence(told), [told]);
+  }, [steps]);
+  const figure = useMemo(() => convergence(steps), [steps]);
   return (
     <Section title="The search" wide>
       {trials.length > 0 && <Ranking trials={trials} />}
@@ -110,8 +110,8 @@ function Search({ told }: { told: Told[] }) {
 }
 
 /** The costs of a swarm, or the errors of the operators, in the order in which they were found. */
-function convergence(told: Told[]): Figure | undefined {
-  const by = (name: string) => told.filter(({ figures }) => name in figures).map(({ figures }) => figures[name]!);
+function convergence(steps: SearchStep[]): Figure | undefined {
+  const by = (name: string) => steps.filter(({ figures }) => name in figures).map(({ figures }) => figures[name]!);
   const [errors, costs] = [by("held_out_percent").filter(Number.isFinite), by("cost")];
   if (errors.length === 0 && costs.length < 2) return undefined;
   const best = errors.map((_, k) => Math.min(...errors.slice(0, k + 1)));

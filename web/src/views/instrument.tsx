@@ -27,14 +27,14 @@ export function Instrument({ drives, files, chosen }: Props) {
   const [values, change] = useSettings("instrument");
   const where = optionsOf(lists, "controller").filter(({ name }) => name in values);
   const connection = { call: "controller", options: Object.fromEntries(where.map(({ name }) => [name, values[name]])) };
-  const asked = useKept<Answer>("controller", connection);
-  const made = useKept<number>("instrument", values);
+  const requested = useKept<Answer>("controller", connection);
+  const result = useKept<number>("instrument", values);
   // What was said of drives that were measured, also if a later one failed.
   const [notes, setNotes] = useState<string[]>([]);
   const ask = async () => workspace.run({ name: "controller", request: connection, files: [] });
-  const measure = (wanted: string[]) => async () => {
+  const measure = (expected: string[]) => async () => {
     setNotes([]);
-    const some = drives.filter(({ name }) => wanted.includes(name));
+    const some = drives.filter(({ name }) => expected.includes(name));
     return measured(workspace, { drives: some, files }, "measured", async (drive, file) => {
       const request = { call: "acquire", options: values, files: { drive: [file.name] } };
       const answer = await workspace.run({ name: `measure: ${drive}`, request, files: [file] });
@@ -42,24 +42,24 @@ export function Instrument({ drives, files, chosen }: Props) {
       return answer;
     });
   };
-  const busy = asked.busy || made.busy;
+  const busy = requested.busy || result.busy;
   return (
     <Section title="Measure on a controller" wide
       help="A controller with PI's GCS 2.0 plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the axis is then in open loop, and its voltage stays where it is.">
       <Form rows={optionsOf(lists, "acquire")} values={values} change={change} first={["host", "port", "axis", "range"]} />
       <div class="row">
-        <button type="button" disabled={busy} onClick={() => asked.start(ask)}>Ask the controller</button>
-        <button type="button" disabled={busy || !chosen} onClick={() => made.start(measure([chosen]))}>Measure {chosen}</button>
-        <button type="button" class="main" disabled={busy} onClick={() => made.start(measure(drives.map(({ name }) => name)))}>
+        <button type="button" disabled={busy} onClick={() => requested.start(ask)}>Ask the controller</button>
+        <button type="button" disabled={busy || !chosen} onClick={() => result.start(measure([chosen]))}>Measure {chosen}</button>
+        <button type="button" class="main" disabled={busy} onClick={() => result.start(measure(drives.map(({ name }) => name)))}>
           Measure all drives
         </button>
       </div>
-      <Fault text={asked.error} />
-      {asked.value && !asked.stale && <Told answer={asked.value} />}
-      <Fault text={made.error} />
-      {made.value && (
+      <Fault text={requested.error} />
+      {requested.value && !requested.stale && <ControllerFacts answer={requested.value} />}
+      <Fault text={result.error} />
+      {result.value && (
         <p role="status">
-          {made.value === 1 ? "1 record is" : `${made.value} records are`} in the project: <a href="#data">Data</a>
+          {result.value === 1 ? "1 record is" : `${result.value} records are`} in the project: <a href="#data">Data</a>
         </p>
       )}
       <Notes title="Notes" notes={notes} />
@@ -67,20 +67,20 @@ export function Instrument({ drives, files, chosen }: Props) {
   );
 }
 
-const told = <T,>(value: T | null, text: (value: T) => string): string => (value === null ? "not told" : text(value));
+const reported = <T,>(value: T | null, text: (value: T) => string): string => (value === null ? "not reported" : text(value));
 
 /** What a controller says of itself. */
-function Told({ answer: { result } }: { answer: Answer }) {
+function ControllerFacts({ answer: { result } }: { answer: Answer }) {
   const rows = result.axes.map(({ name, unit, servo, position, voltage, range }: Axis) => [
     name,
-    told(position, (value) => si(value, unitOf(unit))),
-    told(voltage, (value) => si(value, "V")),
-    told(range, ([low, high]) => `${short(low)} to ${short(high)} V`),
-    told(servo, (on) => (on ? "on" : "off")),
+    reported(position, (value) => si(value, unitOf(unit))),
+    reported(voltage, (value) => si(value, "V")),
+    reported(range, ([low, high]) => `${short(low)} to ${short(high)} V`),
+    reported(servo, (on) => (on ? "on" : "off")),
   ]);
   return (
     <>
-      <p role="status">{result.identity}, servo cycle {told(result.cycle as number | null, (cycle) => si(cycle, "s"))}</p>
+      <p role="status">{result.identity}, servo cycle {reported(result.cycle as number | null, (cycle) => si(cycle, "s"))}</p>
       <Table caption="Axes of the controller" head={["Axis", "Position", "Voltage", "Limits", "Servo"]} rows={rows} />
     </>
   );

@@ -45,7 +45,7 @@ export function StudyView() {
   const { workspace, lists } = useShared();
   const [options, change] = useSettings("study");
   const request = { call: "study", options };
-  const made = useKept<Answer>("study", request);
+  const result = useKept<Answer>("study", request);
   const study = () => workspace.run({ name: "study", request, files: [] });
   return (
     <>
@@ -63,11 +63,11 @@ export function StudyView() {
       <Section title="Repeat it" wide help="Every record, fit and test of the paper on a simulated actuator, and at frequencies beyond the paper's. This takes a minute or more.">
         <Form rows={optionsOf(lists, "study")} values={options} change={change} first={["plant", "seed"]} />
         <div class="row">
-          <button type="button" class="main" disabled={made.busy} onClick={() => made.start(study)}>Run the study</button>
+          <button type="button" class="main" disabled={result.busy} onClick={() => result.start(study)}>Run the study</button>
         </div>
-        <Fault text={made.error} />
+        <Fault text={result.error} />
       </Section>
-      {made.value && <Result answer={made.value} stale={made.stale} />}
+      {result.value && <Result answer={result.value} stale={result.stale} />}
     </>
   );
 }

@@ -62,20 +62,20 @@ function Validation() {
     }))),
   );
   useEffect(() => {
-    const told = new Map((runs.value ?? []).map(({ entry, answer }) => [entry.file, answer.result.told]));
+    const verdicts = new Map((runs.value ?? []).map(({ entry, answer }) => [entry.file, answer.result.sentence]));
     const isNew = (one: ModelEntry) =>
-      told.get(one.file) && one.validated !== told.get(one.file) && !usedRecords.some((record) => isTraining(one, record));
+      verdicts.get(one.file) && one.validated !== verdicts.get(one.file) && !usedRecords.some((record) => isTraining(one, record));
     if (!models.some(isNew)) return;
     workspace.amend((project) => ({
-      ...project, models: project.models.map((one) => (isNew(one) ? { ...one, validated: told.get(one.file) } : one)),
+      ...project, models: project.models.map((one) => (isNew(one) ? { ...one, validated: verdicts.get(one.file) } : one)),
     }));
   }, [runs.value]);
   const toggled = (all: { file: string }[], used: { file: string }[], file: string, on: boolean) =>
     all.map((one) => one.file).filter((one) => (one === file ? on : used.some((other) => other.file === one)));
   const report = async (entries: ModelEntry[]) => {
     const call = entries.length > 1 ? "compare" : "report";
-    const made = await workspace.run(await task(workspace, call, entries, usedRecords, options));
-    for (const file of made.files) download(file.name, file.bytes as BlobPart, "text/html");
+    const result = await workspace.run(await task(workspace, call, entries, usedRecords, options));
+    for (const file of result.files) download(file.name, file.bytes as BlobPart, "text/html");
   };
   return (
     <>
@@ -142,9 +142,9 @@ function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry
       <Section title="Verdict" wide>
         {runs.map(({ entry, answer }) => (
           <div key={entry.file}>
-            <Verdict of={nameOf(entry)} text={answer.result.told} />
+            <Verdict of={nameOf(entry)} text={answer.result.sentence} />
             <Outdated entry={entry} />
-            <Seen entry={entry} records={records} />
+            <TrainingRecords entry={entry} records={records} />
           </div>
         ))}
         <div class="row">
@@ -191,7 +191,7 @@ function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry
 }
 
 /** Says which of the records say nothing new of a model. */
-function Seen({ entry, records }: { entry: ModelEntry; records: RecordEntry[] }) {
+function TrainingRecords({ entry, records }: { entry: ModelEntry; records: RecordEntry[] }) {
   const files = records.filter((record) => isTraining(entry, record)).map(({ file }) => file);
   return files.length === 0 ? null : (
     <p class="stale" role="status">

@@ -41,7 +41,9 @@ pub(crate) const KEYWORDS: [(&str, &str, Rows); 12] = [
     }),
     ("ExportOptions", "`export`", ExportOptions::rows),
     ("IdentifyOptions", "`identify`", IdentifyOptions::rows),
-    ("InverseOptions", "`Model.inverse`", || without(CompensateOptions::rows(), &["sweeps", "smooth", "notch", "zvd"])),
+    ("InverseOptions", "`Model.inverse`", || {
+        without(CompensateOptions::rows(), &["iterations", "smooth", "notch", "zvd"])
+    }),
     ("PlanOptions", "`plan`", PlanOptions::rows),
     ("PrepareOptions", "`Record.prepare`", PrepareOptions::rows),
     ("SimulateOptions", "`Plant.simulate`", SimulateOptions::rows),

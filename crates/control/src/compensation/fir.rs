@@ -174,8 +174,8 @@ mod tests {
     fn sample_by_sample_is_the_whole_record_delayed() {
         let fir = Fir::new(1e-3, vec![0.5, -1.0, 2.0, 0.25], 2).unwrap();
         let x: Vec<f64> = (0..60).map(|t| f64::from(t * t % 17)).collect();
-        let late = fir.resume(&mut fir.settled(x[0]), &x);
-        assert_close(&late[2..], &fir.whole(&x)[..58], 0.0, 1e-12);
+        let delayed = fir.resume(&mut fir.settled(x[0]), &x);
+        assert_close(&delayed[2..], &fir.whole(&x)[..58], 0.0, 1e-12);
         let around = [&x[..], &x[..], &x[..]].concat();
         assert_close(&fir.periodic(&x), &fir.whole(&around)[60..120], 0.0, 1e-12);
     }

@@ -110,7 +110,7 @@ impl Learning {
         }
         // Creep is periodic too, so its contribution is learnt.
         let model = inverse.model.clone().with_creep(Creep::new(inverse.model.ts(), Vec::new())?)?;
-        let mut inverse = FeedForward::new(&model, FeedForwardSettings { sweeps: 0, ..inverse.settings })?;
+        let mut inverse = FeedForward::new(&model, FeedForwardSettings { iterations: 0, ..inverse.settings })?;
         let target: Vec<f64> = r.iter().map(|r| r - model.offset()).collect();
         let mut harmonics = Harmonics::new(&inverse, &target, *self)?;
         let mut best: Option<(f64, Vec<f64>, Vec<f64>)> = None;

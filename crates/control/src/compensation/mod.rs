@@ -5,8 +5,8 @@
 //! ```
 //! The linear block is inverted by a finite filter with preview, creep in closed form, and the hysteresis
 //! sample by sample within the allowed inputs ([`Hysteresis::invert`](piezoid_models::hysteresis::Hysteresis::invert)).
-//! Optional sweeps send the residual of the model's free run through the same inverse, as long as the error falls. They
-//! correct the approximation of the filter.
+//! Optional iterations send the residual of the model's free run through the same inverse, as long as the error falls.
+//! They correct the approximation of the filter.
 //!
 //! Reference: K. Kuhnen, Eur. J. Control 9, 407 (2003), DOI 10.3166/ejc.9.407-418 (inverse operators in series); S.
 //! Devasia, E. Eleftheriou & S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI
@@ -40,7 +40,7 @@ const BEYOND: f64 = 0.05;
 /// Share of the range of an operator below which an error counts as zero.
 const REACHED: f64 = 1e-9;
 
-/// Settings of the feed-forward. The default has no limits but the model's own, clips nothing, and makes no sweeps.
+/// Settings of the feed-forward. The default has no limits but the model's own, clips nothing, and makes no iterations.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FeedForwardSettings {
     /// Limits of the driver. A missing voltage limit is replaced by the range of the model's identification data.
@@ -49,7 +49,7 @@ pub struct FeedForwardSettings {
     pub clip: bool,
     /// Largest number of corrections by the residual of the model's free run. They reduce the error of the free run;
     /// that of the actuator only if the model is right at high frequencies, where the corrections act.
-    pub sweeps: usize,
+    pub iterations: usize,
 }
 
 impl FeedForwardSettings {
@@ -78,11 +78,11 @@ impl FeedForwardSettings {
             Some((low, high)) if low < high => Ok((low, high)),
             Some(_) => {
                 let end = |end: Option<f64>| end.map_or("any".into(), round);
-                let given = format!("{} to {}", end(limits.low), end(limits.high));
+                let range = format!("{} to {}", end(limits.low), end(limits.high));
                 let (from, to) = beyond.map_or((None, None), |(low, high)| (Some(low), Some(high)));
                 let (unit, from, to) = (&model.units().u, end(from), end(to));
                 let rule = format!("must overlap the inputs that the model allows, {from} to {to} {unit}");
-                Err(Error::parameter("limits", given, rule))
+                Err(Error::parameter("limits", range, rule))
             }
             None => {
                 let rule = "must be given, or low and high, because the model does not state the range of inputs it was \
@@ -160,8 +160,12 @@ impl FeedForward {
     /// [`Error::NoInverse`] if the linear block has none, [`Error::Unsuited`] if the hysteresis does not rise; an error
     /// for invalid limits, and for limits in volts if the input of the model has another unit.
     pub fn new(model: &Model, settings: FeedForwardSettings) -> Result<Self, Error> {
-        let (whole, late) = (FirDesign::WHOLE, model.linear().delay());
-        FeedForward::with(model, settings, FirDesign { ahead: whole.ahead + late, taps: whole.taps + late, ..whole })
+        let (whole, delay_samples) = (FirDesign::WHOLE, model.linear().delay());
+        FeedForward::with(
+            model,
+            settings,
+            FirDesign { ahead: whole.ahead + delay_samples, taps: whole.taps + delay_samples, ..whole },
+        )
     }
 
     /// With this design of the inverse of the linear block.
@@ -169,7 +173,7 @@ impl FeedForward {
         let found = &model.units().u;
         if settings.limits != Limits::default() && found != "V" {
             let what = "the model's input".into();
-            return Err(Error::Units { what, found: found.clone(), wanted: "V, the unit of limits,".into() });
+            return Err(Error::Units { what, found: found.clone(), expected: "V, the unit of limits,".into() });
         }
         let preview = Preview::new(model.linear(), design)?;
         let ends = settings.ends(model)?;
@@ -248,8 +252,8 @@ impl FeedForward {
         }
         best.rms = rms_error(r, &best.reached);
         let first_rms = best.rms;
-        let mut sweeps = 0;
-        for _ in 0..self.settings.sweeps {
+        let mut iterations = 0;
+        for _ in 0..self.settings.iterations {
             let residual: Vec<f64> = r.iter().zip(&best.reached).map(|(r, y)| r - y).collect();
             self.preview.fir().whole(&residual).iter().zip(&mut target).for_each(|(more, target)| *target += more);
             let mut next = self.invert_path(&target, start.u);
@@ -259,7 +263,7 @@ impl FeedForward {
             if !(allowed && next.rms < 0.98 * best.rms) {
                 break;
             }
-            (best, sweeps) = (next, sweeps + 1);
+            (best, iterations) = (next, iterations + 1);
         }
         let usage = if self.settings.clip {
             self.settings.limits.check(&best.u, self.model.ts())
@@ -267,9 +271,11 @@ impl FeedForward {
             self.settings.limits.refuse(&best.u, self.model.ts())
         }?;
         let mut notes = self.notes.clone();
-        if sweeps > 0 {
+        if iterations > 0 {
             let (from, to, unit) = (short(first_rms), short(best.rms), &self.model.units().y);
-            notes.push(format!("{sweeps} correction sweeps: rms error of the free run from {from} to {to} {unit}"));
+            notes.push(format!(
+                "{iterations} correction iterations: rms error of the free run from {from} to {to} {unit}"
+            ));
         }
         notes.extend(self.notes_on(&best));
         Ok(Compensated { u: best.u, reached: best.reached, usage, clipped: best.clipped, notes })

@@ -11,7 +11,7 @@
 //!
 //! Reference: S. Devasia, D. Chen & B. Paden, IEEE Trans. Autom. Control 41, 930 (1996), DOI 10.1109/9.508898
 //! (preview); M. Tomizuka, J. Dyn. Syst. Meas. Control 109, 65 (1987), DOI 10.1115/1.3143822 (zeros that cannot be
-//! cancelled). It does not do: zeros near 1 that are slower than the filter is long; the sweeps of
+//! cancelled). It does not do: zeros near 1 that are slower than the filter is long; the iterations of
 //! [`super::FeedForward`] correct for them.
 //!
 //! Why: docs/decisions/compensation.md, "The linear block is inverted over frequency".
@@ -48,7 +48,7 @@ impl FirDesign {
     pub(crate) const WHOLE: FirDesign = FirDesign { ahead: 64, taps: 192, corner: 0.02, effort: 1e-9 };
 
     /// Sample by sample, with a delay of `ahead` samples.
-    pub(crate) fn late(ahead: usize) -> Self {
+    pub(crate) fn delayed(ahead: usize) -> Self {
         FirDesign { ahead, taps: 48 + 2 * ahead, ..FirDesign::WHOLE }
     }
 }
@@ -81,11 +81,11 @@ impl Preview {
         if !(g.is_finite() && g != 0.0) {
             return none(format!("its gain at 0 Hz is {g}: no unique input holds a constant displacement"));
         }
-        if let ([], [late]) = (block.a(), &nonzero(block.b())[..])
-            && *late <= ahead
+        if let ([], [delay_samples]) = (block.a(), &nonzero(block.b())[..])
+            && *delay_samples <= ahead
         {
             // A pure gain has an exact inverse, which only adds the rest of the delay.
-            let mut f = vec![0.0; ahead - late];
+            let mut f = vec![0.0; ahead - delay_samples];
             f.push(1.0 / g);
             return Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, block: block.clone() });
         }
@@ -153,12 +153,15 @@ mod tests {
 
     #[test]
     fn a_gain_with_a_delay_has_an_exact_inverse() {
-        for (late, ahead) in [(0, 0), (0, 3), (2, 3)] {
-            let block = Arx::new(1e-3, Vec::new(), [vec![0.0; late], vec![4.0]].concat()).unwrap();
-            let fir = Preview::new(&block, FirDesign::late(ahead)).unwrap().fir().clone();
-            assert_eq!((fir.taps().len(), fir.ahead()), (ahead - late + 1, ahead));
+        for (delay_samples, ahead) in [(0, 0), (0, 3), (2, 3)] {
+            let block = Arx::new(1e-3, Vec::new(), [vec![0.0; delay_samples], vec![4.0]].concat()).unwrap();
+            let fir = Preview::new(&block, FirDesign::delayed(ahead)).unwrap().fir().clone();
+            assert_eq!((fir.taps().len(), fir.ahead()), (ahead - delay_samples + 1, ahead));
             let x = fir.whole(&[1.0, 2.0, 5.0, 5.0, 5.0, 5.0, 5.0]);
-            assert_eq!(block.resume(&mut block.settled(x[0]), &x)[late..4], [1.0, 2.0, 5.0, 5.0][late..]);
+            assert_eq!(
+                block.resume(&mut block.settled(x[0]), &x)[delay_samples..4],
+                [1.0, 2.0, 5.0, 5.0][delay_samples..]
+            );
         }
     }
 
@@ -193,7 +196,7 @@ mod tests {
 
     #[test]
     fn the_error_falls_with_the_preview() {
-        let error = |ahead| Preview::new(&beam(), FirDesign::late(ahead)).unwrap().error(40.0);
+        let error = |ahead| Preview::new(&beam(), FirDesign::delayed(ahead)).unwrap().error(40.0);
         let errors = [1, 2, 4, 8, 16].map(error);
         assert!(errors.windows(2).all(|w| w[1] < w[0]), "{errors:?}");
     }

@@ -37,7 +37,7 @@ impl Causal {
         } else {
             "let from = low;\n    let to = high;"
         };
-        let told = if fir.order() > 0 { "s.preview.past[0]" } else { "0.0" };
+        let last = if fir.order() > 0 { "s.preview.past[0]" } else { "0.0" };
         let (hidden, moves) = (model.hidden_call("s", "u"), program.function("hysteresis_move").is_some());
         let moves = match (model.creep().order() > 0, model.driver().is_some()) {
             (true, _) => format!("creep(s.creep, {hidden});"),
@@ -52,11 +52,11 @@ impl Causal {
 // One sample: requested displacement r to actuator input u.
 fn ff_step(s: ff_state, r) {{
     // If the reference is not finite, the last finite one is used.
-    let told = {told};
+    let last = {last};
     if magnitude(r) <= most {{
-        told = r;
+        last = r;
     }}
-    let wanted = {preview} - at_rest;
+    let shaped = {preview} - at_rest;
     {limits}
     let z = {back};
     let u = {inverse};
@@ -65,8 +65,8 @@ fn ff_step(s: ff_state, r) {{
     {remembered}return u;
 }}
 ",
-            preview = if fir.order() > 0 { "preview(s.preview, told)" } else { "preview(told)" },
-            back = model.creep_call("s", "creep_inverse", "wanted"),
+            preview = if fir.order() > 0 { "preview(s.preview, last)" } else { "preview(last)" },
+            back = model.creep_call("s", "creep_inverse", "shaped"),
             inverse = model.hidden_inverse_call("s", "z, from, to"),
         );
         let at_rest = model.offset() / model.linear().dc_gain();
@@ -102,7 +102,7 @@ mod tests {
                 } else {
                     Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])
                 };
-                let model = Model::driven(driver, (o.example)(ts).unwrap(), block.unwrap(), 2.0).unwrap();
+                let model = Model::from_blocks(driver, (o.example)(ts).unwrap(), block.unwrap(), 2.0).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
                 let causal = Causal::new(&model, FeedForwardSettings { limits, ..Default::default() }, 2).unwrap();
                 let mut program = model.program().unwrap();

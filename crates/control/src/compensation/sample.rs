@@ -3,10 +3,10 @@
 //! ```text
 //! u_t = H^-1 (C^-1 (sum over k of f_k (r_{t-k} - offset)))        the displacement follows r_{t-d}
 //! ```
-//! It uses the same inverses as [`super::FeedForward`]. The filter gets its preview of d samples from the delay. There
-//! are no sweeps, voltages are clipped to the limits, and a reference that is not finite is replaced by the previous
-//! one. A step does not allocate for states of up to 256 numbers. It takes the same number of operations in every
-//! sample, except for the search of the hysteresis inverse (at most 120 trials).
+//! It uses the same inverses as [`super::FeedForward`]. The filter gets its preview of d samples from the delay.
+//! There are no iterations, voltages are clipped to the limits, and a reference that is not finite is replaced by the
+//! previous one. A step does not allocate for states of up to 256 numbers. It takes the same number of operations in
+//! every sample, except for the search of the hysteresis inverse (at most 120 trials).
 
 use super::{FeedForward, FeedForwardSettings, FirDesign, Preview};
 use piezoid_models::hammerstein::Model;
@@ -22,9 +22,9 @@ use piezoid_numerics::system::System;
 /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
 /// let model = Model::new((Operator::find("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
-/// let late = Causal::new(&model, FeedForwardSettings::default(), 4)?;
+/// let inverse = Causal::new(&model, FeedForwardSettings::default(), 4)?;
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
-/// let u = late.resume(&mut late.settled(0.0), &r);
+/// let u = inverse.resume(&mut inverse.settled(0.0), &r);
 /// let y = model.resume(&mut model.settled(u[0]), &u);
 /// let worst = y[4..].iter().zip(&r).skip(100).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max);
 /// assert!(worst < 2.0, "{worst}");
@@ -42,20 +42,24 @@ impl Causal {
     /// Largest delay [samples]: the filter then has the largest number of taps.
     pub const LATEST: usize = 488;
 
-    /// The inverse of `model` with a delay of `late` samples. The settings for whole records are ignored.
+    /// The inverse of `model` with a delay of `delay_samples` samples. The settings for whole records are ignored.
     ///
     /// # Errors
     /// The errors of [`FeedForward::new`].
-    pub fn new(model: &Model, settings: FeedForwardSettings, late: usize) -> Result<Self, Error> {
-        if late > Causal::LATEST {
-            return Err(Error::parameter("late", late, format!("must be at most {} samples", Causal::LATEST)));
+    pub fn new(model: &Model, settings: FeedForwardSettings, delay_samples: usize) -> Result<Self, Error> {
+        if delay_samples > Causal::LATEST {
+            return Err(Error::parameter(
+                "delay_samples",
+                delay_samples,
+                format!("must be at most {} samples", Causal::LATEST),
+            ));
         }
         let settings = FeedForwardSettings { clip: true, ..settings };
-        Ok(Causal { inverse: FeedForward::with(model, settings, FirDesign::late(late))? })
+        Ok(Causal { inverse: FeedForward::with(model, settings, FirDesign::delayed(delay_samples))? })
     }
 
     /// Delay from the reference to the displacement [samples].
-    pub fn late(&self) -> usize {
+    pub fn delay_samples(&self) -> usize {
         self.inverse.preview().fir().ahead()
     }
 

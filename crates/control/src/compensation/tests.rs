@@ -21,7 +21,7 @@ fn model(operator: &str, driver: Option<DriverModel>) -> Model {
     let hysteresis = (Operator::find(operator).unwrap().example)(ts).unwrap();
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.5, 3.2]).unwrap();
     let creep = Creep::logarithmic(TS, 0.01, 0.05, 5.0).unwrap();
-    Model::driven(driver, hysteresis, block, 5.0).unwrap().with_creep(creep).unwrap()
+    Model::from_blocks(driver, hysteresis, block, 5.0).unwrap().with_creep(creep).unwrap()
 }
 
 fn inverse_of(model: &Model) -> FeedForward {
@@ -48,10 +48,10 @@ fn the_free_run_follows_the_reference_for_every_operator_without_jumps_and_with_
             let inverse = inverse_with(&model, FeedForwardSettings { limits, ..Default::default() });
             let (low, high) = inverse.reach();
             let r = sine(0.5 * (low + high), 0.3 * (high - low), 20.0, 600);
-            let made = inverse.whole(&r).unwrap();
-            assert_close(&model.resume(&mut model.settled(made.u[0]), &made.u), &made.reached, 0.0, 1e-6);
-            let error = rms_error(&r, &made.reached) / (high - low);
-            assert!(error < 3e-4 && made.clipped == 0, "{}: {error:e}", o.name);
+            let result = inverse.whole(&r).unwrap();
+            assert_close(&model.resume(&mut model.settled(result.u[0]), &result.u), &result.reached, 0.0, 1e-6);
+            let error = rms_error(&r, &result.reached) / (high - low);
+            assert!(error < 3e-4 && result.clipped == 0, "{}: {error:e}", o.name);
         }
     }
 }
@@ -60,9 +60,9 @@ fn the_free_run_follows_the_reference_for_every_operator_without_jumps_and_with_
 fn if_the_hysteresis_jumps_over_the_reference_the_nearest_value_is_used_and_noted() {
     let inverse = inverse_of(&model("maxwell-slip", None));
     let (low, high) = inverse.reach();
-    let made = inverse.whole(&sine(0.5 * (low + high), 0.3 * (high - low), 5.0, 1200)).unwrap();
-    let noted = made.notes.iter().any(|n| n.contains("(it jumps)"));
-    assert!(made.clipped == 0 && noted, "{:?}", made.notes);
+    let result = inverse.whole(&sine(0.5 * (low + high), 0.3 * (high - low), 5.0, 1200)).unwrap();
+    let noted = result.notes.iter().any(|n| n.contains("(it jumps)"));
+    assert!(result.clipped == 0 && noted, "{:?}", result.notes);
 }
 
 #[test]
@@ -79,17 +79,17 @@ fn the_preview_covers_a_long_delay_of_the_block() {
 
 #[test]
 fn a_constant_displacement_is_held_exactly() {
-    let made = inverse_of(&model(PLAYS, None)).whole(&[321.0; 500]).unwrap();
-    assert_close(&made.reached, &[321.0; 500], 1e-9, 0.0);
-    assert_close(&made.u, &[made.u[0]; 500], 1e-9, 0.0);
+    let result = inverse_of(&model(PLAYS, None)).whole(&[321.0; 500]).unwrap();
+    assert_close(&result.reached, &[321.0; 500], 1e-9, 0.0);
+    assert_close(&result.u, &[result.u[0]; 500], 1e-9, 0.0);
 }
 
 #[test]
 fn a_reference_that_ends_in_motion_is_followed_to_its_end() {
     let r = sine(0.0, 700.0, 40.0, 1000);
-    let made = inverse_of(&model(PLAYS, None)).whole(&r).unwrap();
+    let result = inverse_of(&model(PLAYS, None)).whole(&r).unwrap();
     assert!((r[999] - r[998]).abs() > 50.0, "it moves at its end");
-    assert_close(&made.reached[900..], &r[900..], 0.0, 0.5);
+    assert_close(&result.reached[900..], &r[900..], 0.0, 0.5);
 }
 
 #[test]
@@ -103,16 +103,16 @@ fn for_a_reference_that_starts_too_fast_the_error_asks_for_a_constant_start() {
 }
 
 #[test]
-fn sweeps_reduce_the_error_of_the_free_run_and_are_noted() {
+fn iterations_reduce_the_error_of_the_free_run_and_are_noted() {
     let model = model("preisach", None);
     let r: Vec<f64> = sine(0.0, 400.0, 40.0, 800).iter().map(|r| 50.0 * (r / 50.0).round()).collect();
     let smooth = Fir::smooth(TS, 0.004).unwrap().whole(&r);
-    let swept = |sweeps| {
-        let settings = FeedForwardSettings { sweeps, clip: true, ..Default::default() };
-        let made = inverse_with(&model, settings).whole(&smooth).unwrap();
-        (rms_error(&smooth, &made.reached), made.notes.iter().any(|note| note.contains("correction sweeps")))
+    let corrected = |iterations| {
+        let settings = FeedForwardSettings { iterations, clip: true, ..Default::default() };
+        let result = inverse_with(&model, settings).whole(&smooth).unwrap();
+        (rms_error(&smooth, &result.reached), result.notes.iter().any(|note| note.contains("correction iterations")))
     };
-    let (none, some) = (swept(0), swept(10));
+    let (none, some) = (corrected(0), corrected(10));
     assert!(some.0 < 0.7 * none.0 && some.1 && !none.1, "{none:?} {some:?}");
 }
 
@@ -127,9 +127,9 @@ fn values_out_of_reach_are_errors_or_clipped_and_counted() {
         message(&r)
     );
     let clip = FeedForwardSettings { clip: true, ..Default::default() };
-    let made = inverse_with(&model, clip).whole(&r).unwrap();
-    assert!(made.clipped > 300 && made.notes[0].contains("of 1000 samples are clipped"), "{:?}", made.notes);
-    assert!(made.u.iter().all(|u| u.abs() <= 30.0 * (1.0 + 2.0 * BEYOND) + 1e-9));
+    let result = inverse_with(&model, clip).whole(&r).unwrap();
+    assert!(result.clipped > 300 && result.notes[0].contains("of 1000 samples are clipped"), "{:?}", result.notes);
+    assert!(result.u.iter().all(|u| u.abs() <= 30.0 * (1.0 + 2.0 * BEYOND) + 1e-9));
     let step = [vec![0.0; 80], vec![600.0; 400]].concat();
     assert!(message(&step).contains("slow it down or smooth it"), "{}", message(&step));
 }
@@ -145,9 +145,9 @@ fn limits_of_slew_and_current_are_errors_or_kept() {
     };
     let message = whole(false).unwrap_err().to_string();
     assert!(message.contains("current") && message.contains("limit 0.02 A"), "{message}");
-    let made = whole(true).unwrap();
-    assert!(limits.refuse(&made.u, TS).is_ok() && made.clipped > 100);
-    assert!(made.usage.current.is_some_and(|peak| peak.share.is_some_and(|share| share > 0.99)));
+    let result = whole(true).unwrap();
+    assert!(limits.refuse(&result.u, TS).is_ok() && result.clipped > 100);
+    assert!(result.usage.current.is_some_and(|peak| peak.share.is_some_and(|share| share > 0.99)));
 }
 
 #[test]
@@ -177,12 +177,12 @@ fn sample_by_sample_the_displacement_has_the_given_delay() {
     let model = model("generalised-prandtl-ishlinskii", Some(DriverModel::new(1e-4, None).unwrap()));
     let (low, high) = inverse_of(&model).reach();
     let r = sine(0.5 * (low + high), 0.25 * (high - low), 10.0, 1200);
-    for late in [1, 4, 16] {
-        let causal = Causal::new(&model, FeedForwardSettings::default(), late).unwrap();
+    for delay_samples in [1, 4, 16] {
+        let causal = Causal::new(&model, FeedForwardSettings::default(), delay_samples).unwrap();
         let u = causal.resume(&mut causal.settled(r[0]), &r);
         let y = model.resume(&mut model.settled(u[0]), &u);
-        let error = rms_error(&r[..r.len() - late], &y[late..]) / (high - low);
-        assert!(causal.late() == late && error < 2e-3, "{late}: {error:e}");
+        let error = rms_error(&r[..r.len() - delay_samples], &y[delay_samples..]) / (high - low);
+        assert!(causal.delay_samples() == delay_samples && error < 2e-3, "{delay_samples}: {error:e}");
     }
     let causal = Causal::new(&model, FeedForwardSettings::default(), 2).unwrap();
     let rest = model.simulate(&[0.0; 4000])[3999];
@@ -234,8 +234,8 @@ fn on_the_twin_the_inverse_is_ten_times_better_than_a_gain_and_learning_is_bette
     for hz in [5.0, 40.0] {
         let r = sine(0.0, 800.0, hz, 1500);
         let none = rms_error(&r, &answer(&r.iter().map(|r| r / gain).collect::<Vec<_>>()));
-        let made = rms_error(&r, &answer(&inverse.whole(&r).unwrap().u));
-        assert!(10.0 * made < none, "{hz} Hz: {made} um instead of {none} um");
+        let result = rms_error(&r, &answer(&inverse.whole(&r).unwrap().u));
+        assert!(10.0 * result < none, "{hz} Hz: {result} um instead of {none} um");
     }
     // 40 Hz; for the triangle a tenth of a percent of the stroke.
     let sine: Vec<f64> = (0..50).map(|t| 800.0 * (TAU * f64::from(t) / 50.0).sin()).collect();

@@ -59,7 +59,7 @@ pub struct ReferenceResult {
 #[derive(Debug, Clone)]
 pub struct SchemeResult {
     /// The tuned scheme.
-    pub drive: TunedScheme,
+    pub tuned: TunedScheme,
     /// One result per reference, or the error of the scheme.
     pub attempts: Vec<Result<ReferenceResult, Error>>,
     /// Results on plants within a tolerance, along the first reference, if requested.
@@ -69,7 +69,7 @@ pub struct SchemeResult {
 impl SchemeResult {
     /// The scheme's name.
     pub fn name(&self) -> String {
-        self.drive.scheme.name()
+        self.tuned.scheme.name()
     }
 }
 
@@ -79,9 +79,9 @@ pub struct Comparison {
     /// Name of the plant.
     pub plant: String,
     /// The references.
-    pub wanted: Vec<NamedReference>,
+    pub references: Vec<NamedReference>,
     /// The schemes, in the order given.
-    pub driven: Vec<SchemeResult>,
+    pub results: Vec<SchemeResult>,
     /// Notes on omissions, one sentence each.
     pub notes: Vec<String>,
 }
@@ -95,76 +95,76 @@ impl Comparison {
     /// Further errors: models with different sampling or units, an empty list, and cancellation.
     pub fn run(
         (name, spec): (&str, &Spec),
-        drives: Vec<TunedScheme>,
-        wanted: Vec<NamedReference>,
+        schemes: Vec<TunedScheme>,
+        references: Vec<NamedReference>,
         seed: u64,
         tolerance: Option<&Tolerance>,
         progress: &mut Progress,
     ) -> Result<Self, Error> {
-        let (Some(first), false) = (drives.first(), wanted.is_empty()) else {
+        let (Some(first), false) = (schemes.first(), references.is_empty()) else {
             return Err(Error::parameter("schemes and references", "none", "must be one each at least"));
         };
         let (ts, units) = (first.model().ts(), first.model().units());
-        for drive in &drives {
-            Record::same_sampling("the first model", ts, "another", drive.model().ts())?;
-            let (found, wanted) = (drive.model().units().y.clone(), units.y.clone());
-            if found != wanted {
+        for tuned in &schemes {
+            Record::same_sampling("the first model", ts, "another", tuned.model().ts())?;
+            let (found, expected) = (tuned.model().units().y.clone(), units.y.clone());
+            if found != expected {
                 return Err(Error::Units {
-                    what: format!("the output of the model of {}", drive.scheme.name()),
+                    what: format!("the output of the model of {}", tuned.scheme.name()),
                     found,
-                    wanted,
+                    expected,
                 });
             }
         }
-        if let Some(constant) = wanted.iter().find(|wanted| wanted.height() <= 0.0) {
+        if let Some(constant) = references.iter().find(|reference| reference.height() <= 0.0) {
             return Err(Error::parameter("reference", &constant.name, "must not be constant"));
         }
         let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
-        let attempt = |drive: &TunedScheme, wanted: &NamedReference| -> Result<ReferenceResult, Error> {
-            let feed_forward = drive.feed(&plant, &wanted.r)?;
-            let run = drive.run(&plant, &wanted.r, &feed_forward)?;
-            let tracking = run.tracking(wanted.from, wanted.height());
+        let attempt = |tuned: &TunedScheme, reference: &NamedReference| -> Result<ReferenceResult, Error> {
+            let feed_forward = tuned.feed_forward(&plant, &reference.r)?;
+            let run = tuned.run(&plant, &reference.r, &feed_forward)?;
+            let tracking = run.tracking(reference.from, reference.height());
             Ok(ReferenceResult { feed_forward, run, tracking })
         };
-        let mut driven = Vec::with_capacity(drives.len());
-        let total = drives.len();
-        for (done, drive) in drives.into_iter().enumerate() {
+        let mut results = Vec::with_capacity(schemes.len());
+        let total = schemes.len();
+        for (done, tuned) in schemes.into_iter().enumerate() {
             let what = "schemes";
             if progress(Stage::new(what, done, total)).is_break() {
                 return Err(Error::Cancelled { what: what.into(), done, total });
             }
-            let attempts: Vec<_> = wanted.par_iter().map(|wanted| attempt(&drive, wanted)).collect();
+            let attempts: Vec<_> = references.par_iter().map(|reference| attempt(&tuned, reference)).collect();
             let spread = match tolerance {
                 Some(tolerance) if attempts[0].is_ok() => {
-                    Some(tolerance.trials(spec, &drive, &wanted[0].r, wanted[0].from, progress)?)
+                    Some(tolerance.trials(spec, &tuned, &references[0].r, references[0].from, progress)?)
                 }
                 _ => None,
             };
-            driven.push(SchemeResult { drive, attempts, spread });
+            results.push(SchemeResult { tuned, attempts, spread });
         }
         // If every scheme fails, the reference is wrong.
-        let refused = |k: &usize| driven.iter().all(|d| d.attempts[*k].is_err());
-        let none = (0..wanted.len()).find(refused);
-        if let Some(Err(error)) = none.map(|k| driven[0].attempts.swap_remove(k)) {
+        let refused = |k: &usize| results.iter().all(|d| d.attempts[*k].is_err());
+        let none = (0..references.len()).find(refused);
+        if let Some(Err(error)) = none.map(|k| results[0].attempts.swap_remove(k)) {
             return Err(error);
         }
-        Ok(Comparison { plant: name.into(), wanted, driven, notes: Vec::new() })
+        Ok(Comparison { plant: name.into(), references, results, notes: Vec::new() })
     }
 }
 
 impl Comparison {
     /// Unit of references and displacements.
     pub fn unit(&self) -> &str {
-        self.driven.first().map_or("", |d| &d.drive.model().units().y)
+        self.results.first().map_or("", |d| &d.tuned.model().units().y)
     }
 
     /// All results as one document: `references`, then `schemes`, each with its `margins`, `tracking` per reference,
     /// and `tolerance`.
     pub fn to_json(&self) -> Value {
-        let attempt = |wanted: &NamedReference, attempt: &Result<ReferenceResult, Error>| match attempt {
-            Err(error) => json!({"reference": wanted.name, "refused": error.to_string()}),
+        let attempt = |reference: &NamedReference, attempt: &Result<ReferenceResult, Error>| match attempt {
+            Err(error) => json!({"reference": reference.name, "refused": error.to_string()}),
             Ok(ReferenceResult { feed_forward, run, tracking }) => json!({
-                "reference": wanted.name,
+                "reference": reference.name,
                 "rms": tracking.rms,
                 "max": tracking.max,
                 "percent_of_stroke": tracking.percent_of_stroke,
@@ -178,16 +178,16 @@ impl Comparison {
         let spread = |d: &SchemeResult, spread: &Spread| {
             json!({
                 "draws": spread.trials.len(),
-                "unstable": d.drive.scheme.law.map(|_| spread.unstable()),
+                "unstable": d.tuned.scheme.law.map(|_| spread.unstable()),
                 "percent_of_stroke": spread.trials.iter().map(|t| t.tracking.percent_of_stroke).collect::<Vec<_>>(),
             })
         };
         let scheme = |d: &SchemeResult| {
             json!({
                 "scheme": d.name(),
-                "margins": d.drive.margins(),
-                "least_bandwidth_hz": d.drive.least_bandwidth_hz(),
-                "tracking": self.wanted.iter().zip(&d.attempts).map(|(w, a)| attempt(w, a)).collect::<Vec<_>>(),
+                "margins": d.tuned.margins(),
+                "least_bandwidth_hz": d.tuned.least_bandwidth_hz(),
+                "tracking": self.references.iter().zip(&d.attempts).map(|(w, a)| attempt(w, a)).collect::<Vec<_>>(),
                 "tolerance": d.spread.as_ref().map(|s| spread(d, s)),
             })
         };
@@ -196,8 +196,8 @@ impl Comparison {
         json!({
             "plant": self.plant,
             "unit": self.unit(),
-            "references": self.wanted.iter().map(reference).collect::<Vec<_>>(),
-            "schemes": self.driven.iter().map(scheme).collect::<Vec<_>>(),
+            "references": self.references.iter().map(reference).collect::<Vec<_>>(),
+            "schemes": self.results.iter().map(scheme).collect::<Vec<_>>(),
         })
     }
 }

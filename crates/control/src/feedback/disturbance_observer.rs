@@ -42,7 +42,7 @@ impl DisturbanceObserver {
         let rest: f64 = b.iter().sum();
         let gain = positive("static gain", path.slope.1 * rest, "output units per volt")?;
         let mean = b.iter().enumerate().map(|(k, b)| k as f64 * b).sum::<f64>() / rest;
-        let delay = 1 + path.late + mean.round().clamp(0.0, 100.0) as usize;
+        let delay = 1 + path.delay_samples + mean.round().clamp(0.0, 100.0) as usize;
         let f: Vec<f64> = path.linear().denominator().iter().map(|a| share * a / gain).collect();
         let q = lag(ts, corner_hz, 1.0)?;
         Ok(DisturbanceObserver { inverse: Arx::new(ts, Vec::new(), f)?, q, delay, limits: path.limits })
@@ -62,11 +62,11 @@ impl Controller for DisturbanceObserver {
         let (low, high) = self.limits;
         let (inverse, rest) = x.split_at_mut(self.inverse.order());
         let (q, past) = rest.split_at_mut(self.q.order());
-        let feed = input.limited_feed_forward(self.limits);
+        let feed_forward = input.limited_feed_forward(self.limits);
         let unexplained = self.inverse.step(inverse, input.error()) + past[self.delay - 1];
-        let u = (feed + self.q.step(q, unexplained)).clamp(low, high);
+        let u = (feed_forward + self.q.step(q, unexplained)).clamp(low, high);
         past.rotate_right(1);
-        past[0] = u - feed;
+        past[0] = u - feed_forward;
         u
     }
 
@@ -78,14 +78,14 @@ impl Controller for DisturbanceObserver {
         let stands_for = if self.inverse.order() > 0 { "inverse(s.inverse, e)" } else { "inverse(e)" };
         let step = format!(
             "
-fn control_step(s: control_state, r, y, feed) {{
-    let given = fed(feed);
+fn control_step(s: control_state, r, y, feed_forward) {{
+    let applied = fed(feed_forward);
     let e = missing(r, y);
     // What the nominal plant does not explain.
     let unexplained = {stands_for} + s.past[delay - 1];
-    let u = clamp(given + low_pass(s.low_pass, unexplained), low, high);
+    let u = clamp(applied + low_pass(s.low_pass, unexplained), low, high);
     for k in 1..delay down {{ s.past[k] = s.past[k - 1]; }}
-    s.past[0] = u - given;
+    s.past[0] = u - applied;
     return u;
 }}
 "
@@ -99,8 +99,8 @@ fn control_step(s: control_state, r, y, feed) {{
     }
 
     fn law(&self) -> Option<Arx> {
-        let (poles, late) = (self.q.denominator(), [vec![0.0; self.delay], self.q.b().to_vec()].concat());
-        ratio(self.ts(), &times(self.q.b(), self.inverse.b()), &plus(&poles, -1.0, &late)).ok()
+        let (poles, delay_samples) = (self.q.denominator(), [vec![0.0; self.delay], self.q.b().to_vec()].concat());
+        ratio(self.ts(), &times(self.q.b(), self.inverse.b()), &plus(&poles, -1.0, &delay_samples)).ok()
     }
 }
 

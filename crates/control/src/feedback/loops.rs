@@ -35,8 +35,8 @@ impl<S: System> Scaled<S> {
     pub(crate) fn of(system: S, model: &Model) -> Result<Self, Error> {
         let unit = &model.units().y;
         let not_a_length = || {
-            let (found, wanted) = (unit.clone(), "a length: m, mm, um or nm".into());
-            Error::Units { what: "the model's output".into(), found, wanted }
+            let (found, expected) = (unit.clone(), "a length: m, mm, um or nm".into());
+            Error::Units { what: "the model's output".into(), found, expected }
         };
         Ok(Scaled { system, factor: Units::factor("m", unit).ok_or_else(not_a_length)? })
     }
@@ -70,13 +70,13 @@ pub(crate) struct ClosedLoop<'a> {
     /// The reference [output unit].
     pub r: &'a [f64],
     /// Feed-forward, one value per sample of the reference; zeros for none [V].
-    pub feed: &'a [f64],
+    pub feed_forward: &'a [f64],
     /// Lowest and highest voltage; voltages outside are clipped [V].
     pub limits: (f64, f64),
     /// Largest rate of the voltage; faster changes are clipped. Infinite for no limit [V/s].
     pub slew: f64,
     /// Sensor delay d [samples].
-    pub late: usize,
+    pub delay_samples: usize,
     /// Preview p of the reference [samples].
     pub ahead: usize,
     /// Voltage at which the plant has settled [V].
@@ -88,8 +88,17 @@ pub(crate) struct ClosedLoop<'a> {
 #[cfg(test)]
 impl<'a> ClosedLoop<'a> {
     /// From rest at 0 V, without sensor delay and with the whole reference known.
-    pub(crate) fn new(r: &'a [f64], feed: &'a [f64], limits: (f64, f64)) -> Self {
-        ClosedLoop { r, feed, limits, slew: f64::INFINITY, late: 0, ahead: usize::MAX, start: 0.0, before: None }
+    pub(crate) fn new(r: &'a [f64], feed_forward: &'a [f64], limits: (f64, f64)) -> Self {
+        ClosedLoop {
+            r,
+            feed_forward,
+            limits,
+            slew: f64::INFINITY,
+            delay_samples: 0,
+            ahead: usize::MAX,
+            start: 0.0,
+            before: None,
+        }
     }
 }
 
@@ -100,14 +109,14 @@ impl ClosedLoop<'_> {
     /// Returns an error for series that are not finite or differ in length, different sampling periods, and limits in
     /// the wrong order.
     pub(crate) fn run(&self, plant: &dyn System, controller: &dyn Controller) -> Result<ClosedLoopRun, Error> {
-        let ClosedLoop { r, feed, limits, slew, late, ahead, start, before } = *self;
+        let ClosedLoop { r, feed_forward, limits, slew, delay_samples, ahead, start, before } = *self;
         super::check(&[], limits)?;
         finite("reference", r)?;
-        finite("feed", feed)?;
+        finite("feed_forward", feed_forward)?;
         Record::same_sampling("the plant", plant.ts(), "the controller", controller.ts())?;
-        if r.len() != feed.len() {
+        if r.len() != feed_forward.len() {
             let (left, right) = ("the reference".into(), "the feed-forward".into());
-            return Err(Error::Lengths { left, left_len: r.len(), right, right_len: feed.len() });
+            return Err(Error::Lengths { left, left_len: r.len(), right, right_len: feed_forward.len() });
         }
         let mut last = start.clamp(limits.0, limits.1);
         let (mut x, mut state) =
@@ -121,10 +130,11 @@ impl ClosedLoop<'_> {
         // The inverse reaches a limit only within its own accuracy.
         let near = 1e-6 * (limits.1 - limits.0);
         let mut limited = 0;
-        for (t, &feed) in feed.iter().enumerate() {
-            let (y_read, r_read) = t.checked_sub(late.saturating_add(1)).map_or((rest, rest), |t| (y[t], r[t]));
+        for (t, &feed_forward) in feed_forward.iter().enumerate() {
+            let (y_read, r_read) =
+                t.checked_sub(delay_samples.saturating_add(1)).map_or((rest, rest), |t| (y[t], r[t]));
             let known = t.saturating_add(ahead).saturating_add(1).min(r.len());
-            let input = ControllerInput { y: y_read, r: r_read, feed, ahead: &r[t..known] };
+            let input = ControllerInput { y: y_read, r: r_read, feed_forward, ahead: &r[t..known] };
             let requested = controller.step(&mut state, &input);
             let (low, high) = ((last - step).max(limits.0), (last + step).min(limits.1));
             last = if requested.is_finite() { requested.clamp(low, high) } else { last };
@@ -194,11 +204,11 @@ mod tests {
     #[test]
     fn an_exact_feed_forward_is_left_unchanged() {
         let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
-        let feed: Vec<f64> = (0..500).map(|t| (f64::from(t) * 0.1).sin()).collect();
-        let r = plant.simulate(&feed);
+        let feed_forward: Vec<f64> = (0..500).map(|t| (f64::from(t) * 0.1).sin()).collect();
+        let r = plant.simulate(&feed_forward);
         let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
-        let done = ClosedLoop::new(&r, &feed, (-30.0, 30.0)).run(&plant, &pi).unwrap();
-        assert_eq!((done.u, done.y), (feed, r));
+        let done = ClosedLoop::new(&r, &feed_forward, (-30.0, 30.0)).run(&plant, &pi).unwrap();
+        assert_eq!((done.u, done.y), (feed_forward, r));
     }
 
     #[test]
@@ -222,20 +232,27 @@ mod tests {
         }
         let plant = Arx::gain(1e-3, 1e-20).unwrap();
         let r = [1.0, 2.0, 3.0, 4.0, 5.0];
-        let seen = |late, ahead| {
-            let closed_loop = ClosedLoop { late, ahead, ..ClosedLoop::new(&r, &[0.0; 5], (-1e12, 1e12)) };
+        let observed = |delay_samples, ahead| {
+            let closed_loop = ClosedLoop { delay_samples, ahead, ..ClosedLoop::new(&r, &[0.0; 5], (-1e12, 1e12)) };
             closed_loop.run(&plant, &Echo).unwrap().u.iter().map(|u| u.round()).collect::<Vec<f64>>()
         };
-        assert_eq!(seen(0, 1), [1_002_000_000.0, 2_002_001_000.0, 3_002_002_000.0, 4_002_003_000.0, 5_001_004_000.0]);
-        assert_eq!(seen(2, 9), [1_005_000_000.0, 2_004_000_000.0, 3_003_000_000.0, 4_002_001_000.0, 5_001_002_000.0]);
+        assert_eq!(
+            observed(0, 1),
+            [1_002_000_000.0, 2_002_001_000.0, 3_002_002_000.0, 4_002_003_000.0, 5_001_004_000.0]
+        );
+        assert_eq!(
+            observed(2, 9),
+            [1_005_000_000.0, 2_004_000_000.0, 3_003_000_000.0, 4_002_001_000.0, 5_001_002_000.0]
+        );
     }
 
     #[test]
     fn series_that_are_not_finite_or_differ_in_length_are_errors() {
         let plant = Arx::gain(1e-3, 1.0).unwrap();
         let pi = Pi::new(1e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();
-        let message =
-            |r: &[f64], feed: &[f64]| ClosedLoop::new(r, feed, (-1.0, 1.0)).run(&plant, &pi).unwrap_err().to_string();
+        let message = |r: &[f64], feed_forward: &[f64]| {
+            ClosedLoop::new(r, feed_forward, (-1.0, 1.0)).run(&plant, &pi).unwrap_err().to_string()
+        };
         assert!(message(&[0.0, f64::NAN], &[0.0; 2]).starts_with("reference[1] is NaN"));
         assert!(message(&[0.0; 2], &[0.0; 3]).contains("2 samples"));
         let slow = Pi::new(2e-3, 0.3, 20.0, (-30.0, 30.0)).unwrap();

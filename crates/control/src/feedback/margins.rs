@@ -52,7 +52,7 @@ pub struct ControlLoop {
     /// Largest rate of the voltage, infinite for no limit [V/s]. The margins do not depend on it.
     pub slew: f64,
     /// Sensor delay d [samples], at most [`ControlLoop::LATEST`].
-    pub late: usize,
+    pub delay_samples: usize,
 }
 
 /// Stability margins of a loop.
@@ -84,7 +84,7 @@ impl ControlLoop {
         let crept: f64 = model.creep().lags().iter().map(|lag| lag.gain.max(0.0)).sum();
         let (least, largest) = slopes(model, limits);
         let slope = (least.max(0.0), largest * (1.0 + crept));
-        Ok(ControlLoop { model: model.clone(), slope, limits, slew: f64::INFINITY, late: 0 })
+        Ok(ControlLoop { model: model.clone(), slope, limits, slew: f64::INFINITY, delay_samples: 0 })
     }
 
     /// Returns an error if the gain of the loop is not positive.
@@ -111,7 +111,7 @@ impl ControlLoop {
     /// d, and the lag of a driver, which delays slow signals by its time constant.
     pub(super) fn delay_s(&self) -> f64 {
         let lag = self.model.driver().map_or(0.0, |driver| driver.lag_s);
-        (1 + self.late) as f64 * self.linear().ts() + lag
+        (1 + self.delay_samples) as f64 * self.linear().ts() + lag
     }
 
     /// The linear block, from z to y.
@@ -122,7 +122,7 @@ impl ControlLoop {
     /// The margins with a controller, at this slope [z unit / V]; `None` if its law is not linear.
     pub(crate) fn margins(&self, controller: &dyn Controller, slope: f64) -> Option<Margins> {
         let law = controller.law()?;
-        let grid = grid(&[self.linear(), &law], self.late);
+        let grid = grid(&[self.linear(), &law], self.delay_samples);
         let l = open(&grid, self.linear(), slope, self.delay_s())
             .zip(at(&grid, &law))
             .map(|(g, c)| g * c)
@@ -149,7 +149,7 @@ impl ControlLoop {
     /// # Errors
     /// Returns an error if it is too long for an [`Arx`].
     pub fn closed(&self, law: &Arx, slope: f64) -> Result<Arx, Error> {
-        let forward = std::iter::repeat_n(0.0, 1 + self.late).chain(times(law.b(), self.linear().b()));
+        let forward = std::iter::repeat_n(0.0, 1 + self.delay_samples).chain(times(law.b(), self.linear().b()));
         let forward: Vec<f64> = forward.map(|c| slope * c).collect();
         let round = plus(&times(&law.denominator(), &self.linear().denominator()), 1.0, &forward);
         ratio(self.linear().ts(), &forward, &round)
@@ -157,10 +157,14 @@ impl ControlLoop {
 }
 
 /// Returns an error for a sensor delay that is too long for tuning.
-pub(super) fn check_late(late: usize) -> Result<(), Error> {
-    match late <= ControlLoop::LATEST {
+pub(super) fn check_delay(delay_samples: usize) -> Result<(), Error> {
+    match delay_samples <= ControlLoop::LATEST {
         true => Ok(()),
-        false => Err(Error::parameter("late", late, format!("must be at most {} samples", ControlLoop::LATEST))),
+        false => Err(Error::parameter(
+            "delay_samples",
+            delay_samples,
+            format!("must be at most {} samples", ControlLoop::LATEST),
+        )),
     }
 }
 
@@ -179,9 +183,9 @@ fn slopes(model: &Model, (low, high): (f64, f64)) -> (f64, f64) {
     }))
 }
 
-/// Frequencies [Hz] up to half the sampling rate, finer around the modes of the blocks and for a sensor delay of `late`
-/// samples.
-pub(super) fn grid(blocks: &[&Arx], late: usize) -> Vec<f64> {
+/// Frequencies [Hz] up to half the sampling rate, finer around the modes of the blocks and for a sensor delay of
+/// `delay_samples` samples.
+pub(super) fn grid(blocks: &[&Arx], delay_samples: usize) -> Vec<f64> {
     let Some(first) = blocks.first() else { return Vec::new() };
     let nyquist = 0.5 / first.ts();
     let mut grid: Vec<f64> =
@@ -190,13 +194,13 @@ pub(super) fn grid(blocks: &[&Arx], late: usize) -> Vec<f64> {
         let width = pole.damping.abs().max(1e-4);
         grid.extend((-AROUND..=AROUND).map(|i| pole.hz * (1.0 + width * sinh(0.075 * f64::from(i)) / 4.0)));
     }
-    grid.extend((1..TURN * late).map(|i| nyquist * i as f64 / (TURN * late) as f64));
+    grid.extend((1..TURN * delay_samples).map(|i| nyquist * i as f64 / (TURN * delay_samples) as f64));
     grid.retain(|hz| *hz > 0.0 && *hz <= nyquist);
     grid.sort_by(f64::total_cmp);
     grid
 }
 
-/// k G(q), delayed by `after` [s].
+/// k G(q), delay_samples by `after` [s].
 pub(super) fn open<'a>(
     grid: &'a [f64],
     linear: &'a Arx,
@@ -268,7 +272,7 @@ pub(super) mod tests {
     pub(in super::super) fn path_of(linear: Arx, slope: (f64, f64)) -> ControlLoop {
         let rises = piezoid_models::hysteresis::Proportional::new(linear.ts(), 0.5 * (slope.0 + slope.1)).unwrap();
         let model = Model::new(std::sync::Arc::new(rises), linear, 0.0).unwrap();
-        ControlLoop { model, slope, limits: (-30.0, 30.0), slew: f64::INFINITY, late: 0 }
+        ControlLoop { model, slope, limits: (-30.0, 30.0), slew: f64::INFINITY, delay_samples: 0 }
     }
 
     fn path(linear: Arx) -> ControlLoop {
@@ -304,21 +308,25 @@ pub(super) mod tests {
         let block = filters::lag(TS, 160.0, 0.03).unwrap();
         let pi = Pi::new(TS, 0.01, 12.0, (-1.0, 1.0)).unwrap();
         let in_time = path(block.clone()).margins(&pi, 1.0).unwrap();
-        for late in [1, 4, 20] {
-            let delayed = Arx::new(TS, block.a().to_vec(), [vec![0.0; late], block.b().to_vec()].concat()).unwrap();
-            let (late, delayed) = (ControlLoop { late, ..path(block.clone()) }, path(delayed));
+        for delay_samples in [1, 4, 20] {
+            let delayed =
+                Arx::new(TS, block.a().to_vec(), [vec![0.0; delay_samples], block.b().to_vec()].concat()).unwrap();
+            let (sensor, plant) = (ControlLoop { delay_samples, ..path(block.clone()) }, path(delayed));
             let figures = |path: &ControlLoop| {
                 let m = path.margins(&pi, 1.0).unwrap();
                 ([m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz], m.stable)
             };
-            let (told, known) = (figures(&late), figures(&delayed));
-            assert_close(&told.0, &known.0, 2e-3, 0.0);
-            assert!(told.1 == known.1 && told.0[1] < in_time.phase_deg - 0.3 * late.late as f64, "{told:?}");
+            let (of_sensor, of_plant) = (figures(&sensor), figures(&plant));
+            assert_close(&of_sensor.0, &of_plant.0, 2e-3, 0.0);
+            assert!(
+                of_sensor.1 == of_plant.1 && of_sensor.0[1] < in_time.phase_deg - 0.3 * sensor.delay_samples as f64,
+                "{of_sensor:?}"
+            );
             let hz = [1.0, 30.0, 160.0, 700.0];
             let s = |path: &ControlLoop| path.sensitivity(&pi, 1.0, &hz).unwrap();
-            assert_close(&s(&late), &s(&delayed), 1e-9, 0.0);
+            assert_close(&s(&sensor), &s(&plant), 1e-9, 0.0);
             let law = pi.law().unwrap();
-            assert_eq!(late.closed(&law, 1.0).unwrap(), delayed.closed(&law, 1.0).unwrap());
+            assert_eq!(sensor.closed(&law, 1.0).unwrap(), plant.closed(&law, 1.0).unwrap());
         }
     }
 

@@ -16,7 +16,7 @@
 
 mod comparison;
 mod disturbance_observer;
-mod feeds;
+mod feed_forwards;
 mod filters;
 mod integral_notch;
 mod loops;
@@ -33,8 +33,8 @@ mod tolerance;
 mod tune;
 
 pub use comparison::{Comparison, NamedReference, ReferenceResult, SchemeResult};
-pub(crate) use feeds::FeedResult;
-pub use feeds::{FEED_FORWARDS, FeedForwardKind};
+pub(crate) use feed_forwards::FeedResult;
+pub use feed_forwards::{FEED_FORWARDS, FeedForwardKind};
 pub(crate) use loops::ClosedLoop;
 pub(crate) use loops::Scaled;
 pub use loops::{ClosedLoopRun, Tracking};
@@ -63,7 +63,7 @@ pub struct ControllerInput<'a> {
     /// The reference at the instant of that measurement [output unit].
     pub r: f64,
     /// The feed-forward voltage of this sample [V].
-    pub feed: f64,
+    pub feed_forward: f64,
     /// The reference from this sample on, as far as it is known [output unit].
     pub ahead: &'a [f64],
 }
@@ -71,7 +71,7 @@ pub struct ControllerInput<'a> {
 impl ControllerInput<'_> {
     /// The feed-forward within the limits; 0 if it is not a finite number.
     fn limited_feed_forward(&self, (low, high): (f64, f64)) -> f64 {
-        Some(self.feed).filter(|feed| feed.is_finite()).unwrap_or(0.0).clamp(low, high)
+        Some(self.feed_forward).filter(|feed_forward| feed_forward.is_finite()).unwrap_or(0.0).clamp(low, high)
     }
 
     /// r - y; 0 if the measurement is not a finite number, so that the state does not change.
@@ -103,7 +103,7 @@ pub trait Controller: Debug + Send + Sync {
     fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64;
 
     /// The controller as a program: blocks. The last one is the state, `control_state`, with a function
-    /// `control_step(s: control_state, r, y, feed)`. None if it cannot be exported.
+    /// `control_step(s: control_state, r, y, feed_forward)`. None if it cannot be exported.
     fn blocks(&self) -> Option<Vec<Block>> {
         None
     }
@@ -187,8 +187,8 @@ mod tests {
     use piezoid_models::program::{Machine, Program};
     use piezoid_testing::assert_close;
 
-    fn path(late: usize) -> ControlLoop {
-        ControlLoop { late, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }
+    fn path(delay_samples: usize) -> ControlLoop {
+        ControlLoop { delay_samples, ..path_of(filters::lag(5e-4, 160.0, 0.05).unwrap(), (30.0, 40.0)) }
     }
     /// Compares the steps of a controller with its law, for a sine error around the output `y`.
     pub(super) fn assert_follows_its_law(c: &dyn Controller, y: f64) {
@@ -198,8 +198,8 @@ mod tests {
         assert_close(&e.iter().map(step).collect::<Vec<f64>>(), &c.law().unwrap().simulate(&e), 1e-7, 1e-9);
     }
 
-    fn tuned(late: usize) -> impl Iterator<Item = (&'static ControllerKind, Arc<dyn Controller>)> {
-        CONTROLLERS.iter().map(move |c| (c, (c.tune)(&path(late), &MarginTarget::default()).unwrap()))
+    fn tuned(delay_samples: usize) -> impl Iterator<Item = (&'static ControllerKind, Arc<dyn Controller>)> {
+        CONTROLLERS.iter().map(move |c| (c, (c.tune)(&path(delay_samples), &MarginTarget::default()).unwrap()))
     }
 
     #[test]
@@ -220,13 +220,17 @@ mod tests {
 
     #[test]
     fn every_controller_keeps_its_limits_and_recovers_from_them() {
-        for late in [0, 3] {
-            for (kind, c) in tuned(late) {
-                let plant = Scaled { system: path(late).linear().clone(), factor: 40.0 };
+        for delay_samples in [0, 3] {
+            for (kind, c) in tuned(delay_samples) {
+                let plant = Scaled { system: path(delay_samples).linear().clone(), factor: 40.0 };
                 let r = [[2500.0; 4000], [100.0; 4000]].concat();
-                let closed_loop = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
+                let closed_loop = ClosedLoop { delay_samples, ..ClosedLoop::new(&r, &[0.0; 8000], (-1e3, 1e3)) };
                 let done = closed_loop.run(&plant, &*c).unwrap();
-                assert!(done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0), "{}, {late} late", kind.name);
+                assert!(
+                    done.u.iter().all(|u| u.abs() <= 30.0) && done.u.contains(&30.0),
+                    "{}, {delay_samples} late",
+                    kind.name
+                );
                 // Within 0.5 s. After windup by 1300 um for two seconds it would take two seconds more.
                 assert_close(&done.y[5000..], &[100.0; 3000], 0.0, 1.0);
             }
@@ -235,8 +239,8 @@ mod tests {
 
     #[test]
     fn every_controller_with_a_law_is_bit_identical_to_its_program() {
-        for late in [0, 3] {
-            for (kind, c) in tuned(late) {
+        for delay_samples in [0, 3] {
+            for (kind, c) in tuned(delay_samples) {
                 assert_eq!(c.blocks().is_some(), c.law().is_some(), "{}", kind.name);
                 let Some(blocks) = c.blocks() else { continue };
                 let program = Program::new([vec![Block::elementary()], blocks].concat()).unwrap();
@@ -246,9 +250,9 @@ mod tests {
                     // Into the limits and back, with lost measurements.
                     let r = 900.0 * (0.03 * f64::from(t)).sin();
                     let y = if t % 50 == 7 { f64::NAN } else { 0.2 * r + f64::from(t % 11) };
-                    let feed = if t % 70 == 9 { f64::NAN } else { 35.0 * (0.05 * f64::from(t)).cos() };
-                    let u = c.step(&mut x, &ControllerInput { y, r, feed, ahead: &[] });
-                    let found = machine.call("control_step", &[r, y, feed]).unwrap()[0];
+                    let feed_forward = if t % 70 == 9 { f64::NAN } else { 35.0 * (0.05 * f64::from(t)).cos() };
+                    let u = c.step(&mut x, &ControllerInput { y, r, feed_forward, ahead: &[] });
+                    let found = machine.call("control_step", &[r, y, feed_forward]).unwrap()[0];
                     assert_eq!(found.to_bits(), u.to_bits(), "{} at {t}", kind.name);
                     assert_eq!(machine.state(), x, "{} at {t}", kind.name);
                 }
@@ -260,8 +264,12 @@ mod tests {
     fn a_measurement_that_is_not_a_number_is_ignored() {
         for (kind, c) in tuned(0) {
             let mut x = c.initial();
-            let lost =
-                |t| ControllerInput { y: if t % 5 == 3 { f64::NAN } else { 1.0 }, r: 1.5, feed: 0.0, ahead: &[1.5] };
+            let lost = |t| ControllerInput {
+                y: if t % 5 == 3 { f64::NAN } else { 1.0 },
+                r: 1.5,
+                feed_forward: 0.0,
+                ahead: &[1.5],
+            };
             assert!((0..60).all(|t| c.step(&mut x, &lost(t)).is_finite()), "{}", kind.name);
         }
     }
@@ -270,8 +278,8 @@ mod tests {
     fn every_controller_leaves_an_exact_feed_forward_unchanged() {
         for (_, c) in tuned(0).filter(|(_, c)| c.law().is_some()) {
             let mut x = c.initial();
-            let exact = |t| ControllerInput { y: 7.0, r: 7.0, feed: f64::from(t) * 0.1, ahead: &[] };
-            assert!((0..50).all(|t| c.step(&mut x, &exact(t)) == exact(t).feed));
+            let exact = |t| ControllerInput { y: 7.0, r: 7.0, feed_forward: f64::from(t) * 0.1, ahead: &[] };
+            assert!((0..50).all(|t| c.step(&mut x, &exact(t)) == exact(t).feed_forward));
         }
     }
 }

@@ -65,10 +65,10 @@ impl Controller for Pi {
         let block = block.constant("kp", self.kp).constant("ki_ts", ki).constant("share", share);
         Some(vec![block.text(
             "
-fn control_step(s: control_state, r, y, feed) {
+fn control_step(s: control_state, r, y, feed_forward) {
     let e = missing(r, y);
     s.integral += ki_ts * e;
-    let v = fed(feed) + kp * e + s.integral;
+    let v = fed(feed_forward) + kp * e + s.integral;
     let u = clamp(v, low, high);
     // While a limit is met the integral tracks what it lets through.
     s.integral += share * (u - v);
@@ -127,13 +127,13 @@ mod tests {
     fn it_recovers_from_a_limit_without_the_windup_of_a_plain_integral() {
         let plant = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
-        let late = |limits| {
+        let settled_at = |limits| {
             let pi = Pi::new(1e-3, 0.3, 20.0, limits).unwrap();
             let y = ClosedLoop::new(&r, &[0.0; 4000], (-1.0, 1.0)).run(&plant, &pi).unwrap().y;
             y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap_or(2000)
         };
-        assert!(late((-1.0, 1.0)) < 250, "{}", late((-1.0, 1.0)));
-        assert!(late((-1e9, 1e9)) > 500, "{}", late((-1e9, 1e9)));
+        assert!(settled_at((-1.0, 1.0)) < 250, "{}", settled_at((-1.0, 1.0)));
+        assert!(settled_at((-1e9, 1e9)) > 500, "{}", settled_at((-1e9, 1e9)));
     }
 
     #[test]

@@ -88,13 +88,13 @@ impl Controller for Pid {
         let block = block.constant("kp", self.gains.kp).constant("ki_ts", self.gains.ki * self.ts);
         Some(vec![block.constant("keeps", keeps).constant("takes", takes).text(program::INTEGRATING).text(
             "
-fn control_step(s: control_state, r, y, feed) {
+fn control_step(s: control_state, r, y, feed_forward) {
     let e = missing(r, y);
     s.derivative = keeps * s.derivative + takes * (e - s.before);
     s.before = e;
     let gain = ki_ts * e;
     let w = kp * e + (s.integral + gain) + s.derivative;
-    return integrating(s, feed, w, gain);
+    return integrating(s, feed_forward, w, gain);
 }
 ",
         )])
@@ -138,8 +138,8 @@ mod tests {
         let r: Vec<f64> = [[5.0; 2000], [0.5; 2000]].concat();
         let pid = Pid::new(1e-3, Gains { kp: 0.3, ki: 20.0, kd: 1e-4, filter_s: 1e-3 }, (-1.0, 1.0)).unwrap();
         let y = ClosedLoop::new(&r, &[0.0; 4000], (-1.0, 1.0)).run(&plant, &pid).unwrap().y;
-        let late = y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap();
-        assert!(late < 250 && (y[3999] - 0.5).abs() < 1e-6, "{late}");
+        let settled_at = y[2000..].iter().position(|y| (y - 0.5).abs() < 0.05).unwrap();
+        assert!(settled_at < 250 && (y[3999] - 0.5).abs() < 1e-6, "{settled_at}");
     }
 
     #[test]

@@ -77,12 +77,12 @@ impl Controller for PositivePosition {
         let block = block.number("integral", 0.0).part("resonator", "resonator");
         let block = block.constant("ki_ts", self.ki * self.ts).constant("damping", self.gain);
         let step = "
-fn control_step(s: control_state, r, y, feed) {
+fn control_step(s: control_state, r, y, feed_forward) {
     let e = missing(r, y);
     let gain = ki_ts * e;
     let p = resonator(s.resonator, e);
     let w = s.integral + gain - damping * p;
-    return integrating(s, feed, w, gain);
+    return integrating(s, feed_forward, w, gain);
 }
 ";
         let resonator =

@@ -17,18 +17,18 @@ fn missing(r, y) {
 }
 
 // The feed-forward, clipped to the limits; 0 if it is not finite.
-fn fed(feed) {
-    let given = 0.0;
-    if magnitude(feed) <= most { given = feed; }
-    return clamp(given, low, high);
+fn fed(feed_forward) {
+    let applied = 0.0;
+    if magnitude(feed_forward) <= most { applied = feed_forward; }
+    return clamp(applied, low, high);
 }
 ";
 
 /// The same as [`super::integrating`], for a state with an `integral`.
 pub(super) const INTEGRATING: &str = "
 // The feed-forward plus w, clipped to the limits. The integral grows by gain, except if that would drive the input further beyond a limit.
-fn integrating(s: control_state, feed, w, gain) {
-    let v = fed(feed) + w;
+fn integrating(s: control_state, feed_forward, w, gain) {
+    let v = fed(feed_forward) + w;
     let u = clamp(v, low, high);
     if u == v || (v - u) * gain < 0.0 { s.integral += gain; }
     return u;

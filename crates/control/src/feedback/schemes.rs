@@ -7,7 +7,7 @@
 //!
 //! Why: docs/decisions/control.md, "A scheme is a feed-forward with a controller".
 
-use super::feeds::{FEED_FORWARDS, FeedForwardKind, FeedRequest, FeedResult};
+use super::feed_forwards::{FEED_FORWARDS, FeedForwardKind, FeedRequest, FeedResult};
 use super::{
     CONTROLLERS, ClosedLoop, ClosedLoopRun, ControlLoop, Controller, ControllerInput, ControllerKind, MarginTarget,
     Margins,
@@ -23,7 +23,7 @@ use std::sync::Arc;
 #[derive(Debug, Clone, Copy)]
 pub struct Scheme {
     /// The feed-forward.
-    pub feed: &'static FeedForwardKind,
+    pub feed_forward: &'static FeedForwardKind,
     /// The controller, if any.
     pub law: Option<&'static ControllerKind>,
 }
@@ -42,11 +42,11 @@ impl Scheme {
     /// # Errors
     /// [`Error::Unknown`] with the known names; an error for two feed-forwards or two controllers.
     pub fn named(name: &str) -> Result<Self, Error> {
-        let mut scheme = Scheme { feed: &FEED_FORWARDS[0], law: None };
-        let (mut feeds, mut laws) = (0, 0);
+        let mut scheme = Scheme { feed_forward: &FEED_FORWARDS[0], law: None };
+        let (mut forwards, mut laws) = (0, 0);
         for part in name.split('+') {
-            if let Some(feed) = FEED_FORWARDS.iter().find(|f| f.name == part) {
-                (scheme.feed, feeds) = (feed, feeds + 1);
+            if let Some(feed_forward) = FEED_FORWARDS.iter().find(|f| f.name == part) {
+                (scheme.feed_forward, forwards) = (feed_forward, forwards + 1);
             } else if let Some(law) = CONTROLLERS.iter().find(|c| c.name == part) {
                 (scheme.law, laws) = (scheme.law.or(Some(law)), laws + 1);
             } else {
@@ -54,11 +54,11 @@ impl Scheme {
                 return Err(Error::unknown("controller", part, known));
             }
         }
-        if feeds + laws > 1 && scheme.law.is_some_and(|law| !law.uses_feed_forward) {
+        if forwards + laws > 1 && scheme.law.is_some_and(|law| !law.uses_feed_forward) {
             let rule = "predictive control cannot be combined with another controller: name it alone";
             return Err(Error::parameter("controller", name, rule));
         }
-        if feeds > 1 || laws > 1 {
+        if forwards > 1 || laws > 1 {
             let rule = "must name one feed-forward, one feedback, or one of each, such as feed-forward+pi";
             return Err(Error::parameter("controller", name, rule));
         }
@@ -68,9 +68,9 @@ impl Scheme {
     /// The name that [`Scheme::named`] accepts.
     pub fn name(&self) -> String {
         match self.law {
-            None => self.feed.name.into(),
-            Some(law) if self.feed.name == FEED_FORWARDS[0].name => law.name.into(),
-            Some(law) => format!("{}+{}", self.feed.name, law.name),
+            None => self.feed_forward.name.into(),
+            Some(law) if self.feed_forward.name == FEED_FORWARDS[0].name => law.name.into(),
+            Some(law) => format!("{}+{}", self.feed_forward.name, law.name),
         }
     }
 }
@@ -91,7 +91,7 @@ impl Controller for Open {
     }
 
     fn step(&self, _: &mut [f64], input: &ControllerInput) -> f64 {
-        input.feed
+        input.feed_forward
     }
 
     fn law(&self) -> Option<Arx> {
@@ -111,7 +111,7 @@ impl Controller for Open {
 /// let error = |name: &str| {
 ///     let (settings, target) = (FeedForwardSettings::default(), MarginTarget::default());
 ///     let drive = TunedScheme::new(Scheme::named(name)?, &model, settings, 0, &target)?;
-///     let feed_forward = drive.feed(&actuator, &r)?;
+///     let feed_forward = drive.feed_forward(&actuator, &r)?;
 ///     Ok::<f64, piezoid::Error>(drive.run(&actuator, &r, &feed_forward)?.tracking(500, 600.0).percent_of_stroke)
 /// };
 /// assert!(error("feed-forward+pi")? < 0.3 * error("feed-forward")? && error("learning")? < 0.01);
@@ -130,7 +130,7 @@ pub struct TunedScheme {
 
 impl TunedScheme {
     /// `scheme` for `model` within the limits of `settings`, its controller tuned to `target` for a sensor delay of
-    /// `late` samples. References are known to their end.
+    /// `delay_samples` samples. References are known to their end.
     ///
     /// # Errors
     /// The errors of the tuning, and an error for a model without any allowed input.
@@ -138,11 +138,14 @@ impl TunedScheme {
         scheme: Scheme,
         model: &Model,
         settings: FeedForwardSettings,
-        late: usize,
+        delay_samples: usize,
         target: &MarginTarget,
     ) -> Result<Self, Error> {
-        let path =
-            ControlLoop { late, slew: settings.limits.fastest(), ..ControlLoop::of(model, settings.ends(model)?)? };
+        let path = ControlLoop {
+            delay_samples,
+            slew: settings.limits.fastest(),
+            ..ControlLoop::of(model, settings.ends(model)?)?
+        };
         let controller = match scheme.law {
             Some(law) => (law.tune)(&path, target)?,
             None => Arc::new(Open { ts: model.ts() }),
@@ -156,8 +159,8 @@ impl TunedScheme {
     }
 
     /// Sensor delay that the controller is tuned for [samples].
-    pub fn late(&self) -> usize {
-        self.path.late
+    pub fn delay_samples(&self) -> usize {
+        self.path.delay_samples
     }
 
     /// The controller.
@@ -202,8 +205,8 @@ impl TunedScheme {
     ///
     /// # Errors
     /// The errors of the row of [`FEED_FORWARDS`].
-    pub fn feed(&self, plant: &dyn System, r: &[f64]) -> Result<FeedResult, Error> {
-        (self.scheme.feed.make)(&FeedRequest {
+    pub fn feed_forward(&self, plant: &dyn System, r: &[f64]) -> Result<FeedResult, Error> {
+        (self.scheme.feed_forward.make)(&FeedRequest {
             model: self.model(),
             settings: self.settings,
             r,
@@ -218,18 +221,26 @@ impl TunedScheme {
     /// # Errors
     /// Returns an error for series that are not finite or differ in length, and different sampling periods.
     pub fn run(&self, plant: &dyn System, r: &[f64], feed_forward: &FeedResult) -> Result<ClosedLoopRun, Error> {
-        let (limits, late, ahead, before) =
-            (self.path.limits, self.path.late, self.ahead, feed_forward.after.as_deref());
+        let (limits, delay_samples, ahead, before) =
+            (self.path.limits, self.path.delay_samples, self.ahead, feed_forward.after.as_deref());
         let start = r.first().map_or(0.0, |r| self.model().static_input(*r, limits));
-        let closed_loop =
-            ClosedLoop { r, feed: &feed_forward.u, limits, slew: self.path.slew, late, ahead, start, before };
+        let closed_loop = ClosedLoop {
+            r,
+            feed_forward: &feed_forward.u,
+            limits,
+            slew: self.path.slew,
+            delay_samples,
+            ahead,
+            start,
+            before,
+        };
         closed_loop.run(plant, &*self.controller)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::feeds::{ALL, FeedForwardKind};
+    use super::super::feed_forwards::{ALL, FeedForwardKind};
     use super::*;
     use piezoid_models::hysteresis::Operator;
     use piezoid_records::excitation::Sine;
@@ -247,15 +258,16 @@ mod tests {
         Sine { amplitude: 400.0, offset: 4.0, frequency: 10.0 }.samples(TS, n).unwrap()
     }
 
-    fn tuned(name: &str, settings: FeedForwardSettings, late: usize) -> TunedScheme {
-        TunedScheme::new(Scheme::named(name).unwrap(), &model(1.0), settings, late, &MarginTarget::default()).unwrap()
+    fn tuned(name: &str, settings: FeedForwardSettings, delay_samples: usize) -> TunedScheme {
+        TunedScheme::new(Scheme::named(name).unwrap(), &model(1.0), settings, delay_samples, &MarginTarget::default())
+            .unwrap()
     }
 
     fn drive(name: &str) -> TunedScheme {
         tuned(name, FeedForwardSettings::default(), 0)
     }
     fn percent(drive: &TunedScheme, plant: &Model, r: &[f64]) -> f64 {
-        let feed_forward = drive.feed(plant, r).unwrap();
+        let feed_forward = drive.feed_forward(plant, r).unwrap();
         drive.run(plant, r, &feed_forward).unwrap().tracking(400, 800.0).percent_of_stroke
     }
 
@@ -263,19 +275,23 @@ mod tests {
     fn every_scheme_tracks_on_another_plant_and_keeps_its_name() {
         let r = sine(2000);
         let line = percent(&drive("gain"), &model(1.1), &r);
-        for feed in FEED_FORWARDS {
-            assert!(!feed.summary.is_empty() && !feed.reference.is_empty());
+        for feed_forward in FEED_FORWARDS {
+            assert!(!feed_forward.summary.is_empty() && !feed_forward.reference.is_empty());
             for law in std::iter::once(None).chain(CONTROLLERS.iter().map(Some)) {
-                let scheme = Scheme { feed, law };
-                if law.is_some_and(|law| !law.uses_feed_forward) && feed.name != FEED_FORWARDS[0].name {
+                let scheme = Scheme { feed_forward, law };
+                if law.is_some_and(|law| !law.uses_feed_forward) && feed_forward.name != FEED_FORWARDS[0].name {
                     assert!(Scheme::named(&scheme.name()).is_err());
                     continue;
                 }
                 assert_eq!(Scheme::named(&scheme.name()).unwrap().name(), scheme.name());
-                for late in [0, 3] {
-                    let drive = tuned(&scheme.name(), FeedForwardSettings::default(), late);
+                for delay_samples in [0, 3] {
+                    let drive = tuned(&scheme.name(), FeedForwardSettings::default(), delay_samples);
                     let error = percent(&drive, &model(1.1), &r);
-                    assert!(drive.late() == late && error < 1.5 * line, "{}: {error} after {line}", scheme.name());
+                    assert!(
+                        drive.delay_samples() == delay_samples && error < 1.5 * line,
+                        "{}: {error} after {line}",
+                        scheme.name()
+                    );
                 }
             }
         }
@@ -290,7 +306,7 @@ mod tests {
         let (model, r) = (model(1.0), [300.0; 200]);
         for ahead in [0, 1, 5] {
             let drive = TunedScheme { ahead, ..drive("feed-forward") };
-            let u = drive.feed(&model, &r).unwrap().u;
+            let u = drive.feed_forward(&model, &r).unwrap().u;
             assert!(u.iter().all(|v| (v - u[0]).abs() < 1e-9), "{ahead}: {u:?}");
         }
     }
@@ -298,7 +314,7 @@ mod tests {
     #[test]
     fn no_other_straight_line_is_better_on_the_model() {
         let (model, r, drive) = (model(1.0), sine(2000), drive("gain"));
-        let u = drive.feed(&model, &r).unwrap().u;
+        let u = drive.feed_forward(&model, &r).unwrap().u;
         let error = |share: f64| {
             let u: Vec<f64> = u.iter().map(|u| share * u).collect();
             let feed_forward = FeedResult { u, ..Default::default() };
@@ -332,9 +348,9 @@ mod tests {
     #[test]
     fn learning_needs_a_periodic_reference_and_returns_its_trials() {
         let path: Vec<f64> = (0..3000).map(|t| f64::from(t) * 0.1).collect();
-        let refused = drive("learning").feed(&model(1.0), &path).unwrap_err().to_string();
+        let refused = drive("learning").feed_forward(&model(1.0), &path).unwrap_err().to_string();
         assert!(refused.contains("learning needs a periodic one"), "{refused}");
-        let feed_forward = drive("learning").feed(&model(1.2), &sine(1000)).unwrap();
+        let feed_forward = drive("learning").feed_forward(&model(1.2), &sine(1000)).unwrap();
         assert_eq!((feed_forward.u.len(), feed_forward.trials.len()), (1000, 11));
         assert!(feed_forward.trials[10] < 0.01 * feed_forward.trials[0], "{:?}", feed_forward.trials);
     }

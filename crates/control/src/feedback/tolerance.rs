@@ -113,7 +113,7 @@ impl Tolerance {
 fn trial(spec: Spec, seed: u64, drive: &TunedScheme, r: &[f64], from: usize) -> Result<Draw, Error> {
     let plant = Scaled::of(Plant::new(&spec, drive.model().ts())?.with_seed(seed), drive.model())?;
     let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HELD / plant.ts()) as usize]].concat();
-    let mut feed_forward = drive.feed(&plant, r)?;
+    let mut feed_forward = drive.feed_forward(&plant, r)?;
     feed_forward.u = held(&feed_forward.u);
     let mut done = drive.run(&plant, &held(r), &feed_forward)?;
     let watched = &done.y[done.y.len() - (WATCHED / plant.ts()) as usize..];
@@ -153,7 +153,7 @@ mod tests {
         let model = Model::new(Arc::new(Proportional::new(5e-4, 1.0).unwrap()), Arx::gain(5e-4, 35.0).unwrap(), 0.0);
         let units = piezoid_records::record::Units { u: "V".into(), y: "um".into() };
         let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
-        let scheme = Scheme { feed: FeedForwardKind::find("gain").unwrap(), law: Some(law) };
+        let scheme = Scheme { feed_forward: FeedForwardKind::find("gain").unwrap(), law: Some(law) };
         let settings = FeedForwardSettings { limits, ..Default::default() };
         TunedScheme::new(scheme, &model.unwrap().with_units(units), settings, 0, &MarginTarget::default()).unwrap()
     }

@@ -17,7 +17,7 @@
 //! Why: docs/decisions/control.md, "Margins hold at the largest slope and with detuned modes".
 //! Why: docs/decisions/control.md, "Frequencies outside the training data may resonate".
 
-use super::margins::{ControlLoop, at, check_late, grid, growths, open, phase};
+use super::margins::{ControlLoop, at, check_delay, grid, growths, open, phase};
 use super::{Controller, filters};
 use libm::pow;
 use nalgebra::Complex;
@@ -70,7 +70,7 @@ pub(super) fn strongest<S: Copy, C: Controller>(
     if !(0.0..0.9).contains(&target.detuning) {
         return Err(Error::parameter("detuning", target.detuning, "must be from 0 to below 0.9"));
     }
-    check_late(path.late)?;
+    check_delay(path.delay_samples)?;
     let none = |because: &str| Error::Unsuited { what: "controller".into(), because: because.into() };
     if !path.linear().is_stable() {
         return Err(none("the linear block of the model is not stable: identify it again with another order"));
@@ -110,7 +110,7 @@ impl PlantSet {
         let d = target.detuning;
         let shifts: &[f64] = if d > 0.0 { &[0.0, -1.0, -0.67, -0.33, 0.33, 0.67, 1.0] } else { &[0.0] };
         let blocks = shifts.iter().map(|s| detuned(path.linear(), 1.0 + s * d)).collect::<Result<Vec<_>, _>>()?;
-        let grid = grid(&blocks.iter().collect::<Vec<_>>(), path.late);
+        let grid = grid(&blocks.iter().collect::<Vec<_>>(), path.delay_samples);
         let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1, path.delay_s()).collect()).collect();
         let unseen = UNSEEN * path.slope.1 * path.linear().dc_gain();
         Ok(PlantSet { grid, beyond: path.known_hz().unwrap_or(f64::INFINITY), unseen, plants })
@@ -195,16 +195,17 @@ mod tests {
 
     #[test]
     fn every_controller_keeps_its_margins_with_every_mode_detuned() {
-        for late in [0, 3] {
-            let path = ControlLoop { late, ..bender() };
+        for delay_samples in [0, 3] {
+            let path = ControlLoop { delay_samples, ..bender() };
             for (kind, controller, law) in lawful(&path) {
                 let (m, name) = (path.margins(&*controller, path.slope.1).unwrap(), kind.name);
                 let keeps = m.stable && m.gain_db > 5.9 && m.phase_deg > 44.5 && m.bandwidth_hz > 1.0;
-                assert!(keeps, "{name}, late = {late}: {m:?}");
+                assert!(keeps, "{name}, delay = {delay_samples}: {m:?}");
                 for share in [0.78, 0.9, 1.1, 1.22] {
-                    let other = ControlLoop { late, ..path_of(detuned(path.linear(), share).unwrap(), path.slope) };
+                    let other =
+                        ControlLoop { delay_samples, ..path_of(detuned(path.linear(), share).unwrap(), path.slope) };
                     let loud = other.closed(&law, 1.95 * path.slope.1).unwrap();
-                    assert!(loud.is_stable(), "{name} with modes at {share}, late = {late}");
+                    assert!(loud.is_stable(), "{name} with modes at {share}, delay = {delay_samples}");
                 }
             }
         }
@@ -243,16 +244,18 @@ mod tests {
         // The model is a gain identified up to 5 Hz; the plant has a mode at 160 Hz.
         let slow = path_of(Arx::gain(TS, 0.9).unwrap(), (30.0, 40.0));
         let known = Domain { u: [-30.0, 30.0], hz: Some([5.0, 5.0]), slew: 1e3, mean: [0.0, 0.0] };
-        let seen = ControlLoop { model: slow.model.clone().with_identified(known), ..slow.clone() };
+        let observed = ControlLoop { model: slow.model.clone().with_identified(known), ..slow.clone() };
         let truth = path_of(filters::lag(TS, 160.0, 0.03).unwrap(), (30.0, 40.0));
         let stable = |path: &ControlLoop| {
             let tuned = CONTROLLERS.iter().filter_map(|kind| (kind.tune)(path, &MarginTarget::default()).ok()?.law());
             tuned.map(|law| truth.closed(&law, 36.0).unwrap().is_stable()).collect::<Vec<bool>>()
         };
-        assert!(seen.known_hz() == Some(5.0) && slow.known_hz().is_none());
-        assert!(stable(&seen).len() >= 3 && stable(&seen).iter().all(|s| *s) && stable(&slow).iter().any(|s| !*s));
+        assert!(observed.known_hz() == Some(5.0) && slow.known_hz().is_none());
+        assert!(
+            stable(&observed).len() >= 3 && stable(&observed).iter().all(|s| *s) && stable(&slow).iter().any(|s| !*s)
+        );
         let predictive = super::super::ControllerKind::find("predictive").unwrap().tune;
-        let refused = predictive(&seen, &MarginTarget::default()).unwrap_err().to_string();
+        let refused = predictive(&observed, &MarginTarget::default()).unwrap_err().to_string();
         assert!(refused.contains("identified up to 5") && refused.contains("PRBS"), "{refused}");
     }
 
@@ -273,9 +276,12 @@ mod tests {
         assert!(pi(&bender(), &wrong).unwrap_err().to_string().starts_with("phase_deg = 0"));
         let unstable = path_of(Arx::new(TS, vec![1.01], vec![0.1]).unwrap(), (30.0, 40.0));
         assert!(pi(&unstable, &MarginTarget::default()).unwrap_err().to_string().contains("not stable"));
-        let late = ControlLoop { late: 21, ..bender() };
+        let delay_samples = ControlLoop { delay_samples: 21, ..bender() };
         assert!(
-            pi(&late, &MarginTarget::default()).unwrap_err().to_string().starts_with("late = 21: must be at most 20")
+            pi(&delay_samples, &MarginTarget::default())
+                .unwrap_err()
+                .to_string()
+                .starts_with("delay_samples = 21: must be at most 20")
         );
         let steep = MarginTarget { phase_deg: 179.0, ..Default::default() };
         assert!(pi(&bender(), &steep).unwrap_err().to_string().contains("no gain meets the margins"));

@@ -79,7 +79,8 @@ impl Estimate {
     pub(crate) fn model(&self, offset: f64) -> Result<Model, Error> {
         let hysteresis = self.basis.operator(&self.weights)?;
         let lags = self.lags.iter().copied().filter(|lag| lag.gain > NEGLIGIBLE_CREEP_GAIN).collect();
-        Model::driven(self.driver, hysteresis, self.linear.clone(), offset)?.with_creep(Creep::new(self.ts(), lags)?)
+        Model::from_blocks(self.driver, hysteresis, self.linear.clone(), offset)?
+            .with_creep(Creep::new(self.ts(), lags)?)
     }
 }
 

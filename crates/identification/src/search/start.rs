@@ -65,14 +65,15 @@ fn from_small_signal(search: &mut Search) -> Result<Candidate, Error> {
 fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag]) -> Result<(Arx, String), Error> {
     let slowest = slowest_pole(lags);
     require_excitation(small, 1)?;
-    let driven: Vec<Record> = small.iter().map(|record| behind_driver(record, settings)).collect::<Result<_, _>>()?;
+    let with_driver: Vec<Record> =
+        small.iter().map(|record| behind_driver(record, settings)).collect::<Result<_, _>>()?;
     let max_order = lines(small).len().saturating_sub(1).clamp(1, POLICY.max_order);
     if let Some(n) = settings.order {
         require_excitation(small, n)?;
-        return of_order(&driven, n);
+        return of_order(&with_driver, n);
     }
     let limits = OrderSearch { order: max_order, delay: POLICY.max_delay, parallel: true, ..OrderSearch::default() };
-    let found = select_order(&driven, &limits, &mut Stage::ignore)?;
+    let found = select_order(&with_driver, &limits, &mut Stage::ignore)?;
     let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
     if !creeps(&found.fit.arx) {
         return Ok((found.fit.arx, found.reason));
@@ -83,7 +84,7 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
     let Some(near) = near.min_by_key(|c| (c.orders.na, Reverse(c.orders.delay))) else {
         return Ok((found.fit.arx, found.reason));
     };
-    let fit = refine_alone(&driven, &near.arx, &Refinement::default(), &mut Stage::ignore)?;
+    let fit = refine_alone(&with_driver, &near.arx, &Refinement::default(), &mut Stage::ignore)?;
     let (n, delay) = (near.orders.na, near.orders.delay);
     let reason =
         format!("order {n} with delay {delay}, because the better block has a lag as slow as creep ({})", found.reason);
@@ -119,7 +120,7 @@ fn behind_driver(record: &Record, settings: &JointOptions) -> Result<Record, Err
     }
     let ts = record.ts();
     let unit = Arc::new(Proportional::new(ts / DriverModel::SUBSTEPS as f64, 1.0)?);
-    let alone = Model::driven(settings.driver, unit, Arx::gain(ts, 1.0)?, 0.0)?;
+    let alone = Model::from_blocks(settings.driver, unit, Arx::gain(ts, 1.0)?, 0.0)?;
     let u = alone.resume(&mut alone.settled(record.u()[0]), record.u());
     Ok(Record::new(ts, u, record.y().to_vec())?.with_units(record.units().clone()))
 }

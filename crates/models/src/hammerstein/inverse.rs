@@ -80,7 +80,7 @@ mod tests {
             for driver in [None, Some(DriverModel::new(1e-4, Some(6e4)).unwrap())] {
                 let ts = 5e-4 / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
                 let linear = Arx::gain(5e-4, 1.0).unwrap();
-                let model = Model::driven(driver, (o.example)(ts).unwrap(), linear, 0.0).unwrap();
+                let model = Model::from_blocks(driver, (o.example)(ts).unwrap(), linear, 0.0).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
                 let (mut there, mut back) = (model.settled(0.0), model.settled(0.0));
                 for t in 0..200 {

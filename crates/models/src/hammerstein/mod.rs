@@ -67,7 +67,7 @@ pub struct Model {
     offset: f64,
     units: Units,
     identified: Option<Domain>,
-    made: Value,
+    provenance: Value,
 }
 
 /// True if the numbers and units are equal to the bit, however the models were identified.
@@ -84,7 +84,7 @@ impl Model {
     /// # Errors
     /// Returns an error if the blocks have different sampling periods or the offset is not finite.
     pub fn new(hysteresis: Arc<dyn Hysteresis>, linear: Arx, offset: f64) -> Result<Self, Error> {
-        Model::driven(None, hysteresis, linear, offset)
+        Model::from_blocks(None, hysteresis, linear, offset)
     }
 
     /// The same behind a driver. The hysteresis block is sampled [`DriverModel::SUBSTEPS`] times faster than the linear
@@ -92,7 +92,7 @@ impl Model {
     ///
     /// # Errors
     /// The errors of [`Model::new`].
-    pub fn driven(
+    pub fn from_blocks(
         driver: Option<DriverModel>,
         hysteresis: Arc<dyn Hysteresis>,
         linear: Arx,
@@ -102,7 +102,7 @@ impl Model {
         Record::same_sampling("the hysteresis block", hysteresis.ts() * faster, "the linear block", linear.ts())?;
         piezoid_numerics::error::finite("offset", &[offset])?;
         let (creep, units) = (Creep::new(linear.ts(), Vec::new())?, Units::default());
-        Ok(Model { driver, hysteresis, creep, linear, offset, units, identified: None, made: Value::Null })
+        Ok(Model { driver, hysteresis, creep, linear, offset, units, identified: None, provenance: Value::Null })
     }
 
     /// The same model with creep between the hysteresis and the linear block.
@@ -126,8 +126,8 @@ impl Model {
     }
 
     /// The same model with its provenance, stored as `fit` in its file.
-    pub fn with_provenance(self, made: Value) -> Self {
-        Model { made, ..self }
+    pub fn with_provenance(self, provenance: Value) -> Self {
+        Model { provenance, ..self }
     }
 
     /// The same model with the range of the data it was identified from, stored as `identified` in its file.
@@ -177,7 +177,7 @@ impl Model {
 
     /// The provenance of the model; null if unknown.
     pub fn provenance(&self) -> &Value {
-        &self.made
+        &self.provenance
     }
 
     /// The model as a JSON document; the same model gives the same bytes.
@@ -192,7 +192,7 @@ impl Model {
             linear: LinearDocument { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
             offset: self.offset,
             identified: self.identified,
-            fit: self.made.clone(),
+            fit: self.provenance.clone(),
         };
         // A document of strings and finite numbers always serialises.
         serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
@@ -226,7 +226,7 @@ impl Model {
         let driver = d.driver.map(|d| DriverModel::new(d.lag_s, d.slew)).transpose()?;
         let linear = Arx::new(d.ts, d.linear.a, d.linear.b)?;
         let ts = if driver.is_some() { d.ts / DriverModel::SUBSTEPS as f64 } else { d.ts };
-        let model = Model::driven(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
+        let model = Model::from_blocks(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
         let model = model.with_creep(Creep::new(d.ts, d.creep.unwrap_or_default())?)?;
         let identified = d.identified.map(Domain::checked).transpose()?;
         Ok(Model { identified, ..model.with_units(d.units).with_provenance(d.fit) })
@@ -298,16 +298,16 @@ impl Model {
         let (Some(d), [v, z]) = (&self.driver, driver) else { return self.hysteresis.respond(hysteresis, signal) };
         let h = self.ts() / DriverModel::SUBSTEPS as f64;
         for stretch in signal.chunks_mut(SEEN) {
-            let mut seen = [[0.0; DriverModel::SUBSTEPS]; SEEN];
-            let seen = &mut seen[..stretch.len()];
-            for (voltages, u) in seen.iter_mut().zip(&*stretch) {
+            let mut observed = [[0.0; DriverModel::SUBSTEPS]; SEEN];
+            let observed = &mut observed[..stretch.len()];
+            for (voltages, u) in observed.iter_mut().zip(&*stretch) {
                 for voltage in voltages {
                     *v = d.advance(*v, *u, h);
                     *voltage = *v;
                 }
             }
-            self.hysteresis.respond(hysteresis, seen.as_flattened_mut());
-            for (mean, after) in stretch.iter_mut().zip(seen) {
+            self.hysteresis.respond(hysteresis, observed.as_flattened_mut());
+            for (mean, after) in stretch.iter_mut().zip(observed) {
                 let mut twice = 0.0;
                 for next in *after {
                     twice += *z + next;
@@ -391,7 +391,7 @@ mod tests {
                 let hysteresis =
                     (o.example)(5e-4 / if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 }).unwrap();
                 let linear = Arx::new(5e-4, vec![1.6, -0.8], vec![0.1, 0.2 / 3.0]).unwrap();
-                let model = Model::driven(driver, hysteresis, linear, -0.1).unwrap();
+                let model = Model::from_blocks(driver, hysteresis, linear, -0.1).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
                 let mut x = model.initial();
                 let stepped: Vec<f64> = u.iter().map(|&u| model.step(&mut x, u)).collect();

@@ -117,7 +117,7 @@ mod tests {
         let coefficient = |k: usize| 0.5 * (-0.5f64).powi(k as i32);
         let (a, b) = ((0..na).map(coefficient).collect(), (0..nb).map(|k| coefficient(k) + 1.0).collect());
         let hysteresis = (OPERATORS[operator].example)(ts).unwrap();
-        let model = Model::driven(driver, hysteresis, Arx::new(5e-4, a, b).unwrap(), -0.7).unwrap();
+        let model = Model::from_blocks(driver, hysteresis, Arx::new(5e-4, a, b).unwrap(), -0.7).unwrap();
         if na % 2 == 0 { model } else { model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap() }
     }
 

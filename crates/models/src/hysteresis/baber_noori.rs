@@ -111,13 +111,13 @@ fn hysteresis(x: hysteresis, u) {
     if points != 0.0 {
         let length = path * points;
         // Steps of at most a share of the range, and not more of them than there may be.
-        let wanted = length * pieces / span;
+        let needed = length * pieces / span;
         let steps = 1;
-        if wanted > real(most_steps) {
+        if needed > real(most_steps) {
             steps = most_steps;
-        } else if wanted > 1.0 {
-            steps = whole(wanted);
-            if real(steps) < wanted { steps += 1; }
+        } else if needed > 1.0 {
+            steps = whole(needed);
+            if real(steps) < needed { steps += 1; }
         }
         let s = length / real(steps);
         let brief = 0.5 * s;

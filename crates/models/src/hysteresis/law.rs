@@ -196,12 +196,12 @@ impl<L: Law> Weighted<L> {
     /// See [`Operator::load`].
     pub(super) fn load(params: Value, ts: f64) -> Result<Arc<dyn Hysteresis>, Error> {
         let name = L::ROW.name;
-        let given: Vec<String> = params.as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default();
+        let names: Vec<String> = params.as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default();
         let LawParams::<L> { range, law, weights } = parse(name, params)?;
         let block = Self::new(ts, range, law, weights)?;
         // serde cannot reject unknown fields beside a flattened struct.
         let known = block.params();
-        match given.iter().find(|key| !known.contains_key(*key)) {
+        match names.iter().find(|key| !known.contains_key(*key)) {
             None => Ok(Arc::new(block)),
             Some(key) => Err(Error::Content(format!("hysteresis block `{name}`: unknown field `{key}`: remove it"))),
         }

@@ -101,9 +101,9 @@ impl Law for MaxwellSlip {
                 let (pulled, beyond) = (e + input.length(), e - breakaway);
                 let slides = sliding.value() == way;
                 // A slider that breaks away within the sample ends at its breakaway.
-                let late = if slides | (beyond.value() > 0.0) { beyond * left } else { 0.0.into() };
+                let released = if slides | (beyond.value() > 0.0) { beyond * left } else { 0.0.into() };
                 let sticks = !slides & (pulled < breakaway);
-                *slider = if sticks { pulled } else { breakaway + late } * way.into();
+                *slider = if sticks { pulled } else { breakaway + released } * way.into();
                 *sliding = if sticks { 0.0 } else { way }.into();
             }
         }
@@ -154,9 +154,9 @@ fn hysteresis(x: hysteresis, u) {
                 x.sliding[k] = 0.0;
             } else {
                 // A slider that breaks away within this sample stays at its breakaway force.
-                let late = 0.0;
-                if x.sliding[k] == points || force > breakaway { late = (force - breakaway) * left_over; }
-                x.slider[k] = (breakaway + late) * points;
+                let released = 0.0;
+                if x.sliding[k] == points || force > breakaway { released = (force - breakaway) * left_over; }
+                x.slider[k] = (breakaway + released) * points;
                 x.sliding[k] = points;
             }
         }

@@ -62,9 +62,9 @@ pub static ESTIMATORS: &[Estimator] = &[
         name: "swarm",
         summary: "sum of absolute errors, by particle swarm (the paper's method)",
         reference: "paper, equations (2)-(7); Shi & Eberhart 1998, doi:10.1109/ICEC.1998.699146",
-        estimate: |given, settings, progress| {
-            let cost = AbsoluteError::from(&given.regression);
-            let search_box = given.regression.search_box(&given.start)?;
+        estimate: |input, settings, progress| {
+            let cost = AbsoluteError::from(&input.regression);
+            let search_box = input.regression.search_box(&input.start)?;
             let minimum = settings.clone().minimise(&cost, search_box, progress)?;
             if minimum.reason == Reason::Cancelled {
                 let (done, total) = (minimum.history.len() - 1, settings.iterations);
@@ -78,7 +78,7 @@ pub static ESTIMATORS: &[Estimator] = &[
         name: "least-squares",
         summary: "sum of squared errors, exactly, by QR",
         reference: "Ljung 1998, System Identification: Theory for the User",
-        estimate: |given, _, _| Ok(given.start.clone().into()),
+        estimate: |input, _, _| Ok(input.start.clone().into()),
     },
     #[cfg(feature = "clarabel")]
     Estimator {
@@ -93,8 +93,8 @@ pub static ESTIMATORS: &[Estimator] = &[
         name: "output-error",
         summary: "sum of squared free-run errors, by Levenberg-Marquardt: not biased by noise in y",
         reference: "Ljung 1998, System Identification; Marquardt 1963, doi:10.1137/0111030",
-        estimate: |given, _, progress| {
-            let found = OutputError::fit(given.records, given.regression.orders, &Refinement::default(), progress)?;
+        estimate: |input, _, progress| {
+            let found = OutputError::fit(input.records, input.regression.orders, &Refinement::default(), progress)?;
             let Minimum { x, history, courses, .. } = found.minimum;
             Ok(Solution { theta: x, offsets: Some(found.offsets), history, courses })
         },
@@ -104,9 +104,9 @@ pub static ESTIMATORS: &[Estimator] = &[
         summary: "refined instrumental variables: not biased by noise in y, robust to poor starting values",
         reference: "Young & Jakeman 1979, doi:10.1080/00207177908922676; Söderström & Stoica 1983, \
                     doi:10.1007/BFb0009019",
-        estimate: |given, _, _| {
-            let orders = given.regression.orders;
-            let found = instrumental::estimate(given.records, orders, &given.start[..orders.na])?;
+        estimate: |input, _, _| {
+            let orders = input.regression.orders;
+            let found = instrumental::estimate(input.records, orders, &input.start[..orders.na])?;
             let Iterations { theta, offsets, history, courses, .. } = found;
             Ok(Solution { theta, offsets: Some(offsets), history, courses })
         },
@@ -151,9 +151,9 @@ impl Estimator {
         let (start, offsets) = least_squares(&regression)?;
         let centred = regression.centred(&offsets);
         let least_squares_sum_abs = residuals(&centred, &start).sum_abs;
-        let given = EstimatorInput { records, regression: centred, start };
+        let input = EstimatorInput { records, regression: centred, start };
         let named = &mut |stage: Stage| progress(Stage { what: "linear block", ..stage });
-        let Solution { theta, offsets: own, history, courses } = (self.estimate)(&given, settings, named)?;
+        let Solution { theta, offsets: own, history, courses } = (self.estimate)(&input, settings, named)?;
         let offsets = own.unwrap_or(offsets);
         let (a, b) = theta.split_at(orders.na);
         let b = std::iter::repeat_n(0.0, orders.delay).chain(b.iter().copied()).collect();

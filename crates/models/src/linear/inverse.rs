@@ -82,11 +82,11 @@ impl Arx {
         let lead = self.b()[self.delay()] * product(&outside);
         let preview = self.delay() + outside.len();
         let past = |t: isize| y.get(t.clamp(0, y.len() as isize - 1) as usize).copied().unwrap_or(last);
-        let driven = (0..y.len() + preview).skip(preview).map(|t| {
+        let inner = (0..y.len() + preview).skip(preview).map(|t| {
             let fed_back: f64 = self.a().iter().zip(1..).map(|(a, k)| a * past(t as isize - k)).sum();
             (past(t as isize) - fed_back) / lead
         });
-        let mut z: Vec<f64> = driven.collect();
+        let mut z: Vec<f64> = inner.collect();
 
         let still = first * (1.0 - self.a().iter().sum::<f64>()) / lead;
         recurse(z.iter_mut(), &monic(&inside), still);

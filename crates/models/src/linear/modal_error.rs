@@ -57,7 +57,7 @@ impl HeldMode {
         let by_s = [z * ts, r * (rest * (1.0 - mu) * ts - g1) / s, r * (z * ts - rest * (1.0 - mu) * ts - g2) / s];
         // ds / d ln zeta = zeta w (-1 - i zeta / root); d R / d ln w = R, d R / d ln zeta = R zeta^2 / root^2
         let along = |ds: Complex<f64>, dr: f64| [by_s[0] * ds, by_s[1] * ds + r * g1 * dr, by_s[2] * ds + r * g2 * dr];
-        let late = r * ts * rest;
+        let delay = r * ts * rest;
         HeldMode {
             z,
             c: [r * g1, r * g2],
@@ -65,7 +65,7 @@ impl HeldMode {
             slopes: [
                 along(s, 1.0),
                 along(zeta * w * Complex::new(-1.0, -zeta / root), zeta * zeta / (root * root)),
-                [Complex::new(0.0, 0.0), -late, late],
+                [Complex::new(0.0, 0.0), -delay, delay],
             ],
         }
     }

@@ -108,7 +108,7 @@ impl ModalForm {
             _ => none(),
         };
         let mut modes = 0;
-        let seen = self.poles.iter().filter(|p| p.kind() != PoleKind::Image).map(|p| {
+        let observed = self.poles.iter().filter(|p| p.kind() != PoleKind::Image).map(|p| {
             let Pole { hz, damping, .. } = p.pole;
             if p.kind() == PoleKind::Lag {
                 let lag = format!("lag of {} s", round(1.0 / (TAU * hz)));
@@ -120,7 +120,7 @@ impl ModalForm {
             let [mass, damper] = [of(|o| 1e3 * o.mass), of(|o| o.damper)];
             [format!("mode {modes}"), short(hz), short(damping), percent(p.share), mass, damper]
         });
-        let mut rows: Vec<[String; 6]> = seen.collect();
+        let mut rows: Vec<[String; 6]> = observed.collect();
         let rest = |what: &str, share| [what.to_string(), none(), none(), percent(share), none(), none()];
         let images: Vec<f64> = self.poles.iter().filter(|p| p.kind() == PoleKind::Image).map(|p| p.share).collect();
         if !images.is_empty() {

@@ -157,15 +157,15 @@ impl<'p> Resolver<'p> {
     /// A call, and the first cell of its results.
     fn call(&mut self, name: &str, arguments: &'p [Expr]) -> Result<(Closure<'p, ()>, usize), Error> {
         let (function, ResolvedFunction { run, takes, gives }) = self.machine.ready(name)?;
-        let given = function.takes.iter().zip(arguments).map(|(takes, argument)| self.of(&takes.kind, argument));
-        let given = given.collect::<Result<Vec<_>, Error>>()?;
+        let inputs = function.takes.iter().zip(arguments).map(|(takes, argument)| self.of(&takes.kind, argument));
+        let inputs = inputs.collect::<Result<Vec<_>, Error>>()?;
         // All arguments are evaluated before one is passed, because an argument may call the same function.
-        let room = self.room(given.len());
+        let room = self.room(inputs.len());
         let call = move |w: &mut Work| {
-            for (k, value) in given.iter().enumerate() {
+            for (k, value) in inputs.iter().enumerate() {
                 w.cells[room + k] = value(w);
             }
-            w.cells.copy_within(room..room + given.len(), takes);
+            w.cells.copy_within(room..room + inputs.len(), takes);
             run(w);
         };
         Ok((Box::new(call), gives))
@@ -233,10 +233,10 @@ impl<'p> Resolver<'p> {
             }
             Expr::Call(name, arguments) => match counted::operation(name) {
                 Some(operation) => {
-                    let given = arguments.iter().map(|a| Ok(self.value(a)?.0)).collect::<Result<Vec<_>, Error>>()?;
+                    let inputs = arguments.iter().map(|a| Ok(self.value(a)?.0)).collect::<Result<Vec<_>, Error>>()?;
                     Box::new(move |w| {
                         let mut counts = [0.0; 3];
-                        counts.iter_mut().zip(&given).for_each(|(count, value)| *count = value(w));
+                        counts.iter_mut().zip(&inputs).for_each(|(count, value)| *count = value(w));
                         operation(&counts)
                     })
                 }

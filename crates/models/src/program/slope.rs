@@ -53,11 +53,11 @@ impl Program {
                 break;
             }
         }
-        let mut made = Vec::new();
+        let mut result = Vec::new();
         for function in self.functions.iter().filter(|f| moving.takes.contains_key(&f.name)) {
-            made.push(Slopes { program: self, moving: &moving, function, temporaries: 0 }.function()?);
+            result.push(Slopes { program: self, moving: &moving, function, temporaries: 0 }.function()?);
         }
-        self.functions.extend(made);
+        self.functions.extend(result);
         Ok(())
     }
 
@@ -284,29 +284,29 @@ impl Slopes<'_> {
                 let value = self.once(Expr::Call(name.clone(), vec![argument.clone()]), out);
                 let derivative = derivative_of(name);
                 let takes = self.program.function(&derivative).map_or(&[][..], |f| &f.takes);
-                let given = |p: &Argument| if p.name == "value" { value.clone() } else { argument.clone() };
-                let derivative = Expr::Call(derivative, takes.iter().map(given).collect());
+                let values = |p: &Argument| if p.name == "value" { value.clone() } else { argument.clone() };
+                let derivative = Expr::Call(derivative, takes.iter().map(values).collect());
                 (value, Some(binary(Op::Multiply, derivative, slope)))
             }
             Expr::Call(name, arguments) if self.moves_along(name, arguments) => {
-                let mut given = Vec::new();
+                let mut values = Vec::new();
                 for (argument, moves) in arguments.iter().zip(&self.moving.takes[name]) {
                     let beside = match argument {
                         Expr::Part(place) => {
-                            given.push(argument.clone());
+                            values.push(argument.clone());
                             Expr::Part(Place { root: slope_of(&place.root), ..place.clone() })
                         }
                         argument => {
                             let (value, slope) = self.dual(argument, out)?;
-                            given.push(value);
+                            values.push(value);
                             slope.unwrap_or(Expr::Real(0.0))
                         }
                     };
                     if *moves {
-                        given.push(beside);
+                        values.push(beside);
                     }
                 }
-                let call = Expr::Call(slope_of(name), given);
+                let call = Expr::Call(slope_of(name), values);
                 let returns = self.program.function(name).map_or(0, |f| f.returns.len());
                 if returns == 0 {
                     out.push(Statement::Do(call));

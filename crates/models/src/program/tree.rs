@@ -210,11 +210,11 @@ impl Function {
             Expr::At(place) | Expr::Part(place) => read.push(place.root.clone()),
             _ => {}
         });
-        let given: Vec<&str> = self.takes.iter().map(|p| &*p.name).collect();
+        let arguments: Vec<&str> = self.takes.iter().map(|p| &*p.name).collect();
         let idle = |step: &Statement| match step {
             Statement::Let(names, value) => names.iter().all(|name| !read.contains(name)) && value.changes_nothing(),
             Statement::Set(Place { root, .. }, value) => {
-                !read.contains(root) && !given.contains(&&**root) && value.changes_nothing()
+                !read.contains(root) && !arguments.contains(&&**root) && value.changes_nothing()
             }
             Statement::Array(name, _) => !read.contains(name),
             _ => false,

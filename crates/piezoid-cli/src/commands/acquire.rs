@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  What a controller is, and the limits that it tells; nothing moves:
+  What a controller is, and the limits it reports; nothing moves:
     piezoid acquire --host 192.168.0.10
   A drive of `piezoid plan` or `piezoid excite`, played in open loop and recorded:
     piezoid acquire sine20.csv --host 192.168.0.10 --range -20 120 -o record.csv
@@ -34,7 +34,7 @@ pub(crate) struct Acquire {
     /// The record to write: CSV, or .npz or .mat by the extension; - is stdout.
     #[arg(short, long, value_name = "FILE", value_parser = record(), requires = "drive")]
     output: Option<PathBuf>,
-    /// Write what the controller told as JSON; - is stdout.
+    /// Write what the controller reports as JSON; - is stdout.
     #[arg(long, value_name = "FILE")]
     json: Option<PathBuf>,
     #[command(flatten)]
@@ -63,30 +63,30 @@ impl Acquire {
             console
                 .remark("the wave generator is stopped; the axis is in open loop, and its voltage stays where it is");
         }
-        let made = console.done(outcome)?;
-        made.notes.iter().for_each(|note| console.remark(note));
-        let results = Results::default().record(Some(output), |name| made.record.written(name))?;
-        results.json(self.json.as_deref(), &made.to_json()).write(console)
+        let result = console.done(outcome)?;
+        result.notes.iter().for_each(|note| console.remark(note));
+        let results = Results::default().record(Some(output), |name| result.record.written(name))?;
+        results.json(self.json.as_deref(), &result.to_json()).write(console)
     }
 }
 
 /// What a controller said of itself.
 fn summary(controller: &Controller, console: &Console) -> String {
     let Controller { identity, cycle, table: points, recorder, axes, .. } = controller;
-    let told = |value: Option<String>| value.unwrap_or_else(|| "not told".into());
+    let reported = |value: Option<String>| value.unwrap_or_else(|| "not reported".into());
     let head = format!(
         "{identity}\nservo cycle {}; points of a wave table {}, of a table of the recorder {}\n\n",
-        told(cycle.map(|cycle| format!("{} us", short(1e6 * cycle)))),
-        told(points.map(|points| points.to_string())),
-        told(recorder.map(|points| points.to_string()))
+        reported(cycle.map(|cycle| format!("{} us", short(1e6 * cycle)))),
+        reported(points.map(|points| points.to_string())),
+        reported(recorder.map(|points| points.to_string()))
     );
     let rows = axes.iter().map(|axis| {
         vec![
             axis.name.clone(),
-            told(axis.position.map(|position| format!("{} {}", round(position), axis.unit))),
-            told(axis.voltage.map(|voltage| format!("{} V", round(voltage)))),
-            told(axis.range.map(|(low, high)| format!("{low} to {high} V"))),
-            told(axis.servo.map(|servo| if servo { "on".into() } else { "off".into() })),
+            reported(axis.position.map(|position| format!("{} {}", round(position), axis.unit))),
+            reported(axis.voltage.map(|voltage| format!("{} V", round(voltage)))),
+            reported(axis.range.map(|(low, high)| format!("{low} to {high} V"))),
+            reported(axis.servo.map(|servo| if servo { "on".into() } else { "off".into() })),
         ]
     });
     head + &table(&["axis", "position", "voltage", "limits", "servo"], &rows.collect::<Vec<_>>(), console.room())

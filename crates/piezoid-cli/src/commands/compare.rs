@@ -66,13 +66,13 @@ impl Compare {
         }
         let page = Results::default().file(self.output.as_deref(), comparison(&compared).html());
         page.json(self.json.as_deref(), &compared.to_json()).write(console)?;
-        let said = compared.summary().unwrap_or_else(|| "no error is defined: the outputs are constant".into());
+        let text = compared.summary().unwrap_or_else(|| "no error is defined: the outputs are constant".into());
         let wrote = match &self.output {
             Some(path) => format!("; wrote {}", path.display()),
             None => String::new(),
         };
-        let said = capitalised(&said) + &wrote;
-        if is_free { console.print(&console.paragraph(&format!("{said}."), "")) } else { Ok(()) }
+        let text = capitalised(&text) + &wrote;
+        if is_free { console.print(&console.paragraph(&format!("{text}."), "")) } else { Ok(()) }
     }
 }
 

@@ -58,16 +58,16 @@ impl Compensate {
         files::ready(&[Some(&self.output), self.json.as_deref()])?;
         let columns = self.columns.read()?;
         let (model, reference) = (files::read(&self.model)?, files::read(&reference)?);
-        let made = self.options.0.run(&model, &reference, &columns).map_err(failed)?;
+        let result = self.options.0.run(&model, &reference, &columns).map_err(failed)?;
         let stdout = Some(Path::new("-"));
         if self.json.as_deref() != stdout && Some(&*self.output) != stdout {
-            console.print(&tables(&made, console))?;
+            console.print(&tables(&result, console))?;
         }
-        for note in made.made.notes.iter().chain([&made.proven()]) {
+        for note in result.compensated.notes.iter().chain([&result.proven()]) {
             console.remark(note);
         }
-        let record = Results::default().record(Some(&self.output), |name| made.written(name))?;
-        record.json(self.json.as_deref(), &made.to_json()).write(console)
+        let record = Results::default().record(Some(&self.output), |name| result.written(name))?;
+        record.json(self.json.as_deref(), &result.to_json()).write(console)
     }
 }
 
@@ -75,17 +75,17 @@ impl Compensate {
 const ROUNDING: f64 = 1e-6;
 
 /// Tables of the error to expect, and of the peaks of the input with their limits.
-fn tables(made: &Compensation, console: &Console) -> String {
-    let (unit, (metrics, of_requested)) = (&made.units.y, made.metrics());
+fn tables(result: &Compensation, console: &Console) -> String {
+    let (unit, (metrics, of_requested)) = (&result.units.y, result.metrics());
     let (rms, max) = (format!("rms [{unit}]"), format!("max [{unit}]"));
     let figures = |name: &str, m: &Metrics| {
         [vec![name.to_string()], [m.rmse, m.max_abs, m.rms_pp_percent].map(number).to_vec()].concat()
     };
-    let expected = made.expected_rms().map(|rms| {
+    let expected = result.expected_rms().map(|rms| {
         let percent = number(100.0 * rms / metrics.peak_to_peak);
         vec!["to expect of the actuator".to_string(), number(rms), "-".into(), percent]
     });
-    // What the inverse leaves is rounding, unless it is told to clip or to stop early.
+    // What the inverse leaves is rounding, unless it is set to clip or to stop early.
     let left = expected.is_none() || metrics.rms_pp_percent > ROUNDING;
     let name = if of_requested.is_some() { "on the model, shaped reference" } else { "on the model" };
     let rows: Vec<_> = expected
@@ -94,13 +94,13 @@ fn tables(made: &Compensation, console: &Console) -> String {
         .chain(of_requested.map(|m| figures("on the model, requested reference", &m)))
         .collect();
     let error = table(&["error", &rms, &max, "% of peak-to-peak of r"], &rows, console.room());
-    let input = &made.units.u;
+    let input = &result.units.u;
     let row = |peak: &piezoid_records::excitation::Peak| {
         let (quantity, unit) = (peak.quantity.trim_end_matches(" voltage"), peak.unit.replace('V', input));
         let limit = peak.limit.map_or("-".into(), round);
         let share = peak.share.map_or("-".into(), |share| format!("{:.0}", 100.0 * share));
         vec![format!("{quantity} [{unit}]"), number(peak.value), limit, share]
     };
-    let rows: Vec<Vec<String>> = made.made.usage.peaks().map(row).collect();
+    let rows: Vec<Vec<String>> = result.compensated.usage.peaks().map(row).collect();
     error + "\n" + &table(&["input", "value", "limit", "% of limit"], &rows, console.room())
 }

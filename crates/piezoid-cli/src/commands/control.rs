@@ -97,10 +97,10 @@ impl Control {
 
 /// Remarks on the computing time per step of each controller.
 fn steps(compared: &Comparison) -> impl Iterator<Item = String> + '_ {
-    compared.driven.iter().filter(|d| d.drive.scheme.law.is_some()).filter_map(|d| {
+    compared.results.iter().filter(|d| d.tuned.scheme.law.is_some()).filter_map(|d| {
         let attempt = d.attempts.iter().find_map(|attempt| attempt.as_ref().ok())?;
-        let [middle, most] = timed(&d.drive, &attempt.run).map(|time| number(1e6 * time.as_secs_f64()));
-        let (name, ts) = (d.name(), round(1e6 * d.drive.model().ts()));
+        let [middle, most] = timed(&d.tuned, &attempt.run).map(|time| number(1e6 * time.as_secs_f64()));
+        let (name, ts) = (d.name(), round(1e6 * d.tuned.model().ts()));
         Some(format!(
             "{name}: one step of the controller takes {middle} us on this computer (median; 99th percentile \
                       {most} us); the sampling period is {ts} us"
@@ -113,7 +113,7 @@ fn timed(drive: &TunedScheme, run: &ClosedLoopRun) -> [Duration; 2] {
     let controller = drive.controller();
     let mut x = controller.initial();
     let mut took = |t: usize| {
-        let now = ControllerInput { y: run.y[t - 1], r: run.r[t - 1], feed: run.u[t], ahead: &run.r[t..] };
+        let now = ControllerInput { y: run.y[t - 1], r: run.r[t - 1], feed_forward: run.u[t], ahead: &run.r[t..] };
         let start = Instant::now();
         black_box(controller.step(&mut x, black_box(&now)));
         start.elapsed()
@@ -133,7 +133,7 @@ fn tables(compared: &Comparison, console: &Console) -> String {
 /// Table of tracking. One reference: all figures of each scheme. Several references: the rms errors.
 fn tracking(compared: &Comparison, console: &Console) -> String {
     let unit = compared.unit();
-    if let [only] = &compared.wanted[..] {
+    if let [only] = &compared.references[..] {
         let row = |d: &piezoid::control::SchemeResult| {
             let figures = match &d.attempts[0] {
                 Err(_) => vec!["-".to_string(); 5],
@@ -143,30 +143,30 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
             };
             [vec![d.name()], figures].concat()
         };
-        let rows: Vec<_> = compared.driven.iter().map(row).collect();
+        let rows: Vec<_> = compared.results.iter().map(row).collect();
         let (rms, max) = (format!("rms [{unit}]"), format!("max [{unit}]"));
         let header =
             [&*only.name, "rms [% of stroke]", &rms, &max, "rms change of u per sample [V]", "highest |u| [V]"];
         return table(&header, &rows, console.room());
     }
-    let row = |(k, wanted): (usize, &NamedReference)| {
+    let row = |(k, reference): (usize, &NamedReference)| {
         let figure =
             |a: &Result<ReferenceResult, _>| a.as_ref().map_or("-".into(), |a| number(a.tracking.percent_of_stroke));
-        let cells = compared.driven.iter().map(|d| figure(&d.attempts[k]));
-        [wanted.name.clone()].into_iter().chain(cells).collect()
+        let cells = compared.results.iter().map(|d| figure(&d.attempts[k]));
+        [reference.name.clone()].into_iter().chain(cells).collect()
     };
-    let names: Vec<String> = compared.driven.iter().map(|d| d.name()).collect();
+    let names: Vec<String> = compared.results.iter().map(|d| d.name()).collect();
     let header: Vec<&str> = ["rms error [% of p-p of r]"].into_iter().chain(names.iter().map(String::as_str)).collect();
-    table(&header, &compared.wanted.iter().enumerate().map(row).collect::<Vec<_>>(), console.room())
+    table(&header, &compared.references.iter().enumerate().map(row).collect::<Vec<_>>(), console.room())
 }
 
 fn margins(compared: &Comparison, console: &Console) -> Option<String> {
     let row = |d: &piezoid::control::SchemeResult| {
-        let m = d.drive.margins()?;
+        let m = d.tuned.margins()?;
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz].map(number);
         Some([d.name()].into_iter().chain(figures).collect())
     };
-    let rows: Vec<Vec<String>> = compared.driven.iter().filter_map(row).collect();
+    let rows: Vec<Vec<String>> = compared.results.iter().filter_map(row).collect();
     let header = ["loop", "gain margin [dB]", "phase margin [deg]", "peak of |S|", "bandwidth [Hz]"];
     (!rows.is_empty()).then(|| table(&header, &rows, console.room()))
 }
@@ -176,10 +176,10 @@ fn spreads(compared: &Comparison, console: &Console) -> Option<String> {
         let spread = d.spread.as_ref()?;
         let shares = [0.5, 0.9, 1.0].map(|share| number(spread.percent_of_stroke(share)));
         let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());
-        let unstable = d.drive.scheme.law.map_or("-".into(), counted);
+        let unstable = d.tuned.scheme.law.map_or("-".into(), counted);
         Some([d.name()].into_iter().chain(shares).chain([unstable]).collect())
     };
-    let rows: Vec<Vec<String>> = compared.driven.iter().filter_map(row).collect();
+    let rows: Vec<Vec<String>> = compared.results.iter().filter_map(row).collect();
     let header = ["random plants, rms [% of peak-to-peak of r]", "median", "90th percentile", "worst", "unstable"];
     (!rows.is_empty()).then(|| table(&header, &rows, console.room()))
 }

@@ -3,7 +3,7 @@
 
 use crate::console::Console;
 use crate::files::{self, Results};
-use crate::flags::{Flags, argument, failed, given, placeholder};
+use crate::flags::{Flags, argument, failed, placeholder, values};
 use crate::layout::{capitalised, wrapped};
 use crate::values::record;
 use anyhow::Result;
@@ -30,7 +30,7 @@ Examples:
 
 pub(crate) struct Excite {
     kind: &'static Excitation,
-    given: Value,
+    parameters: Value,
     common: Common,
 }
 
@@ -78,7 +78,7 @@ impl FromArgMatches for Excite {
         let wrong = |text: String| clap::Error::raw(ErrorKind::InvalidSubcommand, text);
         let (name, matches) = matches.subcommand().ok_or_else(|| wrong("name a kind of drive signal".into()))?;
         let kind = excitation::Excitation::find(name).map_err(|e| wrong(e.to_string()))?;
-        Ok(Excite { kind, given: given(&(kind.rows)(), matches), common: Common::from_arg_matches(matches)? })
+        Ok(Excite { kind, parameters: values(&(kind.rows)(), matches), common: Common::from_arg_matches(matches)? })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -91,15 +91,15 @@ impl Excite {
     pub(crate) fn run(self, console: &Console) -> Result<()> {
         let Common { options: Flags(options), output } = self.common;
         files::ready(&[Some(&output)])?;
-        let made: Excited = options.run(self.kind, self.given).map_err(failed)?;
+        let result: Excited = options.run(self.kind, self.parameters).map_err(failed)?;
         if options.clip {
             let of = options.limits.driver.map(|name| format!(" of `{name}`")).unwrap_or_default();
-            console.remark(&format!("{} of {} samples clipped to the limits{of}", made.clipped, made.u.len()));
+            console.remark(&format!("{} of {} samples clipped to the limits{of}", result.clipped, result.u.len()));
         }
-        for peak in made.usage.iter().flat_map(|usage| usage.peaks()) {
+        for peak in result.usage.iter().flat_map(|usage| usage.peaks()) {
             let share = peak.share.map(|s| format!(", {} % of the limit", round(100.0 * s))).unwrap_or_default();
             console.remark(&format!("{}: {} {}{share}", peak.quantity, number(peak.value), peak.unit));
         }
-        Results::default().record(Some(&output), |name| made.written(name))?.write(console)
+        Results::default().record(Some(&output), |name| result.written(name))?.write(console)
     }
 }

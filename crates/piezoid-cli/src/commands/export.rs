@@ -67,11 +67,11 @@ impl Export {
         let file = files::read(&self.model)?;
         let reference = self.reference.as_deref().map(files::read).transpose()?;
         let along = reference.as_ref().map(|file| (file, &columns));
-        let made = options.run(&self.target, &file, along, compiler::here()).map_err(failed)?;
-        let given = (self.target.as_str(), options.name.as_str());
-        let files = FileSet::export(&self.output, given, &made, self.force).map_err(failed)?;
-        Results::of(files).json(self.json.as_deref(), &made.to_json()).write(console)?;
-        for note in &made.notes {
+        let result = options.run(&self.target, &file, along, compiler::here()).map_err(failed)?;
+        let named = (self.target.as_str(), options.name.as_str());
+        let files = FileSet::export(&self.output, named, &result, self.force).map_err(failed)?;
+        Results::of(files).json(self.json.as_deref(), &result.to_json()).write(console)?;
+        for note in &result.notes {
             console.remark(note);
         }
         Ok(())

@@ -10,8 +10,8 @@ use piezoid_models::linear::{Residuals, Root};
 use piezoid_numerics::number::{round, short as number};
 
 /// The results as text for the terminal.
-pub(super) fn summary(made: &Identification, console: &Console) -> String {
-    let found = &made.found;
+pub(super) fn summary(result: &Identification, console: &Console) -> String {
+    let found = &result.found;
     let (arx, units) = (found.model.linear(), found.model.units());
     let listed = |name: &str, values: Vec<String>| {
         console.paragraph(&format!("  {name:<9} {}", values.join("  ")), "            ")
@@ -89,8 +89,8 @@ pub(super) fn summary(made: &Identification, console: &Console) -> String {
         let rows: Vec<_> = found.parameters.iter().map(row).collect();
         text += &format!("\n{}", table(&["parameter", "value", "standard error"], &rows, console.room()));
     }
-    if !made.training.is_empty() {
-        let training = Validated { files: made.training.clone() };
+    if !result.training.is_empty() {
+        let training = Validated { files: result.training.clone() };
         text += &format!("\nTraining records\n{}", tables::all(&training, false, console));
     }
     text
@@ -102,8 +102,8 @@ fn mechanics(reading: &ModalForm, console: &Console) -> String {
     let rows: Vec<Vec<String>> = reading.rows().into_iter().map(Vec::from).collect();
     let note = "Shares of the static displacement. Mass and damper are for a spring of 1 N/mm at the point of \
                 measurement: both are proportional to the stiffness.";
-    let said = [Some(note.to_string()), reading.images()].into_iter().flatten();
-    said.fold(table(&header, &rows, console.room()), |text, said| text + &console.paragraph(&said, ""))
+    let sentence = [Some(note.to_string()), reading.images()].into_iter().flatten();
+    sentence.fold(table(&header, &rows, console.room()), |text, sentence| text + &console.paragraph(&sentence, ""))
 }
 
 /// Creep and driver, if the model has them.

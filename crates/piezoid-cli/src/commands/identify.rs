@@ -102,7 +102,7 @@ impl Identify {
         let before = self.again.as_ref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
         let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&large_signal)?);
         let mut progress = console.progress();
-        let made = match &before {
+        let result = match &before {
             Some(before) => before.again(&large, &mut progress),
             None => {
                 let [small, large] = [&small, &large].map(|files| Source::all(files.clone(), &columns));
@@ -110,31 +110,31 @@ impl Identify {
             }
         };
         drop(progress);
-        let made = console.done(made)?;
+        let result = console.done(result)?;
         let stdout = Path::new("-");
         let is_free = !results.contains(&Some(stdout));
         if is_free && self.verbose {
-            console.print(&(summary(&made, console) + "\n"))?;
+            console.print(&(summary(&result, console) + "\n"))?;
         }
-        let reasons = made.found.reasons.iter().filter(|_| self.verbose);
-        for note in reasons.chain(&made.found.notes) {
+        let reasons = result.found.reasons.iter().filter(|_| self.verbose);
+        for note in reasons.chain(&result.found.notes) {
             console.remark(note);
         }
-        for (file, seen) in small.iter().zip(&made.linearity) {
-            if let Some(seen) = seen.as_ref().filter(|seen| seen.is_linear != Some(true)) {
-                console.remark(&format!("{}: {}", file.name, seen.verdict));
+        for (file, linearity) in small.iter().zip(&result.linearity) {
+            if let Some(linearity) = linearity.as_ref().filter(|linearity| linearity.is_linear != Some(true)) {
+                console.remark(&format!("{}: {}", file.name, linearity.verdict));
             }
         }
-        let written = Results::default().json(self.json.as_deref(), &made.to_json());
-        let written = written.file(self.output.as_deref(), made.model.to_json());
-        written.file(self.report.as_deref(), report::identification(&made).html()).write(console)?;
+        let written = Results::default().json(self.json.as_deref(), &result.to_json());
+        let written = written.file(self.output.as_deref(), result.model.to_json());
+        written.file(self.report.as_deref(), report::identification(&result).html()).write(console)?;
         let files = [self.output.as_deref(), self.report.as_deref()].into_iter().flatten();
         let named: Vec<String> = files.filter(|path| *path != stdout).map(|path| path.display().to_string()).collect();
         let wrote = if named.is_empty() { String::new() } else { format!("; wrote {}", join(&named)) };
-        let same = before.filter(|before| *before == made.model);
+        let same = before.filter(|before| *before == result.model);
         let same = same.and(self.again).map(|path| format!("Equal to {} to the bit", path.display()));
-        let said = [made.model.to_string(), capitalised(&verdict(made.model.verdict().as_ref())) + &wrote];
-        for line in said.into_iter().chain(same) {
+        let text = [result.model.to_string(), capitalised(&verdict(result.model.verdict().as_ref())) + &wrote];
+        for line in text.into_iter().chain(same) {
             match is_free {
                 true => console.print(&console.paragraph(&format!("{line}."), ""))?,
                 false => console.remark(&line),

@@ -48,11 +48,11 @@ impl Inspect {
         let (columns, data) = (self.columns.read()?, files::read_all(&self.data)?);
         let mut all = Vec::new();
         for file in &data {
-            let (seen, record) = file.inspect(&columns).map_err(failed)?;
+            let (inspection, record) = file.inspect(&columns).map_err(failed)?;
             if !results.contains(&Some(Path::new("-"))) {
-                console.print(&summary(&seen, record.as_ref(), console))?;
+                console.print(&summary(&inspection, record.as_ref(), console))?;
             }
-            all.push(seen);
+            all.push(inspection);
         }
         let mut results = Results::default();
         if let (Some(path), Some(first)) = (&self.output, data.first()) {
@@ -65,18 +65,22 @@ impl Inspect {
 }
 
 /// What a file holds, as text for the terminal.
-fn summary(seen: &Value, record: Result<&Record, &Error>, console: &Console) -> String {
+fn summary(inspection: &Value, record: Result<&Record, &Error>, console: &Console) -> String {
     let text = |value: &Value| value.as_str().map_or_else(|| "-".to_string(), String::from);
     let number = |value: &Value| value.as_f64().map_or_else(|| "-".into(), round);
-    let channels = seen["channels"].as_array().map_or(&[][..], Vec::as_slice);
+    let channels = inspection["channels"].as_array().map_or(&[][..], Vec::as_slice);
     let row = |channel: &Value| {
         let (name, unit, role) = (text(&channel["name"]), text(&channel["unit"]), text(&channel["role"]));
         vec![name, role, unit, channel["samples"].to_string(), number(&channel["low"]), number(&channel["high"])]
     };
     let rows: Vec<Vec<String>> = channels.iter().map(row).collect();
     let header = ["channel", "role", "unit", "samples", "from", "to"];
-    let mut said =
-        format!("{}: {}\n{}", text(&seen["file"]), text(&seen["format"]), table(&header, &rows, console.room()));
+    let mut sentence = format!(
+        "{}: {}\n{}",
+        text(&inspection["file"]),
+        text(&inspection["format"]),
+        table(&header, &rows, console.room())
+    );
     if let Ok(record) = record {
         let (ts, units) = (record.ts(), record.units());
         let rate = format!(
@@ -88,23 +92,23 @@ fn summary(seen: &Value, record: Result<&Record, &Error>, console: &Console) -> 
             units.u,
             units.y
         );
-        said += &console.paragraph(&rate, "  ");
+        sentence += &console.paragraph(&rate, "  ");
     }
-    let list = |name: &str| seen[name].as_array().into_iter().flatten().map(&text).collect::<Vec<_>>();
+    let list = |name: &str| inspection[name].as_array().into_iter().flatten().map(&text).collect::<Vec<_>>();
     for step in list("history") {
-        said += &console.paragraph(&step, "  ");
+        sentence += &console.paragraph(&step, "  ");
     }
     match record {
         Ok(record) => {
             let width = console.room().unwrap_or(80).min(100);
             for (name, samples) in [("u", record.u()), ("y", record.y())] {
-                said += &crate::sketch::sketch(name, samples, width);
+                sentence += &crate::sketch::sketch(name, samples, width);
             }
             for problem in list("problems") {
-                said += &console.paragraph(&format!("problem: {problem}"), "  ");
+                sentence += &console.paragraph(&format!("problem: {problem}"), "  ");
             }
         }
-        Err(error) => said += &console.paragraph(&format!("no record: {}", error.message(&CommandLine)), "  "),
+        Err(error) => sentence += &console.paragraph(&format!("no record: {}", error.message(&CommandLine)), "  "),
     }
-    said + "\n"
+    sentence + "\n"
 }

@@ -93,7 +93,8 @@ impl Targets {
 fn served(operators: &Value) -> String {
     let of = |what: &str| {
         let all = operators.as_object().into_iter().flatten();
-        let makes = |(_, made): &(&String, &Value)| made.as_array().is_some_and(|made| made.iter().any(|m| m == what));
+        let makes =
+            |(_, result): &(&String, &Value)| result.as_array().is_some_and(|result| result.iter().any(|m| m == what));
         let (with, without): (Vec<_>, Vec<_>) = all.partition(makes);
         let names = |rows: &[(&String, &Value)]| rows.iter().map(|(name, _)| &***name).collect::<Vec<_>>().join(", ");
         match (with.len(), without.len()) {
@@ -104,8 +105,8 @@ fn served(operators: &Value) -> String {
         }
     };
     match (of(MODEL), of(FEED_FORWARD)) {
-        (model, feed) if model == feed => format!("{MODEL} and {FEED_FORWARD}: {model}"),
-        (model, feed) => format!("{MODEL}: {model}; {FEED_FORWARD}: {feed}"),
+        (model, feed_forward) if model == feed_forward => format!("{MODEL} and {FEED_FORWARD}: {model}"),
+        (model, feed_forward) => format!("{MODEL}: {model}; {FEED_FORWARD}: {feed_forward}"),
     }
 }
 

@@ -49,10 +49,10 @@ impl Prepare {
         apart(&[Some(&self.output)], &[&self.file])?;
         files::ready(&[Some(&self.output)])?;
         let (columns, file) = (self.columns.read()?, files::read(&self.file)?);
-        let made = Source::new(file, columns, vec![Step::Prepare(self.options.0)]).record().map_err(failed)?;
-        for step in made.history() {
+        let result = Source::new(file, columns, vec![Step::Prepare(self.options.0)]).record().map_err(failed)?;
+        for step in result.history() {
             console.remark(step);
         }
-        Results::default().record(Some(&self.output), |name| made.written(name))?.write(console)
+        Results::default().record(Some(&self.output), |name| result.written(name))?.write(console)
     }
 }

@@ -35,7 +35,7 @@ impl Report {
         if self.output == Path::new("-") {
             return Ok(());
         }
-        let said = capitalised(&verdict(validated.verdict(&model).as_ref()));
-        console.print(&console.paragraph(&format!("{said}; wrote {}.", self.output.display()), ""))
+        let text = capitalised(&verdict(validated.verdict(&model).as_ref()));
+        console.print(&console.paragraph(&format!("{text}; wrote {}.", self.output.display()), ""))
     }
 }

@@ -48,8 +48,8 @@ impl Serve {
         let worker = (itself()?, ["serve", "--answer"].map(String::from).into());
         let settings = Settings { folder: folder.clone(), port: self.port, limit: self.limit << 20, worker };
         let ready = |address: &str| {
-            let told = format!("piezoid serves the folder {} at\n  {address}\nCtrl-C ends\n", folder.display());
-            if let Err(error) = console.print(&told) {
+            let message = format!("piezoid serves the folder {} at\n  {address}\nCtrl-C ends\n", folder.display());
+            if let Err(error) = console.print(&message) {
                 console.remark(&format!("{error:#}"));
             }
             if self.open && browser(address).is_err() {

@@ -63,15 +63,15 @@ impl Simulate {
             options.begin = InitialCondition::Settled;
         }
         let input = files::read(&input)?;
-        let made = match (&self.plant, &self.model) {
+        let result = match (&self.plant, &self.model) {
             (Some(plant), _) => options.plant(&lists::plant(plant)?, &input, columns),
             (_, Some(model)) => options.model(&files::read(model)?, &input, columns),
             _ => bail!("name a --plant or a --model"),
         };
-        let made = made.map_err(failed)?;
-        if !made.reached.is_empty() {
-            console.remark(&made.reached);
+        let result = result.map_err(failed)?;
+        if !result.reached.is_empty() {
+            console.remark(&result.reached);
         }
-        Results::default().record(Some(&self.output), |name| made.written(name))?.write(console)
+        Results::default().record(Some(&self.output), |name| result.written(name))?.write(console)
     }
 }

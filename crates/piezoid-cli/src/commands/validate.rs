@@ -97,7 +97,7 @@ impl Validate {
             }
         }
         Results::default().json(self.json.as_deref(), &validated.to_json()).write(console)?;
-        let said = capitalised(&tables::verdict(validated.verdict(&model).as_ref()));
-        if is_free { console.print(&console.paragraph(&format!("{said}."), "")) } else { Ok(()) }
+        let text = capitalised(&tables::verdict(validated.verdict(&model).as_ref()));
+        if is_free { console.print(&console.paragraph(&format!("{text}."), "")) } else { Ok(()) }
     }
 }

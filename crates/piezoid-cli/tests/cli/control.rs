@@ -67,8 +67,9 @@ fn the_usual_table_has_ten_references_and_what_cannot_be_learnt_is_told() {
 #[test]
 fn a_run_goes_into_a_record_that_can_be_read_again() {
     let bench = bench();
-    let line =
-        format!("{RUN} --reference triangle:10 --amplitude 200 --controller pid --late 2 --preview 0 --noise 0.1");
+    let line = format!(
+        "{RUN} --reference triangle:10 --amplitude 200 --controller pid --delay-samples 2 --preview 0 --noise 0.1"
+    );
     bench.run(&format!("{line} -o run.csv")).ok();
     assert!(bench.text("run.csv").starts_with("t_s,u_V,y_um,r_um\n"));
     bench.run("control --plant paper --model plays.json --controller pi --reference run.csv -o again.npz").ok();
@@ -89,8 +90,8 @@ fn draws_of_tolerance_are_counted_and_a_seed_decides_them() {
 #[test]
 fn controllers_are_tuned_for_readings_that_come_late() {
     let bench = bench();
-    let figures = |late: usize| {
-        let line = format!("{RUN} --reference sine:5 --amplitude 200 --controller pi --late {late}");
+    let figures = |delay_samples: usize| {
+        let line = format!("{RUN} --reference sine:5 --amplitude 200 --controller pi --delay-samples {delay_samples}");
         bench.run(&format!("{line} --json figures.json")).ok();
         let margins = bench.json("figures.json")["schemes"][0]["margins"].clone();
         assert!(number(&margins["gain_db"]) >= 5.99 && number(&margins["phase_deg"]) >= 44.9, "{margins}");
@@ -109,7 +110,7 @@ fn what_makes_no_sense_is_named() {
     bench.misused(&format!("{RUN} --reference sin:5")).says(&["no such file", "did you mean `sine`?"]);
     bench.misused(&format!("{RUN} --reference sine:5 triangle:5 -o run.csv")).says(&["-o holds one run"]);
     bench.run(&format!("{RUN} --gain-margin 0")).exits(2).says(&["0", "positive"]);
-    bench.run(&format!("{RUN} --late 21")).exits(2).says(&["21", "from 0 to 20"]);
+    bench.run(&format!("{RUN} --delay-samples 21")).exits(2).says(&["21", "from 0 to 20"]);
     bench.run(&format!("{RUN} --tolerance 100")).exits(2).says(&["100", "below 100"]);
     bench
         .refused(&format!("{RUN} --controller pi --phase-margin 200"))

@@ -56,10 +56,10 @@ fn fmus_share_a_folder_and_no_other_file_is_replaced() {
 #[test]
 fn the_operations_of_every_function_are_given_as_json_with_their_bound() {
     let bench = Bench::stocked();
-    let said = bench.run(&format!("{EXPORT} --target c --name a -o out --json -")).ok().out_json();
-    assert_eq!(said["files"][0]["file"], "a.h");
-    assert_eq!(said["functions"][0]["function"], "step");
-    let operations = &said["functions"][0]["operations"];
+    let text = bench.run(&format!("{EXPORT} --target c --name a -o out --json -")).ok().out_json();
+    assert_eq!(text["files"][0]["file"], "a.h");
+    assert_eq!(text["functions"][0]["function"], "step");
+    let operations = &text["functions"][0]["operations"];
     let [most, bound] = ["most_seen", "bound"].map(|key| operations[key].as_u64().unwrap());
     assert!(0 < most && most <= bound, "{operations}");
     let stated = format!("Operations in one call: at most {most} in the self-test, at most {bound} for every input.");
@@ -70,8 +70,8 @@ fn the_operations_of_every_function_are_given_as_json_with_their_bound() {
 #[test]
 fn targets_tell_the_operators_that_they_serve() {
     let bench = Bench::new();
-    let told = bench.run("targets --operators").ok();
-    told.prints(&["model and feed-forward: all 16 operators", "model: no operator; feed-forward: all 16"]);
+    let message = bench.run("targets --operators").ok();
+    message.prints(&["model and feed-forward: all 16 operators", "model: no operator; feed-forward: all 16"]);
     let rows = bench.run("targets --operators --json -").ok().out_json();
     let rows = rows.as_array().unwrap();
     let of = |target: &str| &rows.iter().find(|row| row["name"] == target).unwrap()["operators"]["preisach"];

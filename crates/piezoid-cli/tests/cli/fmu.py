@@ -17,19 +17,19 @@ from fmpy.validation import validate_fmu
 class Instance:
     """An instance of either version."""
 
-    # What was told to the logger. FMPy has one for all instances, that of the latest, so all of them have to stay.
+    # What the logger received. FMPy has one for all instances, that of the latest, so all of them have to stay.
     texts = []
     alive = []
 
     @staticmethod
-    def told(*message):
+    def messages(*message):
         Instance.texts.append(message[-1].decode())
 
     def __init__(self, folder, description, logging=True):
         self.by_name = {v.name: v for v in description.modelVariables}
         self.ts = float(self.by_name["ts"].start)
         self.second = description.fmiVersion == "2.0"
-        self.fmu = instantiate_fmu(folder, description, "CoSimulation", logger=Instance.told, debug_logging=logging)
+        self.fmu = instantiate_fmu(folder, description, "CoSimulation", logger=Instance.messages, debug_logging=logging)
         Instance.alive.append(self)
 
     def begin(self, start=0.0):
@@ -115,8 +115,8 @@ def simulates(path, run, tolerance="0"):
     """The importer's own loop gives the run bit for bit, or to this part of its stroke."""
     u, y = series(run)
     ts = float(next(v.start for v in fmpy.read_model_description(path).modelVariables if v.name == "ts"))
-    given = np.array([(k * ts, v) for k, v in enumerate(u)], dtype=[("time", float), ("u", float)])
-    result = fmpy.simulate_fmu(path, stop_time=len(u) * ts, output_interval=ts, input=given, output=["y"])
+    inputs = np.array([(k * ts, v) for k, v in enumerate(u)], dtype=[("time", float), ("u", float)])
+    result = fmpy.simulate_fmu(path, stop_time=len(u) * ts, output_interval=ts, input=inputs, output=["y"])
     assert len(result) == len(u) + 1, len(result)
     off = abs(result["y"][1:] - y) / np.ptp(y)
     assert off.max() <= float(tolerance), f"off by {off.max()} of the stroke at {off.argmax()}"
@@ -218,7 +218,7 @@ def refusals(path, run):
         one.fmu.guid = "{0}"
         del Instance.texts[:]
         try:
-            logger = {"callbacks": one.fmu.callbacks} if one.second else {"logMessage": Instance.told}
+            logger = {"callbacks": one.fmu.callbacks} if one.second else {"logMessage": Instance.messages}
             one.fmu.instantiate(loggingOn=True, **logger)
         except Exception as error:
             assert "Failed to instantiate" in str(error), error
@@ -228,9 +228,9 @@ def refusals(path, run):
 
 
 def logged(new):
-    """What is told is what was asked for."""
+    """The logger receives the requested messages."""
 
-    def told(call):
+    def messages(call):
         del Instance.texts[:]
         try:
             call()
@@ -238,18 +238,18 @@ def logged(new):
             pass
         return list(Instance.texts)
 
-    assert told(lambda: new().begin()) == ["instantiated", "initialised"]
+    assert messages(lambda: new().begin()) == ["instantiated", "initialised"]
     quiet, loud = new(logging=False), new()
-    assert told(quiet.begin) == []
+    assert messages(quiet.begin) == []
     # In version 2 it is debugging alone that is off.
-    assert len(told(lambda: quiet.step(7))) == (1 if quiet.second else 0)
+    assert len(messages(lambda: quiet.step(7))) == (1 if quiet.second else 0)
     loud.fmu.setDebugLogging(False, ["logEvents"])
-    assert told(loud.fmu.reset) == []
-    assert len(told(lambda: loud.step(0))) == 1
+    assert messages(loud.fmu.reset) == []
+    assert len(messages(lambda: loud.step(0))) == 1
     loud.fmu.setDebugLogging(False, ["logStatusError"])
-    assert told(lambda: loud.step(0)) == []
+    assert messages(lambda: loud.step(0)) == []
     loud.fmu.setDebugLogging(True, [])
-    assert told(loud.fmu.reset) == ["reset"]
+    assert messages(loud.fmu.reset) == ["reset"]
 
 
 def cosimulates(path, run):

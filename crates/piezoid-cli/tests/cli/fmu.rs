@@ -23,7 +23,7 @@ const PLAYS: &str = r#"{"piezoid": 1, "ts": 0.001, "units": {"u": "V", "y": "<co
 
 /// True if the program runs. If it does not, the test is reported as skipped, and fails in CI.
 fn there(program: &str, arguments: &[&str], what: &str) -> bool {
-    let found = Command::new(program).args(arguments).output().is_ok_and(|told| told.status.success());
+    let found = Command::new(program).args(arguments).output().is_ok_and(|message| message.status.success());
     if !found {
         skipped(&format!("no {what}"));
     }
@@ -200,8 +200,8 @@ fn sources_compiled_by_hand_give_the_same_bits() {
             "-fPIC",
             "-shared",
         ]);
-        let told = cc.args(["plays.c", &format!("{fmu}_fmu.c"), "-o"]).arg(&library).output().unwrap();
-        Run::of("cc", &told).ok();
+        let message = cc.args(["plays.c", &format!("{fmu}_fmu.c"), "-o"]).arg(&library).output().unwrap();
+        Run::of("cc", &message).ok();
         python(&bench, &format!("simulates {},plays.csv", bench.path("rebuilt").display())).ok();
         std::fs::remove_dir_all(bench.path("rebuilt")).unwrap();
     }
@@ -222,8 +222,8 @@ fn the_sources_compile_without_a_warning_in_either_precision() {
             let code: Vec<_> = paths.filter(|path| path.extension().is_some_and(|e| e == "c")).collect();
             assert_eq!(code.len(), 2, "{fmu}");
             for compiler in &compilers {
-                let told = Command::new(compiler).current_dir(&sources).args(STRICT.split(' ')).args(&code).output();
-                assert_eq!(Run::of(compiler, &told.unwrap()).ok().err, "", "{fmu} {options}");
+                let message = Command::new(compiler).current_dir(&sources).args(STRICT.split(' ')).args(&code).output();
+                assert_eq!(Run::of(compiler, &message.unwrap()).ok().err, "", "{fmu} {options}");
             }
         }
     }
@@ -271,8 +271,8 @@ fn without_a_compiler_the_sources_go_alone_and_a_note_says_so() {
     let bench = Bench::new();
     bench.write("m.json", BOUC_WEN);
     let mut command = bench.command("export --model m.json --target fmu2 --name alone -o out");
-    let told = command.env("PATH", "").output().unwrap();
-    Run::of("export", &told).ok().says(&["alone_fmi2.fmu contains sources only", "no C compiler"]);
+    let message = command.env("PATH", "").output().unwrap();
+    Run::of("export", &message).ok().says(&["alone_fmi2.fmu contains sources only", "no C compiler"]);
     let inside = unpacked(&bench.bytes("out/alone_fmi2.fmu"));
     let names: Vec<&str> = inside.keys().map(String::as_str).collect();
     let sources = ["sources/alone.c", "sources/alone.h", "sources/alone_fmi2_fmu.c"];

@@ -15,7 +15,7 @@ const USES: [&str; 11] = [
     "report sine.csv --model hostile.json -o r.html",
     "compare hostile.json plain.json --data sine.csv -o c.html",
     "compensate path.csv --model hostile.json -o u.csv",
-    "compensate path.csv --model hostile.json --driver pl140 --clip --sweeps 2 --smooth 10ms --zvd -o u.csv",
+    "compensate path.csv --model hostile.json --driver pl140 --clip --iterations 2 --smooth 10ms --zvd -o u.csv",
     "control --plant pl140 --model hostile.json --reference path.csv --controller feed-forward --json k.json",
     "plan --actuator pl140 --bandwidth 80 --driver pl140 --model hostile.json -o plan",
     "export --model hostile.json --target waveform --reference path.csv --driver pl140 --clip --force -o w",
@@ -66,8 +66,8 @@ fn ends(bench: &Bench, model: &Path, line: &str) {
 }
 
 /// The models, divided among as many threads as tests may use.
-fn each(wanted: impl Fn(&Path) -> bool + Sync, lines: &[String]) {
-    let models: Vec<_> = models().into_iter().filter(|model| wanted(model)).collect();
+fn each(expected: impl Fn(&Path) -> bool + Sync, lines: &[String]) {
+    let models: Vec<_> = models().into_iter().filter(|model| expected(model)).collect();
     let next = std::sync::atomic::AtomicUsize::new(0);
     std::thread::scope(|scope| {
         for _ in 0..std::thread::available_parallelism().map_or(2, usize::from).min(8) {

@@ -25,25 +25,28 @@ fn a_file_is_shown_with_its_channels_its_roles_and_its_sketch() {
         "input `Spannung [V]`, output `Weg [\u{b5}m]`",
         "\u{28b3}\u{2840}",
     ]);
-    let seen = bench.run("inspect weg.csv --json -").ok().out_json();
-    assert_eq!((&seen[0]["channels"][1]["role"], &seen[0]["record"]["ts"]), (&"input".into(), &5e-4.into()));
+    let inspection = bench.run("inspect weg.csv --json -").ok().out_json();
+    assert_eq!(
+        (&inspection[0]["channels"][1]["role"], &inspection[0]["record"]["ts"]),
+        (&"input".into(), &5e-4.into())
+    );
 }
 
 #[test]
 fn a_profile_says_once_how_the_files_of_a_rig_are_read() {
     let bench = Bench::stocked();
     bench.write("scope.csv", scope(&bench));
-    let given = "--input-col CH1 --output-col CH2 --input-scale 20 --output-scale 5um/V";
-    let seen = bench.run("inspect scope.csv").ok().prints(&["no record"]).out;
-    let words: Vec<&str> = seen.split_whitespace().collect();
-    assert!(words.join(" ").contains("--input-col \"CH1\" --output-col \"CH2\""), "{seen}");
-    bench.run(&format!("inspect scope.csv {given} -o rig.toml")).ok().prints(&["u in V, y in um", "scaled by 5um/V"]);
+    let input = "--input-col CH1 --output-col CH2 --input-scale 20 --output-scale 5um/V";
+    let inspection = bench.run("inspect scope.csv").ok().prints(&["no record"]).out;
+    let words: Vec<&str> = inspection.split_whitespace().collect();
+    assert!(words.join(" ").contains("--input-col \"CH1\" --output-col \"CH2\""), "{inspection}");
+    bench.run(&format!("inspect scope.csv {input} -o rig.toml")).ok().prints(&["u in V, y in um", "scaled by 5um/V"]);
     let figures = |flags: &str| {
         let run = bench.run(&format!("validate --model model.json --data scope.csv --json - {flags}"));
         run.ok().out_json()["files"].clone()
     };
-    assert_eq!(figures("--profile rig.toml"), figures(given));
-    assert_ne!(figures("--profile rig.toml --output-scale 6um/V"), figures(given), "a flag counts more");
+    assert_eq!(figures("--profile rig.toml"), figures(input));
+    assert_ne!(figures("--profile rig.toml --output-scale 6um/V"), figures(input), "a flag counts more");
     let error = figures("--profile rig.toml")[0]["nrmse_percent"].as_f64().unwrap();
     let plain = bench.run("validate --model model.json --data sine5.csv --json -").ok().out_json();
     assert!((error / plain["files"][0]["nrmse_percent"].as_f64().unwrap() - 1.0).abs() < 1e-6);

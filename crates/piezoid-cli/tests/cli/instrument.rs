@@ -32,8 +32,8 @@ impl Drop for Controller {
 fn a_drive_becomes_a_record_and_a_model() {
     let (bench, controller) = (Bench::new(), Controller::new());
     let port = controller.1.clone();
-    let told = bench.run(&format!("acquire --port {port}")).ok().out;
-    assert!(told.contains("simulated controller") && told.contains("-30 to 30 V"), "{told}");
+    let message = bench.run(&format!("acquire --port {port}")).ok().out;
+    assert!(message.contains("simulated controller") && message.contains("-30 to 30 V"), "{message}");
     bench.run("excite rising-sine --frequency 8 --amplitude 25 --ts 1e-3 --duration 1 -o u.csv").ok();
     bench.run(&format!("acquire u.csv --port {port} --ramp 0.1 --settle 0 -o r.csv")).ok();
     let record = bench.text("r.csv");
@@ -49,12 +49,12 @@ fn a_drive_becomes_a_record_and_a_model() {
 #[test]
 fn the_client_of_the_maker_measures_too() {
     let there = Command::new("python3").args(["-c", "import pipython, numpy"]).output();
-    if !there.is_ok_and(|told| told.status.success()) {
+    if !there.is_ok_and(|message| message.status.success()) {
         return skipped("no PIPython");
     }
     let controller = Controller::new();
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/instrument.py");
-    let told = Command::new("python3").arg(script).arg(&controller.1).output().unwrap();
-    let said = String::from_utf8_lossy(&told.stderr);
-    assert!(told.status.success() && told.stdout.ends_with(b"all well\n"), "{said}");
+    let message = Command::new("python3").arg(script).arg(&controller.1).output().unwrap();
+    let text = String::from_utf8_lossy(&message.stderr);
+    assert!(message.status.success() && message.stdout.ends_with(b"all well\n"), "{text}");
 }

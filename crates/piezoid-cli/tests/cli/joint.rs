@@ -51,8 +51,8 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     assert!(number(&form["gain"]).is_finite() && number(&form["delay_s"]).abs() < 2e-3, "{form}");
     bench.run("report --model m.json --data stairs.csv -o m.html").ok();
     let page = bench.text("m.html");
-    for said in ["Operators tried", "mode 1 frequency [Hz]", "Loops of the hysteresis block", "Frequency response"] {
-        assert!(page.contains(said), "{said}");
+    for text in ["Operators tried", "mode 1 frequency [Hz]", "Loops of the hysteresis block", "Frequency response"] {
+        assert!(page.contains(text), "{text}");
     }
     let left = bench.run("validate --model m.json --data stairs.csv --json -").ok().out_json();
     assert!(number(&left["total"]["rms_pp_percent"]) < 0.02, "{}", left["total"]["rms_pp_percent"]);

@@ -16,7 +16,7 @@ use std::os::unix::process::ExitStatusExt;
 use std::process::{Child, ChildStdout, Command, ExitStatus, Output, Stdio};
 use std::time::{Duration, Instant, SystemTime};
 
-/// Kills unless told otherwise; 1000 before a release.
+/// Kills unless PIEZOID_KILLS says otherwise; 1000 before a release.
 const KILLS: u64 = 50;
 
 /// What a verb writes, the line that writes it, and how the line ends for the older and the newer files. Without an
@@ -104,7 +104,7 @@ impl Scenario {
         }
         let old = bench.everything();
         let line = format!("{line} {newer}");
-        let mut made = Scenario {
+        let mut result = Scenario {
             name: name.into(),
             bench,
             line,
@@ -114,16 +114,16 @@ impl Scenario {
             calls: Vec::new(),
         };
         let started = Instant::now();
-        let run = if traces { made.traced(&CALLS.join(","), None) } else { made.command().output().unwrap() };
-        made.took = started.elapsed();
-        made.new = made.bench.everything();
-        let told = Run::of(&made.line, &run).ok().err;
-        let count = |call: &str| told.lines().filter(|line| line.starts_with(&format!("{call}("))).count();
+        let run = if traces { result.traced(&CALLS.join(","), None) } else { result.command().output().unwrap() };
+        result.took = started.elapsed();
+        result.new = result.bench.everything();
+        let message = Run::of(&result.line, &run).ok().err;
+        let count = |call: &str| message.lines().filter(|line| line.starts_with(&format!("{call}("))).count();
         for calls in CALLS {
             let most = calls.split(',').map(count).max().unwrap_or(0);
-            made.calls.extend((1..=most).map(|k| Moment::Call(calls, k)));
+            result.calls.extend((1..=most).map(|k| Moment::Call(calls, k)));
         }
-        made
+        result
     }
 
     fn command(&self) -> Command {
@@ -132,7 +132,7 @@ impl Scenario {
         command
     }
 
-    /// The same under `strace`, which tells and changes these system calls.
+    /// The same under `strace`, which shows and changes these system calls.
     fn traced(&self, calls: &str, inject: Option<String>) -> Output {
         let plain = self.command();
         let mut strace = Command::new("strace");
@@ -188,9 +188,9 @@ impl Scenario {
         let home = self.bench.path("").canonicalize().unwrap();
         let is_here =
             |process: DirEntry| process.path().join("cwd").read_link().is_ok_and(|cwd| cwd.starts_with(&home));
-        let asked = Instant::now();
+        let requested = Instant::now();
         while std::fs::read_dir("/proc").into_iter().flatten().flatten().any(is_here) {
-            if asked.elapsed() > Duration::from_secs(5) {
+            if requested.elapsed() > Duration::from_secs(5) {
                 return false;
             }
         }
@@ -266,19 +266,19 @@ impl Scenario {
 /// A shell that sends signals, which is quicker than a process for each.
 struct Sender {
     shell: Child,
-    told: BufReader<ChildStdout>,
+    message: BufReader<ChildStdout>,
 }
 
 impl Sender {
     fn new() -> Self {
         let mut shell = Command::new("sh").stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().unwrap();
-        let told = BufReader::new(shell.stdout.take().unwrap());
-        Sender { shell, told }
+        let message = BufReader::new(shell.stdout.take().unwrap());
+        Sender { shell, message }
     }
 
     fn send(&mut self, signal: &str, child: &Child) {
         writeln!(self.shell.stdin.as_mut().unwrap(), "kill -{signal} {}; echo", child.id()).unwrap();
-        self.told.read_line(&mut String::new()).unwrap();
+        self.message.read_line(&mut String::new()).unwrap();
     }
 }
 
@@ -327,14 +327,14 @@ fn inputs() -> Content {
     bench.files()
 }
 
-fn told(variable: &str) -> Option<u64> {
+fn message(variable: &str) -> Option<u64> {
     std::env::var(variable).ok().map(|value| value.parse().unwrap())
 }
 
 #[test]
 fn a_killed_run_tears_nothing_names_what_it_mixed_and_the_next_one_leaves_nothing() {
-    let kills = told("PIEZOID_KILLS").unwrap_or(KILLS);
-    let seed = told("PIEZOID_SEED").unwrap_or(1);
+    let kills = message("PIEZOID_KILLS").unwrap_or(KILLS);
+    let seed = message("PIEZOID_SEED").unwrap_or(1);
     println!("{kills} kills, PIEZOID_SEED={seed}");
     let targets = Bench::new().run("targets --json -").ok().out_json();
     let targets = targets.as_array().unwrap().iter().map(|target| {
@@ -367,10 +367,10 @@ fn a_killed_run_tears_nothing_names_what_it_mixed_and_the_next_one_leaves_nothin
                 (&scenarios[k / 2 % scenarios.len()], SIGNALS[dice.roll(4) as usize], moment)
             }
         };
-        let (seen, wrong) = one.trial(&mut sender, signal, moment);
+        let (observed, wrong) = one.trial(&mut sender, signal, moment);
         faults.extend(wrong);
         for row in [(one.name.as_str(), signal), ("all", signal), ("all", "")] {
-            counts.entry(row).or_default().iter_mut().zip(seen).for_each(|(sum, one)| *sum += one);
+            counts.entry(row).or_default().iter_mut().zip(observed).for_each(|(sum, one)| *sum += one);
         }
     }
     println!("| command | signal | {} |\n|---|---|{}", COUNTED.join(" | "), "--:|".repeat(COUNTED.len()));
@@ -389,7 +389,7 @@ fn of_two_runs_at_once_all_files_are_of_one() {
         bench.run(&line(hz)).ok();
         bench.everything()
     });
-    for _ in 0..told("PIEZOID_KILLS").unwrap_or(KILLS) / 4 {
+    for _ in 0..message("PIEZOID_KILLS").unwrap_or(KILLS) / 4 {
         let mut both = ["80", "50"].map(|hz| bench.command(&line(hz)).stdout(Stdio::null()).spawn().unwrap());
         both.iter_mut().for_each(|run| assert!(run.wait().unwrap().success()));
         let now = bench.everything();

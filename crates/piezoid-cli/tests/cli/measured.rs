@@ -8,9 +8,9 @@ use std::path::{Path, PathBuf};
 /// The folder of the record: from `PIEZOID_DATA`, or beside the workspace.
 fn data() -> Option<PathBuf> {
     let beside = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data");
-    let given = std::env::var_os("PIEZOID_DATA").map(PathBuf::from);
+    let input = std::env::var_os("PIEZOID_DATA").map(PathBuf::from);
     let found =
-        [given, Some(beside)].into_iter().flatten().map(|folder| folder.join("picma-p885")).find(|f| f.is_dir());
+        [input, Some(beside)].into_iter().flatten().map(|folder| folder.join("picma-p885")).find(|f| f.is_dir());
     if found.is_none() {
         skipped("no measured data: set PIEZOID_DATA to the folder that holds picma-p885");
     }

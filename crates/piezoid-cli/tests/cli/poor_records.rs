@@ -47,8 +47,8 @@ fn spoilt(records: &[&str], change: Change) -> Bench {
 
 /// Residual of the model on the staircase [% of peak-to-peak].
 fn left(bench: &Bench) -> f64 {
-    let seen = bench.run("validate --model m.json --data stairs.csv --offset free --json -").ok().out_json();
-    number(&seen["total"]["rms_pp_percent"])
+    let observed = bench.run("validate --model m.json --data stairs.csv --offset free --json -").ok().out_json();
+    number(&observed["total"]["rms_pp_percent"])
 }
 
 fn by_sound_records() -> f64 {

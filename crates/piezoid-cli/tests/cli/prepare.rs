@@ -1,4 +1,4 @@
-//! `prepare`: steps in order, told and kept.
+//! `prepare`: steps in order, stated and kept.
 
 use crate::bench::{Bench, number};
 
@@ -13,7 +13,7 @@ fn columns(text: &str) -> Vec<Vec<f64>> {
 fn each_step_is_told_written_and_stored_in_the_model() {
     let bench = Bench::stocked();
     let line = "prepare sine5.csv --from 0.2 --output-offset 3 --average --decimate 4 -o period.csv";
-    let told = [
+    let message = [
         "note: cut from 0.2 s\n",
         "note: 3 um added to the output\n",
         "note: averaged 4 periods of 0.2 s, the last of the record; standard deviation of the output's noise 1.",
@@ -21,7 +21,7 @@ fn each_step_is_told_written_and_stored_in_the_model() {
         ", and without it the noise is 0.1",
         "note: decimated by 4, to 0.002 s, with an anti-alias filter that keeps up to 200 Hz",
     ];
-    bench.run(line).ok().says(&told);
+    bench.run(line).ok().says(&message);
     let text = bench.text("period.csv");
     assert!(text.starts_with("# piezoid: cut from 0.2 s\n# piezoid: 3 um added to the output\n"), "{text:.200}");
     let [t, u, _] = &columns(&text)[..] else { panic!() };
@@ -30,8 +30,8 @@ fn each_step_is_told_written_and_stored_in_the_model() {
     // The same steps, however it is written.
     for name in ["period.npz", "period.mat"] {
         bench.run(&line.replace("period.csv", name)).ok();
-        let seen = bench.run(&format!("inspect {name} --json -")).ok().out_json();
-        assert_eq!(seen[0]["history"].as_array().unwrap().len(), 4, "{seen}");
+        let observed = bench.run(&format!("inspect {name} --json -")).ok().out_json();
+        assert_eq!(observed[0]["history"].as_array().unwrap().len(), 4, "{observed}");
     }
     bench
         .run("identify period.csv --operator proportional --order 1 --from 0.02 -o new.json")
@@ -83,8 +83,11 @@ fn spikes_are_replaced_and_counted() {
     let (clean, whole) = (columns(&bench.text("clean.csv")), columns(&bench.text("sine5.csv")));
     let worst = clean[2].iter().zip(&whole[2]).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
     assert!(worst < 0.5, "{worst}");
-    let seen = bench.run("inspect clean.csv --json -").ok().out_json();
-    assert_eq!((number(&seen[0]["record"]["samples"]), seen[0]["problems"].as_array().unwrap().len()), (2000.0, 0));
+    let observed = bench.run("inspect clean.csv --json -").ok().out_json();
+    assert_eq!(
+        (number(&observed[0]["record"]["samples"]), observed[0]["problems"].as_array().unwrap().len()),
+        (2000.0, 0)
+    );
 }
 
 #[test]

@@ -77,7 +77,7 @@ fn ctrl_c_ends_a_long_identification_in_good_order() {
     assert!(before == bench.files());
 }
 
-/// Only Linux tells what is ignored.
+/// Only Linux shows what is ignored.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_run_that_was_started_by_nohup_goes_on_after_its_terminal_is_gone() {

@@ -92,8 +92,9 @@ fn what_noise_and_drift_make_of_an_error_is_told_and_drift_is_taken_away_if_aske
     });
     bench.write("drifted.csv", format!("t_s,u_V,y_um\n{}", rows.collect::<String>()));
     let line = "validate --verbose --model model.json --data drifted.csv";
-    let seen = bench.run(&format!("{line} --json v.json")).ok();
-    seen.prints(&["noise %", "% NRMSE, of which drift", "and noise"])
+    let observed = bench.run(&format!("{line} --json v.json")).ok();
+    observed
+        .prints(&["noise %", "% NRMSE, of which drift", "and noise"])
         .says(&["a drift of 4 um/s makes", "Set the offset to drift to see the rest"]);
     let file = &bench.json("v.json")["files"][0];
     assert!((number(&file["drift_per_s"]) - 4.0).abs() < 0.05, "{file}");

@@ -144,7 +144,7 @@ fn two_hundred_requests_at_once_are_answered() {
     let (bench, log) = (Bench::new(), b"t_s,u_V,y_um\n0,0,0.5\n1,1,2\n2,0,0.25\n".to_vec());
     let server = Server::start(&bench);
     let request = packed(json!({"call": "inspect", "files": {"data": ["a.csv"]}}), &[("a.csv", log)]);
-    let wanted = server.call(&request).1;
+    let expected = server.call(&request).1;
     let calls = |k: usize| loop {
         let (status, body) = match k % 2 {
             0 => server.ask("POST /api/call", &request),
@@ -153,7 +153,7 @@ fn two_hundred_requests_at_once_are_answered() {
         match status {
             // As a client does that reads Retry-After.
             503 => std::thread::sleep(Duration::from_millis(100)),
-            200 => return assert!(body.ends_with(&wanted)),
+            200 => return assert!(body.ends_with(&expected)),
             status => return assert_eq!(status, 201),
         }
     };
@@ -243,7 +243,7 @@ fn what_a_killed_server_left_is_removed_at_the_next_start_and_no_other_file() {
     assert_eq!(bench.names().into_iter().filter(uploads).collect::<Vec<_>>(), ["project/.piezoid-upload-notes"]);
 }
 
-/// Only Linux tells what is ignored.
+/// Only Linux shows what is ignored.
 #[test]
 #[cfg(target_os = "linux")]
 fn a_server_that_was_started_by_nohup_outlasts_its_terminal() {
@@ -266,8 +266,8 @@ fn idle_connections_leave_room_for_who_has_the_key() {
     let bench = Bench::new();
     let server = Server::start(&bench);
     let idle: Vec<TcpStream> = (0..320).map(|_| TcpStream::connect(("127.0.0.1", server.port)).unwrap()).collect();
-    let asked = Instant::now();
+    let requested = Instant::now();
     assert_eq!(server.ask("GET /api/files", b"").0, 200);
-    assert!(asked.elapsed() < Duration::from_secs(2), "{:?}", asked.elapsed());
+    assert!(requested.elapsed() < Duration::from_secs(2), "{:?}", requested.elapsed());
     drop(idle);
 }

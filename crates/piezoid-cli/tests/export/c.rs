@@ -19,8 +19,8 @@ fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sa
 #[test]
 fn single_precision_is_within_a_hundred_thousandth_of_the_stroke_and_feed_forwards_within_a_few_of_them() {
     for (name, model) in models() {
-        let wanted = ExportRequest::new(&model, &name).single(true);
-        let whole = piezoid_export::ExportedProgram::new(&wanted).unwrap();
+        let expected = ExportRequest::new(&model, &name).single(true);
+        let whole = piezoid_export::ExportedProgram::new(&expected).unwrap();
         for entry in &whole.entries {
             let vectors = &entry.vectors;
             println!("{name} {}: {:.1e}", entry.step, vectors.off);
@@ -51,10 +51,10 @@ fn a_header_may_be_read_by_cpp() {
 fn bounds_on_operations_hold_for_every_model_and_are_stated() {
     println!("| model | `step`, most seen | bound | `ff_step`, most seen | bound |\n|---|--:|--:|--:|--:|");
     for (name, model) in models() {
-        let made = (ExportTarget::find("c").unwrap().make)(&ExportRequest::new(&model, &name).single(true)).unwrap();
-        let page = String::from_utf8(made.files[3].bytes.clone()).unwrap();
+        let result = (ExportTarget::find("c").unwrap().make)(&ExportRequest::new(&model, &name).single(true)).unwrap();
+        let page = String::from_utf8(result.files[3].bytes.clone()).unwrap();
         let mut row = format!("| {name} |");
-        for f in &made.functions {
+        for f in &result.functions {
             assert!(f.most_seen <= f.bound && page.contains(&format!("| {} | {} |\n", f.most_seen, f.bound)), "{f:?}");
             row += &format!(" {} | {} |", f.most_seen, f.bound);
         }

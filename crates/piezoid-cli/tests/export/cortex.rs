@@ -36,22 +36,22 @@ static ON_THE_BOARD: LazyLock<Vec<Taken>> = LazyLock::new(|| {
     models.insert("fifteen".into(), fifteen_plays());
     let names: Vec<String> = models.keys().cloned().collect();
     let files = together(folder.path(), &names, |name| {
-        let wanted = ExportRequest::new(&models[name], name).single(true);
-        exported("c", &wanted, folder.path());
-        counting(name, &ExportedProgram::new(&wanted).unwrap())
+        let expected = ExportRequest::new(&models[name], name).single(true);
+        exported("c", &expected, folder.path());
+        counting(name, &ExportedProgram::new(&expected).unwrap())
     });
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export/cortex");
     let [start, board] = ["start.c", "board.ld"].map(|file| here.join(file).display().to_string());
     run(folder.path(), &format!("{BUILD} -c {files} {start}"));
     run(folder.path(), &format!("{BUILD} -T {board} {} start.o -o firmware.elf", files.replace(".c", ".o")));
-    let said = run(folder.path(), BOARD);
+    let text = run(folder.path(), BOARD);
     let flash = |name: &str| {
-        assert!(said.contains(&format!("\n{name}_step: 0 of 400 differ")), "{name}\n{said}");
+        assert!(text.contains(&format!("\n{name}_step: 0 of 400 differ")), "{name}\n{text}");
         let sizes = run(folder.path(), &format!("arm-none-eabi-size {name}.o"));
         sizes.lines().nth(1).and_then(|line| line.split_whitespace().next()).unwrap().parse().unwrap()
     };
     let flash: BTreeMap<&str, usize> = names.iter().map(|name| (name.as_str(), flash(name))).collect();
-    let rows = said.lines().filter_map(|line| line.strip_prefix("took "));
+    let rows = text.lines().filter_map(|line| line.strip_prefix("took "));
     rows.map(|row| {
         let words: Vec<&str> = row.split(' ').collect();
         let instructions = |word: &str| word.parse::<f64>().unwrap() * 40.0 / 64.0;

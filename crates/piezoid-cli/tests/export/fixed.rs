@@ -18,8 +18,8 @@ const CORTEX_M0: &str = "arm-none-eabi-gcc -std=c99 -Wall -Wextra -Werror -O2 -m
 static ALL: LazyLock<Vec<(String, Exported)>> = LazyLock::new(|| {
     let fixed = ExportTarget::find("fixed").unwrap();
     let make = |(name, model): (String, Model)| {
-        let made = (fixed.make)(&limited(&model, &name)).unwrap();
-        (name, made)
+        let result = (fixed.make)(&limited(&model, &name)).unwrap();
+        (name, result)
     };
     models().into_iter().map(make).collect()
 });
@@ -34,7 +34,7 @@ fn limited<'m>(model: &'m Model, name: &str) -> ExportRequest<'m> {
 /// A folder of all models in fixed point, and their names.
 fn all() -> (TempDir, Vec<String>) {
     let folder = tempfile::tempdir().unwrap();
-    for File { name, bytes } in ALL.iter().flat_map(|(_, made)| &made.files) {
+    for File { name, bytes } in ALL.iter().flat_map(|(_, result)| &result.files) {
         std::fs::write(folder.path().join(name), bytes).unwrap();
     }
     (folder, ALL.iter().map(|(name, _)| name.clone()).collect())
@@ -43,19 +43,19 @@ fn all() -> (TempDir, Vec<String>) {
 #[test]
 fn every_operator_has_a_model_and_a_feed_forward_within_a_millionth_of_the_stroke() {
     println!("| model | function | error, rms | largest | operations, most seen | bound |\n|---|---|--:|--:|--:|--:|");
-    for (name, made) in ALL.iter() {
-        assert!(made.notes.is_empty(), "{name}: {:?}", made.notes);
-        let header = String::from_utf8(made.files[0].bytes.clone()).unwrap();
+    for (name, result) in ALL.iter() {
+        assert!(result.notes.is_empty(), "{name}: {:?}", result.notes);
+        let header = String::from_utf8(result.files[0].bytes.clone()).unwrap();
         for (k, (step, most)) in
             [("step", 5e-7), ("ff_step", if name == "driven_plays" { 5e-6 } else { 1e-6 })].into_iter().enumerate()
         {
             let line = header.lines().find_map(|line| line.trim().strip_prefix(&format!("{step} has an error of ")));
             let words: Vec<&str> = line.unwrap().split_whitespace().collect();
             let (rms, largest) = (words[0], words[6]);
-            let f = &made.functions[k];
+            let f = &result.functions[k];
             println!("| {name} | `{step}` | {rms} | {largest} | {} | {} |", f.most_seen, f.bound);
             // Halving evaluates the law 33 times, whatever the reference.
-            assert!(f.name == step && f.bound < 40 * made.functions[0].bound, "{name}: {f:?}");
+            assert!(f.name == step && f.bound < 40 * result.functions[0].bound, "{name}: {f:?}");
             assert!(largest.parse::<f64>().unwrap() <= most, "{name}: {line:?}");
         }
     }
@@ -110,9 +110,9 @@ fn a_controller_counts_the_same() {
     exported("fixed", &ExportRequest { controller: Some(&pi), ..ExportRequest::new(&model, "m") }, folder.path());
     if there("gcc") {
         run(folder.path(), &format!("gcc {STRICT} m.c m_test.c -o self_test"));
-        let said = run(folder.path(), "./self_test");
+        let text = run(folder.path(), "./self_test");
         for step in ["step", "ff_step", "control_step"] {
-            assert!(said.contains(&format!("m_{step}: 0 of 400")), "{said}");
+            assert!(text.contains(&format!("m_{step}: 0 of 400")), "{text}");
         }
     }
 }

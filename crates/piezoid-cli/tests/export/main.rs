@@ -43,19 +43,19 @@ fn in_both_precisions(models: impl IntoIterator<Item = (String, Model)>) -> Vec<
 fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
     let faster = if driver.is_some() { DriverModel::SUBSTEPS as f64 } else { 1.0 };
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
-    let model = Model::driven(driver, (Operator::find(name)?.example)(TS / faster)?, block, 2.0)?;
+    let model = Model::from_blocks(driver, (Operator::find(name)?.example)(TS / faster)?, block, 2.0)?;
     model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)
 }
 
 /// Exports a model to `target_name` and writes the files into a folder.
-fn exported(target_name: &str, wanted: &ExportRequest, folder: &Path) -> Exported {
-    let made = (ExportTarget::find(target_name).unwrap().make)(wanted).unwrap();
-    for File { name, bytes } in &made.files {
+fn exported(target_name: &str, expected: &ExportRequest, folder: &Path) -> Exported {
+    let result = (ExportTarget::find(target_name).unwrap().make)(expected).unwrap();
+    for File { name, bytes } in &result.files {
         let path = folder.join(name);
         std::fs::create_dir_all(path.parent().unwrap()).unwrap();
         std::fs::write(path, bytes).unwrap();
     }
-    made
+    result
 }
 
 /// True if a tool is installed. If it is not, the test is reported as skipped, and fails in CI.
@@ -92,9 +92,9 @@ fn self_tested(folder: &Path, names: &[String], strict: &str) {
     let builds = [("gcc", "-O0", WATCHED), ("gcc", "-O3", ""), ("clang", "-O0", ""), ("clang", "-O3", WATCHED)];
     for (compiler, level, watched) in builds.into_iter().filter(|(compiler, ..)| there(compiler)) {
         run(folder, &format!("{compiler} {strict} {level} {watched} {files} -o self_test"));
-        let said = run(folder, "./self_test");
+        let text = run(folder, "./self_test");
         for name in names {
-            assert!(said.contains(&format!("\n{name}_step: 0 of 400 differ")), "{name}\n{said}");
+            assert!(text.contains(&format!("\n{name}_step: 0 of 400 differ")), "{name}\n{text}");
         }
     }
 }

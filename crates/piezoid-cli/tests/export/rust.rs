@@ -23,8 +23,8 @@ fn modules() -> TempDir {
 fn run(folder: &Path, tool: &str, arguments: &str) {
     if there(tool) {
         let output = Command::new(tool).args(arguments.split_whitespace()).current_dir(folder).output().unwrap();
-        let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
-        assert!(output.status.success(), "{tool} {arguments}\n{said}");
+        let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+        assert!(output.status.success(), "{tool} {arguments}\n{text}");
     }
 }
 

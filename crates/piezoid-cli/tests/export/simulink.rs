@@ -35,9 +35,9 @@ fn octave(folder: &Path, script: &str) -> (String, bool) {
     std::fs::write(folder.join("script.m"), script).unwrap();
     let mut command = Command::new("octave-cli");
     let output = command.args(["--quiet", "--no-init-file", "script.m"]).current_dir(folder).output().unwrap();
-    let said = String::from_utf8_lossy(&output.stderr);
-    let said = said.lines().filter(|line| !line.contains("preparing to exit")).map(|line| format!("{line}\n"));
-    (String::from_utf8_lossy(&output.stdout).into_owned() + &said.collect::<String>(), output.status.success())
+    let text = String::from_utf8_lossy(&output.stderr);
+    let text = text.lines().filter(|line| !line.contains("preparing to exit")).map(|line| format!("{line}\n"));
+    (String::from_utf8_lossy(&output.stdout).into_owned() + &text.collect::<String>(), output.status.success())
 }
 
 #[test]
@@ -49,11 +49,11 @@ fn in_octave_the_class_gives_the_same_bits_for_every_operator_and_in_either_prec
     let (mut script, mut expected) = (String::new(), String::new());
     let every = models().into_iter().chain([direct()]).map(|(name, model)| (name, model, false));
     for (name, model, single) in every.chain(kinds().into_iter().filter(|(.., single)| *single)) {
-        let wanted =
+        let target =
             ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, &name).single(single) };
-        exported("simulink", &wanted, folder.path());
+        exported("simulink", &target, folder.path());
         script += &format!("{name}_test();\n");
-        for entry in ExportedProgram::new(&wanted).unwrap().entries {
+        for entry in ExportedProgram::new(&target).unwrap().entries {
             let (prefix, unit) = (entry.step.trim_end_matches("step"), &entry.output.unit);
             for (what, n) in [("simulate", 400), ("simulate of a row", 9), ("step", 40)] {
                 expected += &format!("{name}, {prefix}{what}: 0 of {n} differ, by 0 {unit} at most\n");
@@ -74,8 +74,8 @@ fn a_class_that_gives_other_numbers_fails_its_test() {
     let changed = class.replace("1.7424;", "1.7424000000000002;");
     assert_ne!(changed, class);
     std::fs::write(folder.path().join("bender.m"), changed).unwrap();
-    let (said, well) = octave(folder.path(), "bender_test();\n");
-    assert!(!well && said.contains("error: the results differ from those of piezoid"), "{said}");
+    let (text, well) = octave(folder.path(), "bender_test();\n");
+    assert!(!well && text.contains("error: the results differ from those of piezoid"), "{text}");
 }
 
 #[test]
@@ -106,9 +106,9 @@ fn the_example_of_the_help_runs_and_signals_keep_their_shape() {
             assert(isequal(other.state, bender().state) && ~isequal(other.state, model.state));
             model.step([1, 2]);\n"
         );
-        let (said, well) = octave(folder.path(), &script);
-        let refused = said.starts_with("error: step takes one sample: simulate takes a row or column\n");
-        assert!(!well && refused, "{said}");
+        let (text, well) = octave(folder.path(), &script);
+        let refused = text.starts_with("error: step takes one sample: simulate takes a row or column\n");
+        assert!(!well && refused, "{text}");
     }
 }
 
@@ -122,8 +122,8 @@ fn units_of_any_text_stay_text() {
     let model = model("bouc-wen", None).unwrap().with_units(units);
     exported("simulink", &ExportRequest::new(&model, "bender"), folder.path());
     let script = "bender_test();\nassert(bender().units.y, 'it''s % */ \"um\" error(''no'')');\n";
-    let (said, well) = octave(folder.path(), script);
-    assert!(well, "{said}");
+    let (text, well) = octave(folder.path(), script);
+    assert!(well, "{text}");
 }
 
 #[test]
@@ -133,18 +133,18 @@ fn the_s_functions_are_handed_to_mex_one_by_one_and_put_into_a_model_if_asked() 
     }
     let folder = tempfile::tempdir().unwrap();
     let (model, controller) = (model("bouc-wen", None).unwrap(), controller());
-    let wanted = ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, "bender") };
-    exported("simulink", &wanted, folder.path());
+    let target = ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, "bender") };
+    exported("simulink", &target, folder.path());
     let mex = "function mex(varargin)\n    assert(cellfun(@(f) exist(f, 'file'), varargin(3:4)), [2, 2]);\nend\n";
     std::fs::write(folder.path().join("mex.m"), mex).unwrap();
     let add = "function add_block(kind, place, varargin)\n    disp([place, ' is ', varargin{2}]);\nend\n";
     std::fs::write(folder.path().join("add_block.m"), add).unwrap();
-    let (said, well) = octave(folder.path(), "bender_build();\nbender_build('rig');\n");
-    assert!(well, "{said}");
+    let (text, well) = octave(folder.path(), "bender_build();\nbender_build('rig');\n");
+    assert!(well, "{text}");
     for part in
         ["Compiled: bender_sfun, ", "give it one of these names", "rig/bender_control_sfun is bender_control_sfun"]
     {
-        assert!(said.contains(part), "{said}");
+        assert!(text.contains(part), "{text}");
     }
 }
 
@@ -156,9 +156,9 @@ fn simulated(engine: &Path, sfun: &str, inputs: &[Vec<f64>]) -> (Vec<f64>, Strin
     let bytes: Vec<u8> = inputs.iter().flatten().flat_map(|v| v.to_ne_bytes()).collect();
     child.stdin.take().unwrap().write_all(&bytes).unwrap();
     let output = child.wait_with_output().unwrap();
-    let said = String::from_utf8(output.stderr).unwrap();
-    assert!(output.status.success(), "{sfun}: {said}");
-    (output.stdout.chunks_exact(8).map(|v| f64::from_ne_bytes(v.try_into().unwrap())).collect(), said)
+    let text = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{sfun}: {text}");
+    (output.stdout.chunks_exact(8).map(|v| f64::from_ne_bytes(v.try_into().unwrap())).collect(), text)
 }
 
 #[test]
@@ -169,11 +169,11 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
     let (controller, folder) = (controller(), tempfile::tempdir().unwrap());
     let (mut files, mut bare, mut listed, mut expected) = (String::new(), String::new(), String::new(), Vec::new());
     for (name, model, single) in kinds() {
-        let wanted =
+        let target =
             ExportRequest { controller: Some(&controller), ..ExportRequest::new(&model, &name).single(single) };
-        exported("simulink", &wanted, folder.path());
+        exported("simulink", &target, folder.path());
         files += &format!(" {name}.c");
-        for entry in ExportedProgram::new(&wanted).unwrap().entries {
+        for entry in ExportedProgram::new(&target).unwrap().entries {
             let sfun = format!("{name}_{}sfun", entry.step.trim_end_matches("step"));
             let part = format!("#define s_function {sfun}_methods\n#include \"{sfun}.c\"\n");
             std::fs::write(folder.path().join(format!("{sfun}_part.c")), part).unwrap();
@@ -196,9 +196,9 @@ fn behind_a_stand_in_for_simulink_every_s_function_gives_the_same_numbers_in_eve
     run(folder.path(), &format!("{gcc} -c{bare}"));
     run(folder.path(), &format!("{gcc} -DMATLAB_MEX_FILE{files} {stand_in}/engine.c -o engine"));
     for (sfun, vectors, says) in expected {
-        let (given, said) = simulated(&folder.path().join("engine"), &sfun, &vectors.inputs);
-        assert!(given == vectors.outputs, "{sfun}");
-        assert_eq!(said, says, "{sfun}");
+        let (input, text) = simulated(&folder.path().join("engine"), &sfun, &vectors.inputs);
+        assert!(input == vectors.outputs, "{sfun}");
+        assert_eq!(text, says, "{sfun}");
     }
 }
 

@@ -10,9 +10,9 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
     let mut tried = 0;
     for (name, model) in models() {
         for single in [false, true] {
-            let made =
+            let result =
                 (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name).single(single)).unwrap();
-            let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
+            let texts = result.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
             let library = Library::read(&texts.collect::<String>(), single);
             let mut program = library.instance(&format!("{name}_test"));
             (0..401).for_each(|_| library.cycle(&mut program));
@@ -31,8 +31,8 @@ fn programs_of_the_vectors_find_no_sample_that_differs() {
 #[test]
 fn a_sample_that_differs_is_found() {
     let (name, model) = models().swap_remove(0);
-    let made = (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name)).unwrap();
-    let texts = made.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
+    let result = (ExportTarget::find("st").unwrap().make)(&ExportRequest::new(&model, &name)).unwrap();
+    let texts = result.files[..2].iter().map(|file| String::from_utf8(file.bytes.clone()).unwrap());
     let text = texts.collect::<String>().replace("offset : LREAL := 2.0", "offset : LREAL := 2.0000001");
     let library = Library::read(&text, false);
     let mut program = library.instance(&format!("{name}_test"));
@@ -53,8 +53,8 @@ fn the_grammar_of_twincat_takes_the_library() {
         exported("st", &ExportRequest::new(&model, &name), folder.path());
         let file = format!("{name}.st");
         let output = Command::new("blark").args(["parse", &file]).current_dir(folder.path()).output().unwrap();
-        let said = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
+        let text = String::from_utf8_lossy(&[output.stdout, output.stderr].concat()).into_owned();
         // blark exits with success whatever it finds.
-        assert!(output.status.success() && !said.contains("Failed"), "{name}\n{said}");
+        assert!(output.status.success() && !text.contains("Failed"), "{name}\n{text}");
     }
 }

@@ -85,9 +85,10 @@ impl Language for C<'_> {
         let mut lines: Vec<String> = rest.iter().map(|name| format!("{kind} {name} = {zero};")).collect();
         let value = match value {
             Expr::Call(function, arguments) if !rest.is_empty() => {
-                let given = self.arguments(arguments, printer);
-                let given: Vec<String> = given.into_iter().chain(rest.iter().map(|name| format!("&{name}"))).collect();
-                format!("{}({})", self.own(function), given.join(", "))
+                let values = self.arguments(arguments, printer);
+                let values: Vec<String> =
+                    values.into_iter().chain(rest.iter().map(|name| format!("&{name}"))).collect();
+                format!("{}({})", self.own(function), values.join(", "))
             }
             value => printer.expr(value),
         };

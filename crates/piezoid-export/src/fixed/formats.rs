@@ -45,8 +45,8 @@ impl Formats {
         let mut formats = Formats { long: adding(program), ..Default::default() };
         for function in program.functions.iter().filter(|f| !PLAIN.contains(&f.name.as_str())) {
             function.expressions(&mut |expr| {
-                let seen = machines.iter().filter_map(|m| m.largest(expr)).reduce(f64::max);
-                seen.map(|seen| formats.expressions.insert(expr, seen));
+                let observed = machines.iter().filter_map(|m| m.largest(expr)).reduce(f64::max);
+                observed.map(|observed| formats.expressions.insert(expr, observed));
             });
         }
         for block in &program.blocks {
@@ -69,7 +69,7 @@ impl Formats {
     fn gather(&mut self, program: &Program, function: &Function) {
         let local = |name: &str| Key::Local(function.name.clone(), name.to_owned());
         for (k, expr) in function.returns.iter().enumerate() {
-            self.raise(Key::Gives(function.name.clone(), k), self.seen(expr));
+            self.raise(Key::Gives(function.name.clone(), k), self.observed(expr));
         }
         let mut steps = |step: &Statement| match step {
             Statement::Let(names, Expr::Call(called, _)) if names.len() > 1 => {
@@ -80,18 +80,18 @@ impl Formats {
                     self.raise(outside, most);
                 }
             }
-            Statement::Let(names, expr) if !expr.whole() => self.raise(local(&names[0]), self.seen(expr)),
+            Statement::Let(names, expr) if !expr.whole() => self.raise(local(&names[0]), self.observed(expr)),
             Statement::Set(place, expr) if !expr.whole() => {
-                self.raise(key(program, function, place), self.seen(expr));
+                self.raise(key(program, function, place), self.observed(expr));
             }
             _ => {}
         };
         function.steps.iter().for_each(|step| step.all(&mut steps));
         function.expressions(&mut |expr| {
             let Expr::Call(name, arguments) = expr else { return };
-            for (takes, given) in program.function(name).iter().flat_map(|f| f.takes.iter().zip(arguments)) {
+            for (takes, values) in program.function(name).iter().flat_map(|f| f.takes.iter().zip(arguments)) {
                 if takes.kind == ValueType::Real {
-                    self.raise(Key::Local(name.clone(), takes.name.clone()), self.seen(given));
+                    self.raise(Key::Local(name.clone(), takes.name.clone()), self.observed(values));
                 }
             }
         });
@@ -114,11 +114,11 @@ impl Formats {
     }
 
     /// The exponent of the result of an expression, if it was ever evaluated.
-    pub(crate) fn given(&self, expr: &Expr) -> Option<i32> {
+    pub(crate) fn stated(&self, expr: &Expr) -> Option<i32> {
         self.expressions.get(&std::ptr::from_ref(expr)).map(|largest| fitting(*largest))
     }
 
-    fn seen(&self, expr: &Expr) -> f64 {
+    fn observed(&self, expr: &Expr) -> f64 {
         self.expressions.get(&std::ptr::from_ref(expr)).copied().unwrap_or(0.0)
     }
 

@@ -84,12 +84,12 @@ impl Lowering<'_> {
     fn step(&self, step: &Statement) -> Result<Vec<Statement>, Error> {
         Ok(vec![match step {
             Statement::Note(_) | Statement::Copy { .. } | Statement::Array(..) => step.clone(),
-            Statement::Let(names, Expr::Call(called, given)) if names.len() > 1 => {
-                Statement::Let(names.clone(), call(called, self.arguments(called, given)?))
+            Statement::Let(names, Expr::Call(called, values)) if names.len() > 1 => {
+                Statement::Let(names.clone(), call(called, self.arguments(called, values)?))
             }
             Statement::Let(names, expr) => Statement::Let(names.clone(), self.assigned(expr, &self.local(&names[0]))?),
             Statement::Set(place, expr) => Statement::Set(self.place(place)?, self.assigned(expr, &self.key(place))?),
-            Statement::Do(Expr::Call(called, given)) => Statement::Do(call(called, self.arguments(called, given)?)),
+            Statement::Do(Expr::Call(called, values)) => Statement::Do(call(called, self.arguments(called, values)?)),
             Statement::Do(_) => return Ok(Vec::new()),
             Statement::If(holds, yes, no) => match self.holds(holds)? {
                 Condition::Always => return self.steps(yes),
@@ -125,14 +125,14 @@ impl Lowering<'_> {
         Ok(Place { index: index.map(Box::new), ..place.clone() })
     }
 
-    fn arguments(&self, called: &str, given: &[Expr]) -> Result<Vec<Expr>, Error> {
+    fn arguments(&self, called: &str, values: &[Expr]) -> Result<Vec<Expr>, Error> {
         let takes = self.program.function(called).map_or(&[][..], |f| &f.takes);
-        let argument = |(takes, given): (&piezoid_models::program::Argument, &Expr)| match takes.kind {
-            ValueType::Real => self.stored(given, &Key::Local(called.to_owned(), takes.name.clone())),
-            ValueType::Integer => self.whole(given),
-            _ => Ok(given.clone()),
+        let argument = |(takes, values): (&piezoid_models::program::Argument, &Expr)| match takes.kind {
+            ValueType::Real => self.stored(values, &Key::Local(called.to_owned(), takes.name.clone())),
+            ValueType::Integer => self.whole(values),
+            _ => Ok(values.clone()),
         };
-        takes.iter().zip(given).map(argument).collect()
+        takes.iter().zip(values).map(argument).collect()
     }
 
     fn assigned(&self, expr: &Expr, to: &Key) -> Result<Expr, Error> {
@@ -154,8 +154,8 @@ impl Lowering<'_> {
 
     fn whole(&self, expr: &Expr) -> Result<Expr, Error> {
         Ok(match expr {
-            Expr::Call(name, given) if name == "whole" => {
-                let number = self.real(&given[0], None)?;
+            Expr::Call(name, values) if name == "whole" => {
+                let number = self.real(&values[0], None)?;
                 let (op, unit) = match number.exponent {
                     0.. => return Ok(call("whole", vec![number.to(0).expr])),
                     e => (Op::Divide, Expr::Real(power(-e))),
@@ -167,8 +167,8 @@ impl Lowering<'_> {
         })
     }
 
-    /// A number; products and quotients have the exponent `wanted` if the bits allow.
-    fn real(&self, expr: &Expr, wanted: Option<i32>) -> Result<Number, Error> {
+    /// A number; products and quotients have the exponent `target` if the bits allow.
+    fn real(&self, expr: &Expr, target: Option<i32>) -> Result<Number, Error> {
         if let Some(v) = literal(expr) {
             return Ok(Number::literal(v));
         }
@@ -198,27 +198,27 @@ impl Lowering<'_> {
                     _ => number,
                 }
             }
-            Expr::Call(name, given) if name == "real" => Number::named(call(name, vec![self.whole(&given[0])?]), 0),
-            Expr::Call(name, given) if PLAIN.contains(&name.as_str()) => {
-                let numbers = given.iter().map(|g| self.real(g, wanted)).collect::<Result<Vec<_>, _>>()?;
+            Expr::Call(name, values) if name == "real" => Number::named(call(name, vec![self.whole(&values[0])?]), 0),
+            Expr::Call(name, values) if PLAIN.contains(&name.as_str()) => {
+                let numbers = values.iter().map(|g| self.real(g, target)).collect::<Result<Vec<_>, _>>()?;
                 let numbers = aligned(numbers);
                 let (exponent, bits) = (numbers[0].exponent, numbers.iter().map(|n| n.bits).max().unwrap_or(0));
                 let passed = call(name, numbers.into_iter().map(|n| n.expr).collect());
                 if name == "way" { Number::computed(passed, 0, 1) } else { Number::computed(passed, exponent, bits) }
             }
-            Expr::Call(name, given) => {
+            Expr::Call(name, values) => {
                 let exponent = self.formats.exponent(&Key::Gives(name.clone(), 0));
-                Number::named(call(name, self.arguments(name, given)?), exponent)
+                Number::named(call(name, self.arguments(name, values)?), exponent)
             }
             Expr::Negative(inner) => {
-                let number = self.real(inner, wanted)?;
+                let number = self.real(inner, target)?;
                 let (exponent, bits) = (number.exponent, number.bits);
                 Number::computed(Expr::Negative(Box::new(number.long())), exponent, bits)
             }
-            Expr::Binary(Op::Multiply, left, right) => self.product(left, right, wanted)?,
-            Expr::Binary(Op::Divide, left, right) => self.quotient(expr, left, right, wanted)?,
+            Expr::Binary(Op::Multiply, left, right) => self.product(left, right, target)?,
+            Expr::Binary(Op::Divide, left, right) => self.quotient(expr, left, right, target)?,
             Expr::Binary(op, left, right) => {
-                let (left, right) = (self.real(left, wanted)?, self.real(right, wanted)?);
+                let (left, right) = (self.real(left, target)?, self.real(right, target)?);
                 match (left.literal, right.literal) {
                     (Some(0.0), _) if *op == Op::Add => right,
                     (_, Some(0.0)) => left,
@@ -233,17 +233,17 @@ impl Lowering<'_> {
 
     /// A factor in 32 bits, scaled to its own largest value.
     fn factor(&self, expr: &Expr) -> Result<Number, Error> {
-        let given = self.formats.given(expr);
-        let number = self.real(expr, given)?;
+        let stated = self.formats.stated(expr);
+        let number = self.real(expr, stated)?;
         if !number.wide {
             return Ok(number);
         }
         let room = number.exponent + (number.bits - NARROW).max(0);
-        let exponent = given.map_or(room, |given| given.max(number.exponent)).min(room);
+        let exponent = stated.map_or(room, |stated| stated.max(number.exponent)).min(room);
         Ok(Number::named(number.narrow(exponent), exponent))
     }
 
-    fn product(&self, left: &Expr, right: &Expr, wanted: Option<i32>) -> Result<Number, Error> {
+    fn product(&self, left: &Expr, right: &Expr, target: Option<i32>) -> Result<Number, Error> {
         for (one, other) in [(left, right), (right, left)] {
             // A power of two changes only the exponent.
             if let Some(v) = literal(one)
@@ -251,24 +251,24 @@ impl Lowering<'_> {
                 && v == power(above(v) - 1)
             {
                 let n = above(v) - 1;
-                let number = self.real(other, wanted.map(|wanted| wanted - n))?;
+                let number = self.real(other, target.map(|target| target - n))?;
                 return Ok(Number { exponent: number.exponent + n, ..number });
             }
         }
         let (a, b) = (self.factor(left)?, self.factor(right)?);
         let exponent = a.exponent + b.exponent;
-        let n = wanted.map_or(0, |wanted| wanted - exponent).clamp(WIDEST - WIDE, WIDEST - 1);
+        let n = target.map_or(0, |target| target - exponent).clamp(WIDEST - WIDE, WIDEST - 1);
         let product = call("product", vec![a.expr, b.expr, Expr::Integer(n.unsigned_abs() as usize)]);
         Ok(Number::computed(product, exponent + n, WIDEST - n + 1))
     }
 
-    fn quotient(&self, expr: &Expr, left: &Expr, right: &Expr, wanted: Option<i32>) -> Result<Number, Error> {
+    fn quotient(&self, expr: &Expr, left: &Expr, right: &Expr, target: Option<i32>) -> Result<Number, Error> {
         if let Some(v) = literal(right) {
-            return self.product(left, &Expr::Real(1.0 / v), wanted);
+            return self.product(left, &Expr::Real(1.0 / v), target);
         }
         let (a, b) = (self.factor(left)?, self.factor(right)?);
         let difference = a.exponent - b.exponent;
-        let exponent = self.formats.given(expr).or(wanted).unwrap_or(difference);
+        let exponent = self.formats.stated(expr).or(target).unwrap_or(difference);
         let n = (difference - exponent).clamp(0, WIDEST - NARROW);
         let quotient = call("quotient", vec![a.expr, b.expr, Expr::Integer(n.unsigned_abs() as usize)]);
         Ok(Number::named(quotient, difference - n))

@@ -7,12 +7,12 @@
 //! The program runs in double precision along inputs that wander, jump and sweep over the input range of the model and
 //! a tenth more. The largest absolute value of each number gives its e ([`formats`]). The program is then rewritten
 //! with integers ([`lower`]). That program is printed, run for the vectors, and compared with double precision. An
-//! error above 1e-4 of the stroke is refused. An inverse without a closed form is found by [`halving`]; its error is
+//! error above 1e-4 of the stroke is refused. An inverse without a closed form is found by [`bisection`]; its error is
 //! that against the library's own inverse.
 
+mod bisection;
 mod excursion;
 mod formats;
-mod halving;
 mod lower;
 mod number;
 
@@ -23,9 +23,9 @@ use super::exported::{Entry, ExportedProgram, Port};
 use super::template::{Value, context, render, template};
 use super::vectors::{Vectors, counted};
 use super::{BOTH, ExportRequest, ExportTarget, Exported};
+use bisection::bisected;
 use excursion::{PART, TestInputs, test_inputs};
 use formats::{Formats, Key, fields};
-use halving::halved;
 use lower::lowered;
 use number::counts;
 use piezoid::error::Error;
@@ -39,7 +39,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "fixed",
     summary: "fixed-point C99: header, source file and self-test, and the rounding error against double precision",
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
-    takes: &["preview", "controller", "late", "gain_margin", "phase_margin"],
+    takes: &["preview", "controller", "delay_samples", "gain_margin", "phase_margin"],
     stands_alone: false,
     makes: BOTH,
     refuses: &[],
@@ -81,7 +81,7 @@ struct CountingError {
 impl Fixed {
     fn new(mut whole: ExportedProgram, request: &ExportRequest) -> Result<Self, Error> {
         let exact = whole.program.clone();
-        halved(&mut whole.program)?;
+        bisected(&mut whole.program)?;
         keep(&mut whole, CLAMP);
         loop {
             let (k, because) = match Fixed::of(&whole, &exact, request) {
@@ -149,10 +149,10 @@ impl Fixed {
             let mut machine = Machine::new(&with_counts.program, entry.state, false);
             let fields = fields(&whole.program, entry.state).into_iter();
             let state: Vec<i32> = fields.map(|(block, field)| formats.exponent(&Key::Field(block, field))).collect();
-            let given: Vec<i32> = entry.inputs.iter().map(|i| formats.exponent(&outside(entry, i.name))).collect();
+            let arguments: Vec<i32> = entry.inputs.iter().map(|i| formats.exponent(&outside(entry, i.name))).collect();
             let row =
                 |row: &[f64], worth: &[i32]| row.iter().zip(worth).map(|(v, e)| counts(*v, *e)).collect::<Vec<_>>();
-            let rows = |rows: &[Vec<f64>]| rows.iter().map(|values| row(values, &given)).collect::<Vec<_>>();
+            let rows = |rows: &[Vec<f64>]| rows.iter().map(|values| row(values, &arguments)).collect::<Vec<_>>();
             let unit = 2f64.powi(formats.exponent(&gives(entry)));
             // Of two voltages for the same displacement, either is right.
             let judged = |outputs: &[f64]| match entry.step {

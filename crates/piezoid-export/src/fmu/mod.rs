@@ -108,17 +108,17 @@ const HEADERS: &str = "float stdbool stddef stdint stdio stdlib string";
 fn make(request: &ExportRequest, version: &Version) -> Result<Exported, Error> {
     named(request.name(), HEADERS)?;
     let whole = checked(request)?;
-    let mut made = Exported { files: Vec::new(), functions: whole.functions(), notes: whole.notes.clone() };
+    let mut result = Exported { files: Vec::new(), functions: whole.functions(), notes: whole.notes.clone() };
     for entry in &whole.entries {
         let fmu = Fmu::new(request, version, &whole, entry);
         let mut files = fmu.files()?;
         match fmu.library(&files) {
             Ok(library) => files.push(library),
-            Err(why) => made.notes.push(format!("{}.fmu contains sources only: {why}", fmu.name)),
+            Err(why) => result.notes.push(format!("{}.fmu contains sources only: {why}", fmu.name)),
         }
-        made.files.push(File { name: format!("{}.fmu", fmu.name), bytes: File::archive(&files)? });
+        result.files.push(File { name: format!("{}.fmu", fmu.name), bytes: File::archive(&files)? });
     }
-    Ok(made)
+    Ok(result)
 }
 
 /// The generating tool.
@@ -208,7 +208,7 @@ mod tests {
         model.with_units(Units { u: "V".into(), y: unit.into() })
     }
 
-    fn made(version: &str, model: &Model, compiler: Option<Compiler>) -> Exported {
+    fn result(version: &str, model: &Model, compiler: Option<Compiler>) -> Exported {
         (ExportTarget::find(version).unwrap().make)(&ExportRequest { compiler, ..ExportRequest::new(model, "bender") })
             .unwrap()
     }
@@ -233,11 +233,11 @@ mod tests {
     fn the_library_is_compiled_from_the_sources_and_has_the_name_of_file_and_model() {
         let listed = by(|files| Ok(files.iter().map(|file| file.name.clone() + ";").collect::<String>().into()));
         for (version, name, folder) in [("fmu2", "bender_fmi2", "linux64"), ("fmu3", "bender_fmi3", "x86_64-linux")] {
-            let made = made(version, &model("um"), listed);
-            assert_eq!(made.files[0].name, format!("{name}.fmu"));
-            let sources = text(&made.files[0], &format!("binaries/{folder}/{name}.so"));
+            let result = result(version, &model("um"), listed);
+            assert_eq!(result.files[0].name, format!("{name}.fmu"));
+            let sources = text(&result.files[0], &format!("binaries/{folder}/{name}.so"));
             assert!(sources.starts_with(&format!("bender.h;bender.c;{name}_fmu.c;")), "{sources}");
-            let xml = text(&made.files[0], "modelDescription.xml");
+            let xml = text(&result.files[0], "modelDescription.xml");
             let document = Document::parse(&xml).unwrap();
             let simulated = document.descendants().find(|n| n.has_tag_name("CoSimulation")).unwrap();
             let names = [document.root_element().attribute("modelName"), simulated.attribute("modelIdentifier")];
@@ -247,9 +247,9 @@ mod tests {
 
     #[test]
     fn without_a_library_a_note_gives_the_reason() {
-        let none = made("fmu3", &model("um"), None);
+        let none = result("fmu3", &model("um"), None);
         assert!(none.notes.iter().any(|note| note.contains("no C compiler")), "{:?}", none.notes);
-        let failed = made("fmu3", &model("um"), by(|_| Err(Error::Content("the disk is full".into()))));
+        let failed = result("fmu3", &model("um"), by(|_| Err(Error::Content("the disk is full".into()))));
         assert!(failed.notes.iter().any(|note| note.contains("the disk is full")), "{:?}", failed.notes);
         assert_eq!(failed.files, none.files);
         assert!(!names(&none.files[0]).iter().any(|name| name.starts_with("binaries")));
@@ -259,17 +259,17 @@ mod tests {
     fn the_token_depends_on_the_model_alone() {
         let token = |version: &str, model: &Model, single: bool| {
             let request = ExportRequest::new(model, "bender").single(single);
-            let made = (ExportTarget::find(version).unwrap().make)(&request).unwrap();
-            let xml = text(&made.files[0], "modelDescription.xml");
+            let result = (ExportTarget::find(version).unwrap().make)(&request).unwrap();
+            let xml = text(&result.files[0], "modelDescription.xml");
             let attribute = if version == "fmu2" { "guid" } else { "instantiationToken" };
             let document = Document::parse(&xml).unwrap();
             let token = document.root_element().attribute(attribute).unwrap().to_owned();
             let wrapper = format!("sources/bender_fmi{}_fmu.c", &version[3..]);
-            assert!(text(&made.files[0], &wrapper).contains(&format!("#define TOKEN \"{token}\"")));
+            assert!(text(&result.files[0], &wrapper).contains(&format!("#define TOKEN \"{token}\"")));
             token
         };
         for version in ["fmu2", "fmu3"] {
-            assert_eq!(made(version, &model("um"), None), made(version, &model("um"), None));
+            assert_eq!(result(version, &model("um"), None), result(version, &model("um"), None));
             let first = token(version, &model("um"), false);
             assert_eq!(first, token(version, &model("um"), false));
             assert_ne!(first, token(version, &model("nm"), false));
@@ -280,8 +280,8 @@ mod tests {
     #[test]
     fn value_references_match_those_of_the_wrapper() {
         let model = model("um");
-        let made = made("fmu3", &model, None);
-        let xml = text(&made.files[0], "modelDescription.xml");
+        let result = result("fmu3", &model, None);
+        let xml = text(&result.files[0], "modelDescription.xml");
         let document = Document::parse(&xml).unwrap();
         let variables: Vec<_> = document.descendants().filter(|n| n.has_tag_name("Float64")).collect();
         for (k, variable) in variables.iter().enumerate() {
@@ -291,7 +291,7 @@ mod tests {
         assert_eq!(names[..7], ["time", "u", "u_gain", "u_offset", "y", "ts", "state.hysteresis.last"]);
         let order = model.program().unwrap().order("state");
         assert_eq!(names.len(), 6 + order);
-        let wrapper = text(&made.files[0], "sources/bender_fmi3_fmu.c");
+        let wrapper = text(&result.files[0], "sources/bender_fmi3_fmu.c");
         let variables = format!("VARIABLES = {},", 6 + order);
         for line in ["GAIN = 2,", "OFFSET = 3,", "OUTPUT = 4,", "PERIOD = 5,", "STATE = 6,", &variables] {
             assert!(wrapper.contains(line), "{line}");
@@ -308,7 +308,7 @@ mod tests {
     #[test]
     fn known_units_are_related_to_si_units_and_units_are_escaped() {
         let units = |unit: &str| {
-            let xml = text(&made("fmu2", &model(unit), None).files[0], "modelDescription.xml");
+            let xml = text(&result("fmu2", &model(unit), None).files[0], "modelDescription.xml");
             let document = Document::parse(&xml).unwrap();
             let found = document.descendants().find(|n| n.has_tag_name("Unit") && n.attribute("name") == Some(unit));
             let base = found.unwrap().first_element_child();

@@ -56,7 +56,7 @@ impl RustBody<'_> {
         changes
     }
 
-    fn made(&self, name: &str) -> String {
+    fn variable(&self, name: &str) -> String {
         format!("let {}{}", if self.changes(name) { "mut " } else { "" }, self.local(name))
     }
 }
@@ -116,12 +116,12 @@ impl Language for RustBody<'_> {
             }
             a => printer.expr(a),
         };
-        let given: Vec<String> = arguments.iter().enumerate().map(argument).collect();
-        match (self.rust.stepped(name), given.split_first()) {
+        let values: Vec<String> = arguments.iter().enumerate().map(argument).collect();
+        match (self.rust.stepped(name), values.split_first()) {
             (Some(_), Some((state, rest))) => {
                 format!("{}.step({})", state.trim_start_matches("&mut "), rest.join(", "))
             }
-            _ => format!("{name}({})", given.join(", ")),
+            _ => format!("{name}({})", values.join(", ")),
         }
     }
 
@@ -157,11 +157,11 @@ impl Language for RustBody<'_> {
             (true, _) => format!("{}::ZERO", type_of(block)),
             (false, of) => format!("{}{of}", if reference { "*" } else { "" }),
         };
-        vec![format!("{} = {value};", self.made(name))]
+        vec![format!("{} = {value};", self.variable(name))]
     }
 
     fn room(&self, name: &str, n: usize) -> Vec<String> {
-        vec![format!("{} = [0.0; {n}];", self.made(name))]
+        vec![format!("{} = [0.0; {n}];", self.variable(name))]
     }
 
     fn assign(&self, place: &Place, value: &Expr, printer: &Printer) -> String {

@@ -69,9 +69,9 @@ impl<'p> CallExtractor<'p> {
                 if !self.program.function(name).is_some_and(|f| f.takes.iter().any(|p| p.changed)) {
                     return call;
                 }
-                let given = fresh(&format!("from_{name}"), &mut self.known);
-                out.push(Statement::Let(vec![given.clone()], call));
-                Expr::Variable(given, false)
+                let arguments = fresh(&format!("from_{name}"), &mut self.known);
+                out.push(Statement::Let(vec![arguments.clone()], call));
+                Expr::Variable(arguments, false)
             }
             Expr::Negative(inner) => Expr::Negative(Box::new(self.lifted(inner, out))),
             Expr::Binary(op, left, right) => {
@@ -97,11 +97,10 @@ pub(super) fn known(function: &Function) -> Vec<String> {
     names
 }
 
-/// `wanted`, with a number appended if it is already known.
-pub(super) fn fresh(wanted: &str, known: &mut Vec<String>) -> String {
-    let numbered = (2..).map(|k| format!("{wanted}_{k}"));
-    let name =
-        std::iter::once(wanted.to_owned()).chain(numbered).find(|name| !known.contains(name)).unwrap_or_default();
+/// `wish`, with a number appended if it is already known.
+pub(super) fn fresh(wish: &str, known: &mut Vec<String>) -> String {
+    let numbered = (2..).map(|k| format!("{wish}_{k}"));
+    let name = std::iter::once(wish.to_owned()).chain(numbered).find(|name| !known.contains(name)).unwrap_or_default();
     known.push(name.clone());
     name
 }

@@ -24,14 +24,14 @@ impl StBody<'_> {
         let reading = self.st.reading.iter().any(|known| known == name);
         let part = function.takes.iter().any(|p| matches!(p.kind, ValueType::Part(_)));
         if !part && !reading && function.returns.len() < 2 {
-            let given: Vec<String> = arguments.iter().map(|a| printer.expr(a)).collect();
-            return format!("{own}({})", given.join(", "));
+            let values: Vec<String> = arguments.iter().map(|a| printer.expr(a)).collect();
+            return format!("{own}({})", values.join(", "));
         }
-        let given =
+        let values =
             function.takes.iter().zip(arguments).map(|(p, a)| format!("{} := {}", inner.get(&p.name), printer.expr(a)));
         let tables = reading.then(|| format!("{} := {}", inner.get(TABLES), self.names.get(TABLES)));
         let results = results.iter().enumerate().map(|(k, to)| format!("{} => {to}", inner.get(&also(k + 1))));
-        format!("{own}({})", given.chain(tables).chain(results).collect::<Vec<_>>().join(", "))
+        format!("{own}({})", values.chain(tables).chain(results).collect::<Vec<_>>().join(", "))
     }
 }
 

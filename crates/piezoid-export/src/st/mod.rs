@@ -157,12 +157,12 @@ impl St<'_> {
         let inside = StBody { st: self, names };
         let printer = Printer { program, function, language: &inside };
         let declared = |key: &str, kind: &str| format!("{} : {kind}", names.get(key));
-        let (mut given, mut changed, mut constants) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut arguments, mut changed, mut constants) = (Vec::new(), Vec::new(), Vec::new());
         for p in &function.takes {
             match &p.kind {
                 ValueType::Part(block) => changed.push(declared(&p.name, self.state(block))),
-                ValueType::Integer => given.push(declared(&p.name, "DINT")),
-                _ => given.push(declared(&p.name, self.number())),
+                ValueType::Integer => arguments.push(declared(&p.name, "DINT")),
+                _ => arguments.push(declared(&p.name, self.number())),
             }
         }
         if self.reading.contains(&function.name) {
@@ -183,7 +183,7 @@ impl St<'_> {
             }
         }
         let sections = [
-            ("VAR_INPUT", given),
+            ("VAR_INPUT", arguments),
             ("VAR_IN_OUT", changed),
             ("VAR_OUTPUT", results),
             ("VAR", own),
@@ -220,12 +220,12 @@ impl St<'_> {
         });
         let reads = self.reading.contains(&step.name);
         let tables = reads.then(|| (inner.get(TABLES), names.get(TABLES)));
-        let given: Vec<String> = outer.chain(tables).map(|(inner, outer)| format!("{inner} := {outer}")).collect();
+        let arguments: Vec<String> = outer.chain(tables).map(|(inner, outer)| format!("{inner} := {outer}")).collect();
         let context = context! {
             inputs => entry.inputs.iter().map(|i| names.get(i.name)).collect::<Value>(), output => names.get("!output"),
             reset => names.get("!reset"), state => names.get("!state"), rest => names.get("!rest"),
             type => self.state(entry.state), tables => names.get(TABLES), reads,
-            call => format!("{}({})", self.globals.get(&step.name), given.join(", ")),
+            call => format!("{}({})", self.globals.get(&step.name), arguments.join(", ")),
         };
         Some((entry.step, context))
     }

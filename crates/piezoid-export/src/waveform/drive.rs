@@ -221,11 +221,11 @@ mod tests {
 
     #[test]
     fn an_end_that_differs_from_the_start_is_an_error_and_a_repeated_sample_is_noted() {
-        let said = |r: &[f64]| joins(r, "um").unwrap_err().to_string();
-        assert!(said(&[0.0, 1.0, 2.0, 3.0]).contains("3.000 um from its last sample to its first"));
-        assert!(said(&[0.0, 1.0, 2.0, 3.0]).contains("largest step inside (1.000 um)"));
-        assert!(said(&[4.0; 5]).contains("constant at 4 um"));
-        assert!(said(&[]).contains("0 samples"));
+        let text = |r: &[f64]| joins(r, "um").unwrap_err().to_string();
+        assert!(text(&[0.0, 1.0, 2.0, 3.0]).contains("3.000 um from its last sample to its first"));
+        assert!(text(&[0.0, 1.0, 2.0, 3.0]).contains("largest step inside (1.000 um)"));
+        assert!(text(&[4.0; 5]).contains("constant at 4 um"));
+        assert!(text(&[]).contains("0 samples"));
         assert!(joins(&[0.0, 1.0, 0.0, -1.0], "um").unwrap().is_empty());
         assert!(joins(&[0.0, 1.0, 0.0, -1.0, 0.0], "um").unwrap()[0].contains("twice per period"));
     }

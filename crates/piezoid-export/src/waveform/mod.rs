@@ -54,7 +54,7 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     let found = &model.units().u;
     if found != "V" {
         let what = "the model's input".into();
-        return Err(Error::Units { what, found: found.clone(), wanted: "V, the unit of the tables,".into() });
+        return Err(Error::Units { what, found: found.clone(), expected: "V, the unit of the tables,".into() });
     }
     let ExportOptions { servo_cycle, range, .. } = request.options;
     positive("servo_cycle", servo_cycle, "seconds")?;

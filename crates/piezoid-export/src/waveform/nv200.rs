@@ -83,9 +83,9 @@ mod tests {
 
     #[test]
     fn a_range_that_does_not_contain_the_drive_is_an_error() {
-        let said = |range| table(&[-1.0, 4.0], 1e-3, range).map(drop).unwrap_err().to_string();
+        let text = |range| table(&[-1.0, 4.0], 1e-3, range).map(drop).unwrap_err().to_string();
         let expected = "range = 0 to 100 V: must contain the drive, which goes from -1.000 to 4.000 V";
-        assert!(said((0.0, 100.0)).contains(expected));
-        assert!(said((5.0, -5.0)).contains("must be the voltage of 0 %"));
+        assert!(text((0.0, 100.0)).contains(expected));
+        assert!(text((5.0, -5.0)).contains("must be the voltage of 0 %"));
     }
 }

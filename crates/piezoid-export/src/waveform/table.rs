@@ -232,9 +232,9 @@ mod tests {
 
     #[test]
     fn periods_that_are_too_short_or_too_long_are_errors() {
-        let said = |n, ts| ROOM.shape(n, ts).unwrap_err().to_string();
-        assert!(said(3, 3e-5).contains("a period of 9.000e-5 s does not fit into 2 to 1024 points"));
-        assert!(said(4000, 1.0).contains("65535 cycles"));
+        let text = |n, ts| ROOM.shape(n, ts).unwrap_err().to_string();
+        assert!(text(3, 3e-5).contains("a period of 9.000e-5 s does not fit into 2 to 1024 points"));
+        assert!(text(4000, 1.0).contains("65535 cycles"));
     }
 
     #[test]

@@ -31,7 +31,7 @@ fn limits() -> FeedForwardSettings {
     FeedForwardSettings { limits, ..Default::default() }
 }
 
-fn made(model: &Model, r: &[f64]) -> Exported {
+fn result(model: &Model, r: &[f64]) -> Exported {
     make(&ExportRequest { reference: Some(r), settings: limits(), ..ranged(model) }).unwrap()
 }
 
@@ -40,8 +40,8 @@ fn ranged(model: &Model) -> ExportRequest<'_> {
     ExportRequest { options, ..ExportRequest::new(model, "scan") }
 }
 
-fn text<'m>(made: &'m Exported, path: &str) -> &'m str {
-    std::str::from_utf8(&made.files.iter().find(|f| f.name == path).unwrap().bytes).unwrap()
+fn text<'m>(result: &'m Exported, path: &str) -> &'m str {
+    std::str::from_utf8(&result.files.iter().find(|f| f.name == path).unwrap().bytes).unwrap()
 }
 
 fn column(csv: &str, number: usize) -> Vec<f64> {
@@ -72,8 +72,8 @@ fn played(commands: &str) -> (Vec<f64>, f64) {
 }
 
 /// The errors of a file by the page: period, u rms and largest, y rms and largest, all in percent.
-fn stated(made: &Exported, file: &str) -> Vec<f64> {
-    let row = text(made, "scan.md").lines().find(|l| l.starts_with(&format!("| `{file}`"))).unwrap().to_string();
+fn stated(result: &Exported, file: &str) -> Vec<f64> {
+    let row = text(result, "scan.md").lines().find(|l| l.starts_with(&format!("| `{file}`"))).unwrap().to_string();
     row.split('|').skip(5).filter_map(|cell| cell.trim().parse().ok()).collect()
 }
 
@@ -89,14 +89,14 @@ fn share(x: &[f64], of: &[f64]) -> [f64; 2] {
 fn the_stated_errors_are_those_of_the_files_when_played() {
     for (name, n) in [("prandtl-ishlinskii", 120), ("preisach", 2200), ("prandtl-ishlinskii", 1999)] {
         let (model, r) = (model(name, "um", 1.0), sine(n, 400.0));
-        let made = made(&model, &r);
+        let result = result(&model, &r);
         // The voltage with 0.1 mV, forty times per cycle of 50 us.
-        let u = column(text(&made, "scan.csv"), 1);
+        let u = column(text(&result, "scan.csv"), 1);
         let fine =
             |t: usize, of: f64, points: &[f64]| points[((t as f64 + 0.5) * 1.25e-6 / of) as usize % points.len()];
         for file in ["scan_gcs.txt", "scan_nv200.txt"] {
-            let (points, held) = played(text(&made, file));
-            let says = stated(&made, file);
+            let (points, held) = played(text(&result, file));
+            let says = stated(&result, file);
             let period = points.len() as f64 * held;
             assert_close(&[says[0]], &[100.0 * (period / (n as f64 * TS) - 1.0)], 1e-3, 1e-9);
             // Compared at equal phase.
@@ -107,34 +107,34 @@ fn the_stated_errors_are_those_of_the_files_when_played() {
             let lost = share(&both.0, &both.1);
             assert_close(&says[1..3], &lost, 0.02, 1e-3);
             // The response of the model, after creep of 10 s has settled.
-            let seen: Vec<f64> = both.0.chunks(400).map(|sample| sample.iter().sum::<f64>() / 400.0).collect();
-            let mut x = model.settled(seen[0]);
-            (0..400_000 / n).for_each(|_| drop(model.resume(&mut x, &seen)));
-            assert_close(&says[3..5], &share(&model.resume(&mut x, &seen), &r), 0.05, 2e-4);
+            let observed: Vec<f64> = both.0.chunks(400).map(|sample| sample.iter().sum::<f64>() / 400.0).collect();
+            let mut x = model.settled(observed[0]);
+            (0..400_000 / n).for_each(|_| drop(model.resume(&mut x, &observed)));
+            assert_close(&says[3..5], &share(&model.resume(&mut x, &observed), &r), 0.05, 2e-4);
         }
     }
 }
 
 #[test]
 fn nothing_is_lost_if_samples_are_whole_cycles() {
-    let made = made(&model("preisach", "um", 1.0), &sine(200, 400.0));
+    let result = result(&model("preisach", "um", 1.0), &sine(200, 400.0));
     for file in ["scan.csv", "scan_gcs.txt", "scan_nv200.txt"] {
-        let says = stated(&made, file);
+        let says = stated(&result, file);
         // Rounding to 0.1 mV in 40 V.
         assert!(says[0] == 0.0 && says[2] < 1e-3 && says[4] < 0.01, "{file}: {says:?}");
     }
-    let csv = text(&made, "scan.csv");
+    let csv = text(&result, "scan.csv");
     assert!(csv.starts_with("t_s,u_V,r_um,y_um\n0.0000,"));
     assert!(share(&column(csv, 3), &column(csv, 2))[1] < 0.01);
-    assert_eq!(played(text(&made, "scan_gcs.txt")).0, column(csv, 1));
+    assert_eq!(played(text(&result, "scan_gcs.txt")).0, column(csv, 1));
 }
 
 #[test]
 fn a_model_in_metres_gives_the_same_voltages() {
-    let micrometres = made(&model("prandtl-ishlinskii", "um", 1.0), &sine(100, 400.0));
+    let micrometres = result(&model("prandtl-ishlinskii", "um", 1.0), &sine(100, 400.0));
     let r: Vec<f64> = sine(100, 400.0).iter().map(|r| r * 1e-6).collect();
-    let metres = made(&model("prandtl-ishlinskii", "m", 1e6), &r);
-    let [um, m] = [&micrometres, &metres].map(|made| text(made, "scan.csv"));
+    let metres = result(&model("prandtl-ishlinskii", "m", 1e6), &r);
+    let [um, m] = [&micrometres, &metres].map(|result| text(result, "scan.csv"));
     assert!(m.starts_with("t_s,u_V,r_m,y_m\n"));
     assert_close(&column(m, 1), &column(um, 1), 0.0, 1.01e-4);
     let scaled: Vec<f64> = column(um, 3).iter().map(|y| y * 1e-6).collect();
@@ -148,9 +148,9 @@ fn every_table_stays_within_the_limits() {
     let limits = Limits { low: Some(-25.0), high: Some(25.0), slew: Some(45.0), ..Default::default() };
     let settings = FeedForwardSettings { limits, clip: true, ..Default::default() };
     let model = model("prandtl-ishlinskii", "um", 1.0);
-    let made = make(&ExportRequest { reference: Some(&r), settings, ..ranged(&model) }).unwrap();
+    let result = make(&ExportRequest { reference: Some(&r), settings, ..ranged(&model) }).unwrap();
     for file in ["scan_gcs.txt", "scan_nv200.txt"] {
-        let (points, held) = played(text(&made, file));
+        let (points, held) = played(text(&result, file));
         // Rounding to 0.15 mV increases the slew.
         let usage = limits.check(&[points.as_slice(), &points[..1]].concat(), held).unwrap();
         assert!(usage.slew.value < 45.0 + 1.5e-4 / held && usage.slew.value > 40.0, "{file}: {usage:?}");
@@ -166,20 +166,20 @@ fn every_table_stays_within_the_limits() {
 #[test]
 fn without_a_range_a_note_replaces_the_file_in_percent() {
     let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
-    let made =
+    let result =
         make(&ExportRequest { reference: Some(&r), settings: limits(), ..ExportRequest::new(&model, "scan") }).unwrap();
-    let paths: Vec<&str> = made.files.iter().map(|f| f.name.as_str()).collect();
+    let paths: Vec<&str> = result.files.iter().map(|f| f.name.as_str()).collect();
     assert_eq!(paths, ["scan.csv", "scan_gcs.txt", "scan.md"]);
-    assert!(made.notes.iter().any(|note| note.contains("with the voltages of 0 % and 100 %")), "{:?}", made.notes);
-    assert!(!text(&made, "scan.md").contains("nv200"));
+    assert!(result.notes.iter().any(|note| note.contains("with the voltages of 0 % and 100 %")), "{:?}", result.notes);
+    assert!(!text(&result, "scan.md").contains("nv200"));
 }
 
 #[test]
 fn requests_without_a_table_are_errors() {
     let (model, r) = (model("prandtl-ishlinskii", "um", 1.0), sine(100, 100.0));
     let plain = || ExportRequest { reference: Some(&r), settings: limits(), ..ExportRequest::new(&model, "scan") };
-    let said = |request: ExportRequest| make(&request).unwrap_err().to_string();
-    assert!(said(ExportRequest { reference: None, ..plain() }).starts_with("reference = none: must be given"));
+    let text = |request: ExportRequest| make(&request).unwrap_err().to_string();
+    assert!(text(ExportRequest { reference: None, ..plain() }).starts_with("reference = none: must be given"));
     let single = ExportOptions { float: true, ..Default::default() }.of("waveform", &model, Some(&r), None);
     assert!(
         single.unwrap_err().to_string().starts_with("float = true: does not apply to the target waveform, only to c,")
@@ -187,22 +187,22 @@ fn requests_without_a_table_are_errors() {
     let c = ExportOptions::default().of("c", &model, Some(&r), None);
     assert!(c.unwrap_err().to_string().ends_with("does not apply to the target c, only to waveform"));
     let options = ExportOptions { name: "9".into(), ..Default::default() };
-    assert!(said(ExportRequest { options, ..plain() }).starts_with("name = `9`"));
+    assert!(text(ExportRequest { options, ..plain() }).starts_with("name = `9`"));
     let far = sine(100, 1e5);
-    assert!(said(ExportRequest { reference: Some(&far), ..plain() }).starts_with("the reference cannot be reached"));
+    assert!(text(ExportRequest { reference: Some(&far), ..plain() }).starts_with("the reference cannot be reached"));
     assert!(
-        said(ExportRequest { reference: Some(&r[..60]), ..plain() })
+        text(ExportRequest { reference: Some(&r[..60]), ..plain() })
             .contains("the step from the last sample to the first must not exceed")
     );
     let options = ExportOptions { servo_cycle: 0.0, ..Default::default() };
-    assert!(said(ExportRequest { options, ..plain() }).starts_with("servo_cycle = 0"));
+    assert!(text(ExportRequest { options, ..plain() }).starts_with("servo_cycle = 0"));
     let millivolts = model.clone().with_units(Units { u: "mV".into(), y: "um".into() });
     let settings = FeedForwardSettings::default();
-    assert!(said(ExportRequest { model: &millivolts, settings, ..plain() }).contains("the model's input is in mV"));
+    assert!(text(ExportRequest { model: &millivolts, settings, ..plain() }).contains("the model's input is in mV"));
 }
 
 #[test]
 fn the_same_model_and_reference_give_the_same_bytes() {
     let (model, r) = (model("preisach", "um", 1.0), sine(150, 300.0));
-    assert_eq!(made(&model, &r), made(&model, &r));
+    assert_eq!(result(&model, &r), result(&model, &r));
 }

@@ -120,18 +120,18 @@ impl Simulated {
         })
     }
 
-    fn obey(&mut self, name: &str, given: &[&str]) -> Outcome {
+    fn obey(&mut self, name: &str, arguments: &[&str]) -> Outcome {
         match name.strip_suffix('?') {
             Some("ERR") => Ok(vec![std::mem::take(&mut self.error).to_string()]),
-            Some(name) => self.tell(name, given),
-            None => self.act(name, given).map(|()| Vec::new()),
+            Some(name) => self.tell(name, arguments),
+            None => self.act(name, arguments).map(|()| Vec::new()),
         }
     }
 
-    fn tell(&mut self, name: &str, given: &[&str]) -> Outcome {
+    fn tell(&mut self, name: &str, arguments: &[&str]) -> Outcome {
         let one = |text: String| Ok(vec![text]);
-        let of_axis = |value: f64| of_one(given).map(|()| vec![format!("1={value:.6}")]);
-        let flag = |on: bool| of_one(given).map(|()| vec![format!("1={}", u8::from(on))]);
+        let of_axis = |value: f64| of_one(arguments).map(|()| vec![format!("1={value:.6}")]);
+        let flag = |on: bool| of_one(arguments).map(|()| vec![format!("1={}", u8::from(on))]);
         let (axis, waves) = (&self.axis, &self.waves);
         match name {
             "*IDN" => one(self.identity.clone()),
@@ -151,7 +151,7 @@ impl Simulated {
                 Ok(listed("#RecordOptions", lines, "end of help"))
             }
             "SAI" => one("1".into()),
-            "SPA" => match given {
+            "SPA" => match arguments {
                 ["1", number] => one(format!("1 {number}={}", parameter(number).ok_or(PARAMETER)?)),
                 _ => Err(COUNT),
             },
@@ -165,23 +165,23 @@ impl Simulated {
             "VMA" => of_axis(axis.range.1),
             "TMN" => of_axis(axis.travel.0),
             "TMX" => of_axis(axis.travel.1),
-            "PUN" => of_one(given).map(|()| vec!["1=um".into()]),
+            "PUN" => of_one(arguments).map(|()| vec!["1=um".into()]),
             "TNR" => one(TABLES.to_string()),
             "TWG" => one("1".into()),
-            "WMS" => one(format!("{}={POINTS}", given.first().unwrap_or(&"1"))),
+            "WMS" => one(format!("{}={POINTS}", arguments.first().unwrap_or(&"1"))),
             "RTR" => one(waves.record_rate.to_string()),
             "DRT" => one("0=0 0".into()),
             "DRC" => Ok((1..=TABLES).zip(waves.options).map(|(table, option)| format!("{table}=1 {option}")).collect()),
             "DRL" => {
-                let tables = if given.is_empty() { (1..=TABLES).collect() } else { tables(given)? };
+                let tables = if arguments.is_empty() { (1..=TABLES).collect() } else { tables(arguments)? };
                 Ok(tables.into_iter().map(|table| format!("{table}={}", waves.recorded(table).len())).collect())
             }
-            "DRR" => self.recorded(given),
-            "GWD" => match given {
+            "DRR" => self.recorded(arguments),
+            "GWD" => match arguments {
                 [first, count, table] => {
                     let table = waves.tables.get(&whole(table)?).ok_or(NO_WAVE)?;
                     let points = part(table, first, count, TOO_FEW_POINTS)?;
-                    Ok(array(&[(format!("Wave Table {}", given[2]), points)], CYCLE * waves.rate as f64))
+                    Ok(array(&[(format!("Wave Table {}", arguments[2]), points)], CYCLE * waves.rate as f64))
                 }
                 _ => Err(COUNT),
             },
@@ -189,9 +189,9 @@ impl Simulated {
         }
     }
 
-    fn act(&mut self, name: &str, given: &[&str]) -> Result<(), i32> {
+    fn act(&mut self, name: &str, arguments: &[&str]) -> Result<(), i32> {
         let (axis, waves) = (&mut self.axis, &mut self.waves);
-        match (name, given) {
+        match (name, arguments) {
             ("STP" | "HLT", _) => {
                 waves.stop();
                 Err(STOPPED)
@@ -241,8 +241,8 @@ impl Simulated {
                 points.extend(segment);
                 Ok(())
             }
-            ("WCL", given) => {
-                for table in given {
+            ("WCL", arguments) => {
+                for table in arguments {
                     waves.tables.remove(&whole(table)?);
                 }
                 Ok(())
@@ -277,8 +277,8 @@ impl Simulated {
     }
 
     /// Tables of the recorder: first point, number of points, tables.
-    fn recorded(&self, given: &[&str]) -> Outcome {
-        let [first, count, tabled @ ..] = given else { return Err(COUNT) };
+    fn recorded(&self, arguments: &[&str]) -> Outcome {
+        let [first, count, tabled @ ..] = arguments else { return Err(COUNT) };
         let tables = if tabled.is_empty() { (1..=TABLES).collect() } else { tables(tabled)? };
         let columns: Result<Vec<_>, i32> = tables
             .into_iter()
@@ -333,13 +333,13 @@ fn parameter(number: &str) -> Option<String> {
 }
 
 /// The points of a segment of a wave.
-fn segment(shape: &str, given: &[&str]) -> Result<Vec<f64>, i32> {
-    let numbers: Vec<f64> = given.iter().map(|word| real(word)).collect::<Result<_, _>>()?;
+fn segment(shape: &str, arguments: &[&str]) -> Result<Vec<f64>, i32> {
+    let numbers: Vec<f64> = arguments.iter().map(|word| real(word)).collect::<Result<_, _>>()?;
     match (shape, &numbers[..]) {
         ("PNT", [_, count, points @ ..]) if *count == points.len() as f64 => Ok(points.to_vec()),
         // Length of the segment, height, offset, length of the period, first point of the period, point of the maximum.
         ("SIN_P", [_, height, offset, _, start, centre]) => {
-            let (length, period) = (positive(given[0])?, positive(given[3])? as f64);
+            let (length, period) = (positive(arguments[0])?, positive(arguments[3])? as f64);
             refused(&[(length as usize > POINTS, WAVE_TOO_LARGE), (*centre < 1.0 || *centre >= period, RANGE)])?;
             let rises = |t: f64| 0.5 * t / centre;
             let falls = |t: f64| 0.5 + 0.5 * (t - centre) / (period - centre);
@@ -363,14 +363,14 @@ fn segment(shape: &str, given: &[&str]) -> Result<Vec<f64>, i32> {
 }
 
 /// Tables of the recorder by their numbers.
-fn tables(given: &[&str]) -> Result<Vec<usize>, i32> {
+fn tables(arguments: &[&str]) -> Result<Vec<usize>, i32> {
     let table = |word: &&str| whole(word).ok().filter(|table| (1..=TABLES).contains(table)).ok_or(RECORDER_TABLE);
-    given.iter().map(table).collect()
+    arguments.iter().map(table).collect()
 }
 
 /// A query names the only axis, or none.
-fn of_one(given: &[&str]) -> Result<(), i32> {
-    match given {
+fn of_one(arguments: &[&str]) -> Result<(), i32> {
+    match arguments {
         [] | ["1"] => Ok(()),
         _ => Err(AXIS),
     }

@@ -27,6 +27,6 @@ fn export(inputs: &Inputs) -> Result<Output, Error> {
     let (ExportCall { target, export }, columns) = (inputs.options()?, inputs.columns()?);
     let reference = inputs.some("reference")?;
     let along = reference.as_ref().map(|file| (file, &columns));
-    let made = export.run(&target, &inputs.one("model")?, along, None)?;
-    Ok(Output { result: made.to_json(), series: Vec::new(), files: made.files })
+    let outcome = export.run(&target, &inputs.one("model")?, along, None)?;
+    Ok(Output { result: outcome.to_json(), series: Vec::new(), files: outcome.files })
 }

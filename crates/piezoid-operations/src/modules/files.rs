@@ -57,11 +57,11 @@ fn inspect(inputs: &Inputs) -> Result<Output, Error> {
 fn prepare(inputs: &Inputs) -> Result<Output, Error> {
     let steps = vec![Step::Prepare(inputs.options()?)];
     let source = Source::new(inputs.one("data")?, inputs.columns()?, steps);
-    let (made, name) = (source.record()?, "record.csv");
-    let written = File::new(name, made.written(name)?);
+    let (outcome, name) = (source.record()?, "record.csv");
+    let written = File::new(name, outcome.written(name)?);
     let (mut result, _) = Table::read(name, &written.bytes)?.inspect(name, "csv", &ColumnSelection::default());
     result["origin"] = json!(source.origin());
-    Ok(Output { result, series: named([("u", made.u()), ("y", made.y())]), files: vec![written] })
+    Ok(Output { result, series: named([("u", outcome.u()), ("y", outcome.y())]), files: vec![written] })
 }
 
 options! {
@@ -77,11 +77,11 @@ fn excite(inputs: &Inputs) -> Result<Output, Error> {
     let all = inputs.request.options.iter().map(|(name, value)| (name.clone(), value.clone()));
     let (common, own): (serde_json::Map<_, _>, serde_json::Map<_, _>) = all.partition(|(name, _)| known(name));
     let ExciteCall { kind, common } = ExciteCall::from_json(Value::Object(common))?;
-    let made = common.run(Excitation::find(&kind)?, Value::Object(own))?;
-    let result = json!({"ts": made.ts, "unit": made.unit, "usage": made.usage, "clipped": made.clipped});
-    let file = File::new("signal.csv", made.written("signal.csv")?);
-    let (hz, amplitude) = spectrum(&made.u, made.ts);
-    let series = named([("u", &made.u), ("u/hz", &hz), ("u/amplitude", &amplitude)]);
+    let outcome = common.run(Excitation::find(&kind)?, Value::Object(own))?;
+    let result = json!({"ts": outcome.ts, "unit": outcome.unit, "usage": outcome.usage, "clipped": outcome.clipped});
+    let file = File::new("signal.csv", outcome.written("signal.csv")?);
+    let (hz, amplitude) = spectrum(&outcome.u, outcome.ts);
+    let series = named([("u", &outcome.u), ("u/hz", &hz), ("u/amplitude", &amplitude)]);
     Ok(Output { result, series, files: vec![file] })
 }
 

@@ -9,7 +9,7 @@ use piezoid_gcs::{AcquireOptions, ConnectOptions};
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {
         name: "controller",
-        summary: "what a controller is, and the limits that it tells; nothing moves",
+        summary: "what a controller is, and the limits it reports; nothing moves",
         module: "instruments",
         roles: &[],
         options: ConnectOptions::rows,
@@ -30,8 +30,8 @@ pub(super) const OPERATIONS: &[Operation] = &[
 
 fn acquire(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let options = inputs.options::<AcquireOptions>()?;
-    let made = options.run(&inputs.one("drive")?, &inputs.columns()?, progress)?;
-    let record = &made.record;
+    let outcome = options.run(&inputs.one("drive")?, &inputs.columns()?, progress)?;
+    let record = &outcome.record;
     let file = File::new("record.csv", record.written("record.csv")?);
-    Ok(Output { result: made.to_json(), series: named([("u", record.u()), ("y", record.y())]), files: vec![file] })
+    Ok(Output { result: outcome.to_json(), series: named([("u", record.u()), ("y", record.y())]), files: vec![file] })
 }

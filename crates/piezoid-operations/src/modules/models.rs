@@ -67,13 +67,13 @@ options! {
 
 fn simulate(inputs: &Inputs) -> Result<Output, Error> {
     let (options, input, columns) = (inputs.options::<SimulateCall>()?, inputs.one("input")?, inputs.columns()?);
-    let made = match inputs.some("model")? {
+    let outcome = match inputs.some("model")? {
         Some(model) => options.simulation.model(&model, &input, &columns),
         None => options.simulation.plant(&(Preset::find(&options.plant)?.spec)(), &input, &columns),
     }?;
-    let result = json!({"ts": made.ts, "units": made.units, "reached": made.reached});
-    let file = File::new("simulated.csv", made.written("simulated.csv")?);
-    Ok(Output { result, series: named([("u", &made.u), ("y", &made.y)]), files: vec![file] })
+    let result = json!({"ts": outcome.ts, "units": outcome.units, "reached": outcome.reached});
+    let file = File::new("simulated.csv", outcome.written("simulated.csv")?);
+    Ok(Output { result, series: named([("u", &outcome.u), ("y", &outcome.y)]), files: vec![file] })
 }
 
 /// Number of points on which a branch is drawn, less one.
@@ -82,14 +82,14 @@ const DRAWN: usize = 200;
 fn loops(inputs: &Inputs) -> Result<Output, Error> {
     let record = inputs.one("data")?.record(&inputs.columns()?)?;
     let model = inputs.some("model")?.map(|file| file.model()).transpose()?;
-    let (made, note) = inputs.options::<LoopOptions>()?.run(&record, model.as_ref())?;
-    let HiddenLoop { u, z, found, .. } = &made;
+    let (outcome, note) = inputs.options::<LoopOptions>()?.run(&record, model.as_ref())?;
+    let HiddenLoop { u, z, found, .. } = &outcome;
     let (low, high) = found.branches.range();
     let at: Vec<f64> = (0..=DRAWN).map(|k| low + (high - low) * k as f64 / DRAWN as f64).collect();
     let rising: Vec<f64> = at.iter().map(|u| found.branches.ascending(*u)).collect();
     let falling: Vec<f64> = at.iter().map(|u| found.branches.descending(*u)).collect();
     let result = json!({
-        "loop": made.to_json(), "note": note, "units": record.units(), "ts": record.ts(),
+        "loop": outcome.to_json(), "note": note, "units": record.units(), "ts": record.ts(),
         "reversals": reversals(u, REVERSAL),
     });
     let series = [("u", &u[..]), ("z", z), ("at", &at), ("ascending", &rising), ("descending", &falling)];
@@ -101,28 +101,28 @@ const FRONT_END: &str = if cfg!(target_family = "wasm") { "piezoid page" } else 
 
 fn identify(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let (small, large) = (inputs.sources("small_signal")?, inputs.sources("large_signal")?);
-    let made = inputs.options::<IdentifyOptions>()?.run((&small, &large), FRONT_END, progress)?;
+    let outcome = inputs.options::<IdentifyOptions>()?.run((&small, &large), FRONT_END, progress)?;
     let result = json!({
-        "model": made.model.to_string(), "verdict": made.model.verdict(), "told": told(&made.model),
-        "notes": made.found.notes, "reasons": made.found.reasons, "found": made.to_json(),
+        "model": outcome.model.to_string(), "verdict": outcome.model.verdict(), "sentence": sentence(&outcome.model),
+        "notes": outcome.found.notes, "reasons": outcome.found.reasons, "found": outcome.to_json(),
     });
-    Ok(Output { result, files: vec![File::new("model.json", made.model.to_json())], ..Output::default() })
+    Ok(Output { result, files: vec![File::new("model.json", outcome.model.to_json())], ..Output::default() })
 }
 
 /// The verdict on a model in words.
-fn told(model: &Model) -> Option<String> {
+fn sentence(model: &Model) -> Option<String> {
     model.verdict().map(|verdict| verdict.to_string())
 }
 
 fn validate(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
-    let made = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
-    let verdict = made.verdict(&model);
-    let mut result = made.to_json();
-    result["told"] = json!(verdict.as_ref().map(ToString::to_string));
+    let outcome = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
+    let verdict = outcome.verdict(&model);
+    let mut result = outcome.to_json();
+    result["sentence"] = json!(verdict.as_ref().map(ToString::to_string));
     result["verdict"] = json!(verdict);
     let mut series = Vec::new();
-    for (k, compared) in made.files.iter().enumerate() {
+    for (k, compared) in outcome.files.iter().enumerate() {
         let record = &compared.record;
         result["files"][k]["ts"] = json!(record.ts());
         result["files"][k]["units"] = json!(record.units());
@@ -134,12 +134,16 @@ fn validate(inputs: &Inputs) -> Result<Output, Error> {
 
 fn compensate(inputs: &Inputs) -> Result<Output, Error> {
     let options = inputs.options::<CompensateOptions>()?;
-    let made = options.run(&inputs.one("model")?, &inputs.one("reference")?, &inputs.columns()?)?;
-    let mut result = made.to_json();
-    result["told"] = made.proven().into();
-    result["ts"] = made.ts.into();
-    result["units"] = json!(made.units);
-    let series =
-        [("requested", &*made.requested), ("shaped", &made.shaped), ("u", &made.made.u), ("y", &made.made.reached)];
-    Ok(Output { result, series: named(series), files: vec![File::new("voltage.csv", made.written("voltage.csv")?)] })
+    let outcome = options.run(&inputs.one("model")?, &inputs.one("reference")?, &inputs.columns()?)?;
+    let mut result = outcome.to_json();
+    result["sentence"] = outcome.proven().into();
+    result["ts"] = outcome.ts.into();
+    result["units"] = json!(outcome.units);
+    let series = [
+        ("requested", &*outcome.requested),
+        ("shaped", &outcome.shaped),
+        ("u", &outcome.compensated.u),
+        ("y", &outcome.compensated.reached),
+    ];
+    Ok(Output { result, series: named(series), files: vec![File::new("voltage.csv", outcome.written("voltage.csv")?)] })
 }

@@ -61,32 +61,32 @@ fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let files = inputs.all("reference")?;
     control.reference.extend(files.iter().map(|file| file.name.clone()));
     let spec = (Preset::find(&plant)?.spec)();
-    let made = control.run((&plant, &spec), &inputs.one("model")?, &files, &inputs.columns()?, progress)?;
+    let outcome = control.run((&plant, &spec), &inputs.one("model")?, &files, &inputs.columns()?, progress)?;
     let mut series = Vec::new();
-    for (k, driven) in made.driven.iter().enumerate() {
-        for (j, attempt) in driven.attempts.iter().enumerate() {
+    for (k, with_driver) in outcome.results.iter().enumerate() {
+        for (j, attempt) in with_driver.attempts.iter().enumerate() {
             let Ok(attempt) = attempt else { continue };
             let all = [("r", &attempt.run.r), ("u", &attempt.run.u), ("y", &attempt.run.y)];
             series.extend(all.map(|(name, samples)| (format!("{name}/{k}/{j}"), samples.clone())));
         }
     }
-    let mut result = made.to_json();
-    result["remarks"] = json!(made.remarks());
-    Ok(Output { result, series, files: vec![File::new("control.html", tracking(&made).html())] })
+    let mut result = outcome.to_json();
+    result["remarks"] = json!(outcome.remarks());
+    Ok(Output { result, series, files: vec![File::new("control.html", tracking(&outcome).html())] })
 }
 
 fn page(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
-    let made = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
-    let result = json!({"told": made.verdict(&model).map(|verdict| verdict.to_string())});
-    Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", report(&model, &made).html())] })
+    let outcome = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
+    let result = json!({"sentence": outcome.verdict(&model).map(|verdict| verdict.to_string())});
+    Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", report(&model, &outcome).html())] })
 }
 
 fn compare(inputs: &Inputs) -> Result<Output, Error> {
     let options = inputs.options::<CompareOptions>()?;
-    let made = options.run(&inputs.all("model")?, &inputs.sources("data")?)?;
-    let files = vec![File::new("compare.html", comparison(&made).html())];
-    Ok(Output { result: made.to_json(), series: Vec::new(), files })
+    let outcome = options.run(&inputs.all("model")?, &inputs.sources("data")?)?;
+    let files = vec![File::new("compare.html", comparison(&outcome).html())];
+    Ok(Output { result: outcome.to_json(), series: Vec::new(), files })
 }
 
 fn study(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {

@@ -18,8 +18,8 @@ def named(path: str | os.PathLike[str]) -> Iterator[None]:
     try:
         yield
     except PiezoidError as error:
-        told = str(error)
-        raise PiezoidError(told if told.startswith(str(path)) else f"{path}: {told}") from None
+        message = str(error)
+        raise PiezoidError(message if message.startswith(str(path)) else f"{path}: {message}") from None
 
 
 def write(path: str | os.PathLike[str], text: str) -> None:

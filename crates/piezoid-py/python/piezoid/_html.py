@@ -67,11 +67,11 @@ def validation(v: Validation) -> str:
 
 def _table(title: str, rows: Rows, notes: list[str] | None = None) -> str:
     cells = "".join(
-        f"<tr><th {LEFT}>{escape(name)}</th><td {LEFT}>{escape(said)}</td><td {LEFT}>{drawn}</td></tr>"
-        for name, said, drawn in rows
+        f"<tr><th {LEFT}>{escape(name)}</th><td {LEFT}>{escape(text)}</td><td {LEFT}>{drawn}</td></tr>"
+        for name, text, drawn in rows
     )
-    told = "".join(f"<li>{escape(note)}</li>" for note in notes or [])
-    return f"<table><caption {LEFT}>{escape(title)}</caption>{cells}</table>" + (f"<ul>{told}</ul>" if told else "")
+    message = "".join(f"<li>{escape(note)}</li>" for note in notes or [])
+    return f"<table><caption {LEFT}>{escape(title)}</caption>{cells}</table>" + (f"<ul>{message}</ul>" if message else "")
 
 
 def _series(samples: Array) -> str:

@@ -40,7 +40,7 @@ class CompensateOptions(TypedDict, total=False):
     """Keywords of `Model.compensate`.
 
     clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
-    sweeps: Largest number of iterations that correct the error left in the model's free run; default: 0
+    iterations: Largest number of iterations that correct the error left in the model's free run; default: 0
     smooth: Smooth steps and corners to minimum-jerk moves of this length [s]
     notch: Filter the reference with a notch at the model's resonance
     zvd: Shape the reference (ZVD) so that the resonance is not excited
@@ -56,7 +56,7 @@ class CompensateOptions(TypedDict, total=False):
     """
 
     clip: bool
-    sweeps: int
+    iterations: int
     driver: str | None
     capacitance: float | str | None
     low: float | str | None
@@ -74,7 +74,7 @@ class ControlOptions(TypedDict, total=False):
     preview: Number of future samples of the reference that controllers may use; default: all
     clip: Clip the feed-forward to the limits, instead of refusing a reference that exceeds them
     seed: Seed of the noise and of the draws; default: 1
-    late: Sensor delay in samples; controllers are tuned for it; default: 0
+    delay_samples: Sensor delay in samples; controllers are tuned for it; default: 0
     gain_margin: Gain margin to tune to [dB] [dB]; default: 6
     phase_margin: Phase margin to tune to [degrees] [degrees]; default: 45
 
@@ -97,7 +97,7 @@ class ControlOptions(TypedDict, total=False):
     high: float | str | None
     slew: float | str | None
     current: float | str | None
-    late: int
+    delay_samples: int
     gain_margin: float | str
     phase_margin: float | str
 
@@ -110,7 +110,7 @@ class ExportOptions(TypedDict, total=False):
     preview: Number of future samples of the reference that the feed-forward may use; default: 0
     controller: A feedback controller to export with the model, tuned to it: any feedback of `pz.controllers` except
         predictive
-    late: Sensor delay in samples; controllers are tuned for it; default: 0
+    delay_samples: Sensor delay in samples; controllers are tuned for it; default: 0
     gain_margin: Gain margin to tune to [dB] [dB]; default: 6
     phase_margin: Phase margin to tune to [degrees] [degrees]; default: 45
 
@@ -143,7 +143,7 @@ class ExportOptions(TypedDict, total=False):
     high: float | str | None
     slew: float | str | None
     current: float | str | None
-    late: int
+    delay_samples: int
     gain_margin: float | str
     phase_margin: float | str
 
@@ -345,7 +345,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     },
     "CompensateOptions": {
         "clip": False,
-        "sweeps": 0,
+        "iterations": 0,
         "driver": None,
         "capacitance": None,
         "low": None,
@@ -366,7 +366,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "high": None,
         "slew": None,
         "current": None,
-        "late": 0,
+        "delay_samples": 0,
         "gain_margin": 6.0,
         "phase_margin": 45.0,
     },
@@ -384,7 +384,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "high": None,
         "slew": None,
         "current": None,
-        "late": 0,
+        "delay_samples": 0,
         "gain_margin": 6.0,
         "phase_margin": 45.0,
     },

@@ -8,11 +8,11 @@ from functools import partial
 from typing import Any
 
 from ._piezoid import PiezoidError
-from ._types import Progress, Told
+from ._types import Progress, OnProgress
 
 
 @contextmanager
-def told(progress: Progress) -> Iterator[Told | None]:
+def watched(progress: Progress) -> Iterator[OnProgress | None]:
     """Yields what the library calls as work advances: temporary bars, the caller's bar or function, or None."""
     if progress is None or progress is False:
         yield None

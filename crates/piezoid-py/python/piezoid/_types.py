@@ -12,7 +12,7 @@ Array: TypeAlias = npt.NDArray[np.float64]
 Samples: TypeAlias = npt.ArrayLike
 """Anything that numpy converts to an array of shape (n,)."""
 
-Told: TypeAlias = Callable[[str, int, int], Any]
+OnProgress: TypeAlias = Callable[[str, int, int], Any]
 """Called with the kind of work, the number of steps done, and the total number of steps."""
 
 
@@ -25,7 +25,7 @@ class Bar(Protocol):
     def update(self, n: Any = ..., /) -> Any: ...
 
 
-Progress: TypeAlias = "bool | Told | Bar | type[Any] | None"
+Progress: TypeAlias = "bool | OnProgress | Bar | type[Any] | None"
 """True for a tqdm bar, a class of bars such as `tqdm.tqdm`, a bar, a function to call, or None."""
 
 Units: TypeAlias = tuple[str, str]

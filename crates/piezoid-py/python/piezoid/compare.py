@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from .records import Source, Sources
 
-    Given: TypeAlias = "Model | str | os.PathLike[str]"
+    ModelSource: TypeAlias = "Model | str | os.PathLike[str]"
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,8 +41,8 @@ class ModelComparison:
     @property
     def summary(self) -> str | None:
         """The comparison in one sentence; None if the outputs are constant."""
-        said: str | None = self.figures["summary"]
-        return said
+        text: str | None = self.figures["summary"]
+        return text
 
     @property
     def table(self) -> pd.DataFrame:
@@ -63,7 +63,7 @@ class ModelComparison:
 
 @takes(ValidateOptions)
 def compare(
-    models: Mapping[str, Given] | Iterable[Given] | Given,
+    models: Mapping[str, ModelSource] | Iterable[ModelSource] | ModelSource,
     data: Mapping[str, Source] | Sources,
     *,
     record: str | None = None,
@@ -90,20 +90,20 @@ def compare(
     one = [models] if isinstance(models, (Model, str, os.PathLike)) else models
     settings = {"record": record, **known(compare, options)}
     cores = _named("models", one, as_model, lambda model, _: as_model(model).operator)
-    given = data if isinstance(data, Mapping) else sources(data)
-    measured = _named("data", given, as_record, lambda _, number: f"record {number}")
+    values = data if isinstance(data, Mapping) else sources(data)
+    measured = _named("data", values, as_record, lambda _, number: f"record {number}")
     return ModelComparison(*_piezoid.compare(cores, measured, settings))
 
 
 def _named(
-    what: str, given: Mapping[str, Any] | Iterable[Any], read: Callable[[Any], Any], name: Callable[[Any, int], str]
+    what: str, values: Mapping[str, Any] | Iterable[Any], read: Callable[[Any], Any], name: Callable[[Any, int], str]
 ) -> list[tuple[str, Any]]:
     """The cores of the members with their names; those of a list are called by their files, or by `name`."""
-    if isinstance(given, Mapping):
-        named = [(str(key), one) for key, one in given.items()]
+    if isinstance(values, Mapping):
+        named = [(str(key), one) for key, one in values.items()]
     else:
         files = (str, os.PathLike)
-        named = [(Path(one).name if isinstance(one, files) else name(one, k), one) for k, one in enumerate(given, 1)]
+        named = [(Path(one).name if isinstance(one, files) else name(one, k), one) for k, one in enumerate(values, 1)]
     if not named:
         raise _piezoid.PiezoidError(f"{what} is empty: give one at least")
     called = [key for key, _ in named]

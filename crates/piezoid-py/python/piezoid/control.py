@@ -11,7 +11,7 @@ from . import _piezoid
 from ._checks import called, number, some
 from ._keywords import known, takes
 from ._options import ControlOptions
-from ._progress import told
+from ._progress import watched
 from ._types import Array, Progress, Samples
 from .model import Model, as_model
 from .plants import Plant, plants
@@ -43,8 +43,8 @@ class Comparison:
             if controller in (None, run["controller"]) and reference in (None, run["reference"]):
                 return run
         names = sorted({f"{run['controller']} along {run['reference']}" for run in self.runs})
-        asked = f"{controller or 'any'} along {reference or 'any'}"
-        raise _piezoid.PiezoidError(f"there is no run of {asked}; the runs are: {', '.join(names)}")
+        requested = f"{controller or 'any'} along {reference or 'any'}"
+        raise _piezoid.PiezoidError(f"there is no run of {requested}; the runs are: {', '.join(names)}")
 
     @property
     def table(self) -> pd.DataFrame:
@@ -100,7 +100,7 @@ def control(
 
     {options}
     """
-    given = known(control, options)
+    settings = known(control, options)
     named = reference if isinstance(reference, Mapping) else {"reference": reference}
     twin, own = plants[plant] if isinstance(plant, str) else plant, as_model(model)
     if not isinstance(twin, Plant):
@@ -111,9 +111,9 @@ def control(
     share = (None, 200) if tolerance is None else some("tolerance", tolerance, "share, draws")
     # The library uses percent.
     percent = None if share[0] is None else round(100 * number("tolerance", share[0]), 12)
-    given |= {"controller": schemes, "tolerance": percent, "draws": share[1]}
+    settings |= {"controller": schemes, "tolerance": percent, "draws": share[1]}
     references = [(str(name), r) for name, r in named.items()]
-    with told(progress) as watch:
-        figures, runs, html = _piezoid.control((twin.name, twin._core), own._core, references, given, watch)
+    with watched(progress) as watch:
+        figures, runs, html = _piezoid.control((twin.name, twin._core), own._core, references, settings, watch)
     return Comparison(figures, runs, html, own.ts)
 

@@ -35,12 +35,12 @@ class Exported(dict[str, bytes]):
         return pd.DataFrame([row["mean"] | {k: row[k] for k in ("most_seen", "bound")} for row in rows], index=names)
 
     def __repr__(self) -> str:
-        told = [
+        message = [
             f"{f['function']}: at most {f['operations']['most_seen']} operations seen in one sample, bound "
             f"{f['operations']['bound']} for every input"
             for f in self.functions
         ]
-        return "\n".join([*(f"{path}: {len(content)} bytes" for path, content in self.items()), *told, *self.notes])
+        return "\n".join([*(f"{path}: {len(content)} bytes" for path, content in self.items()), *message, *self.notes])
 
 
 @takes(ExportOptions)
@@ -68,5 +68,5 @@ def export(
     >>> sorted(pz.export(model, "c", name="bender", low=-30.0, high=30.0))
     ['bender.c', 'bender.h', 'bender.md', 'bender_test.c']
     """
-    given = known(export, options)
-    return Exported(**_piezoid.export(as_model(model)._core, target, given, reference, folder, bool(force)))
+    settings = known(export, options)
+    return Exported(**_piezoid.export(as_model(model)._core, target, settings, reference, folder, bool(force)))

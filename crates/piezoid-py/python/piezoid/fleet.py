@@ -48,7 +48,7 @@ from ._checks import whole
 from ._piezoid import PiezoidError
 from ._keywords import known, takes
 from ._options import CompensateOptions, ValidateOptions
-from ._progress import told
+from ._progress import watched
 from ._types import Progress
 from .identify import identify as _identify
 from .model import Model, as_model
@@ -195,13 +195,13 @@ def run(
     whole("retries", retries)
     if chunk is not None:
         whole("chunk", chunk, least=1)
-    given, rows, settled = list(named.values()), [Row() for _ in named], 0
-    size = chunk or _chunk(client, len(given))
-    batches = [range(len(given))[start : start + size] for start in range(0, len(given), size)]
-    with told(progress) as watch:
+    values, rows, settled = list(named.values()), [Row() for _ in named], 0
+    size = chunk or _chunk(client, len(values))
+    batches = [range(len(values))[start : start + size] for start in range(0, len(values), size)]
+    with watched(progress) as watch:
         for attempt in range(1, retries + 2):
             again = []
-            for batch, outcomes in _done(client, function, given, batches):
+            for batch, outcomes in _done(client, function, values, batches):
                 for at, (row, is_final) in zip(batch, outcomes, strict=True):
                     rows[at] = row | {"attempts": attempt}
                     if is_final or attempt > retries:
@@ -209,7 +209,7 @@ def run(
                     else:
                         again.append(range(at, at + 1))
                 if watch is not None:
-                    watch("fleet", settled, len(given))
+                    watch("fleet", settled, len(values))
             batches = again
     columns = [*dict.fromkeys(name for row in rows for name in row if name not in _ALWAYS), *_ALWAYS]
     index = pd.Index(list(named), name="actuator", tupleize_cols=False)
@@ -307,8 +307,8 @@ def _row(function: Callable[[Any], Any], job: Any) -> tuple[Row, bool]:
     """The row of a job, whatever the job raises, and True if the row is final."""
     begun, row, error, is_final = perf_counter(), Row(), None, True
     try:
-        made = function(job)
-        row = dict(made) if isinstance(made, Mapping) else {"value": made}
+        result = function(job)
+        row = dict(result) if isinstance(result, Mapping) else {"value": result}
     except PiezoidError as refusal:
         error = str(refusal)
     except TypeError as misuse:  # such as an unknown keyword
@@ -325,12 +325,12 @@ def _text(error: BaseException) -> str:
 
 
 def _identified(settings: Row, actuator: Any) -> Row:
-    given = _made(actuator, "record")
-    known = given if isinstance(given, Mapping) and not given.keys().isdisjoint(_SOURCES) else {"data": given}
-    asked = settings | {name: _read(v) if name in _SOURCES else v for name, v in known.items() if not _is_missing(v)}
-    large, small = ([r for name in names for r in asked.get(name, [])] for names in _TRAINING)
-    test = asked.pop("test", None) or large or small
-    model = _identify(**asked)
+    values = _made(actuator, "record")
+    known = values if isinstance(values, Mapping) and not values.keys().isdisjoint(_SOURCES) else {"data": values}
+    requested = settings | {name: _read(v) if name in _SOURCES else v for name, v in known.items() if not _is_missing(v)}
+    large, small = ([r for name in names for r in requested.get(name, [])] for names in _TRAINING)
+    test = requested.pop("test", None) or large or small
+    model = _identify(**requested)
     resonance_hz, damping = model.resonance or (None, None)
     row = {"model": model, "operator": model.operator, "resonance_hz": resonance_hz, "damping": damping}
     return row | {"dc_gain": model.dc_gain} | _largest(model, test)
@@ -359,31 +359,31 @@ def _paired(models: Any, others: Any) -> dict[Any, tuple[Any, Any]]:
     return {name: (left.get(name), right.get(name)) for name in left | right}
 
 
-def _items(given: Any, what: str) -> Any:
-    if not hasattr(given, "items"):
-        raise PiezoidError(f"a {type(given).__name__} has no names: give the {what} in a mapping from names, or a Series")
-    return given.items()
+def _items(source: Any, what: str) -> Any:
+    if not hasattr(source, "items"):
+        raise PiezoidError(f"a {type(source).__name__} has no names: give the {what} in a mapping from names, or a Series")
+    return source.items()
 
 
-def _made(given: Any, what: str) -> Any:
+def _made(source: Any, what: str) -> Any:
     """`given`, or its result if it is a function."""
-    made = given() if callable(given) else given
-    if _is_missing(made):
+    result = values() if callable(source) else source
+    if _is_missing(result):
         raise PiezoidError(f"there is no {what} of this actuator: give one, or leave the actuator out")
-    return made
+    return result
 
 
-def _is_missing(given: Any) -> bool:
+def _is_missing(source: Any) -> bool:
     # pandas represents a missing value by NaN.
-    return given is None or (isinstance(given, float) and isnan(given))
+    return source is None or (isinstance(source, float) and isnan(source))
 
 
-def _model(given: Any) -> Model:
-    return as_model(_made(given, "model"))
+def _model(source: Any) -> Model:
+    return as_model(_made(source, "model"))
 
 
-def _read(given: Any) -> list[Record]:
-    made = _made(given, "record")
-    if isinstance(made, (list, tuple)):
-        return [record for one in made for record in _read(one)]
-    return as_records(made)
+def _read(source: Any) -> list[Record]:
+    result = _made(source, "record")
+    if isinstance(result, (list, tuple)):
+        return [record for one in result for record in _read(one)]
+    return as_records(result)

@@ -12,7 +12,7 @@ from . import _piezoid
 from ._keywords import known, takes
 from ._options import IdentifyOptions
 from ._piezoid import PiezoidError
-from ._progress import told
+from ._progress import watched
 from ._types import Progress, Samples, Units
 from .model import Model
 from .records import Record, read, sources
@@ -65,17 +65,17 @@ def identify(
     >>> pz.identify(record.u, record.y, fs=1000, operator="prandtl-ishlinskii", order=2) == model
     True
     """
-    given = known(identify, options)
+    settings = known(identify, options)
     if target is not None:
-        given["operator"] = _piezoid.served(target, given.get("operator") or "auto")
+        settings["operator"] = _piezoid.served(target, settings.get("operator") or "auto")
     how: dict[str, Any] = {"ts": ts, "fs": fs, "units": units, "profile": profile}
     # linear and rich are the former names of small_signal and large_signal.
     named = [[*sources(small_signal), *sources(linear)], [*sources(large_signal), *sources(rich)], _data(data, y, how)]
     small, large, everything = [[_record(source, how)._core for source in part] for part in named]
     if everything and large:
         raise PiezoidError("large_signal is the same as data: give the records in one of them")
-    with told(progress) as watch:
-        return Model._of(_piezoid.identify((small, large + everything), given, watch))
+    with watched(progress) as watch:
+        return Model._of(_piezoid.identify((small, large + everything), settings, watch))
 
 
 def _data(data: Any, y: Samples | None, how: dict[str, Any]) -> list[Source]:

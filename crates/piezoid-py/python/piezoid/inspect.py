@@ -80,9 +80,9 @@ def inspect(
     >>> list(seen.channels["role"]), seen.record.units
     (['time', 'input', 'output'], ('V', 'nm'))
     """
-    given, held, rig = known(inspect, columns), columns_of(source), profile_of(profile)
+    settings, held, rig = known(inspect, columns), columns_of(source), profile_of(profile)
     with held.named():
-        figures, core, error = held.core.inspect(held.name, given, rig)
+        figures, core, error = held.core.inspect(held.name, settings, rig)
         record = None if core is None else Record._of(core)
-        made = None if record is None else held.core.profile(given, rig)
-    return Inspection(figures, record, error, made)
+        result = None if record is None else held.core.profile(settings, rig)
+    return Inspection(figures, record, error, result)

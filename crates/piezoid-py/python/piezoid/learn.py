@@ -77,15 +77,15 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         *,
         units: Units = ("V", "um"),
         small_signal: float | None = None,
-        **settings: Any,
+        **measured: Any,
     ) -> None:
         self.ts = ts
         self.units = units
         self.small_signal = small_signal
-        for name in settings.keys() - _SETTINGS.keys():
+        for name in measured.keys() - _SETTINGS.keys():
             raise TypeError(f"unexpected keyword {name!r}: settings of identify are {', '.join(_SETTINGS)}")
         for name, parameter in _SETTINGS.items():
-            setattr(self, name, settings.get(name, parameter.default))
+            setattr(self, name, measured.get(name, parameter.default))
 
     _own = inspect.signature(__init__).parameters
     # scikit-learn reads the names of the parameters from the signature.
@@ -96,15 +96,15 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
     def fit(self, X: npt.ArrayLike, y: npt.ArrayLike) -> HammersteinRegressor:
         """Identifies `model_` on the records in X and y."""
         rows, moved = validate_data(self, _columns(X), y, dtype=np.float64, y_numeric=True, ensure_min_samples=2)
-        settings = self.get_params(deep=False)
-        ts, units, small = settings.pop("ts"), settings.pop("units"), settings.pop("small_signal")
+        measured = self.get_params(deep=False)
+        ts, units, small = measured.pop("ts"), measured.pop("units"), measured.pop("small_signal")
         records = [Record(u, moved[record], ts, units) for record, u in self._records(rows)]
         if small is None:
-            self.model_ = identify(data=records, **settings)
+            self.model_ = identify(data=records, **measured)
         else:
             low = [r for r in records if np.ptp(r.u) <= small]
             high = [r for r in records if np.ptp(r.u) > small]
-            self.model_ = identify(small_signal=low, large_signal=high, **settings)
+            self.model_ = identify(small_signal=low, large_signal=high, **measured)
         return self
 
     def predict(self, X: npt.ArrayLike) -> Array:
@@ -126,12 +126,12 @@ class HammersteinRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
         if len(odd := np.flatnonzero(number != np.round(number))):
             raise PiezoidError(f"row {odd[0]} of X belongs to record {number[odd[0]]:g}: number records by whole numbers")
         starts = [0, *(np.flatnonzero(np.diff(number)) + 1).tolist()]
-        seen: set[float] = set()
+        known: set[float] = set()
         for row in starts:
-            if number[row] in seen:
+            if number[row] in known:
                 again = f"again at row {row} of X"
                 raise PiezoidError(f"the rows of record {number[row]:g} are not consecutive ({again}): keep them together")
-            seen.add(number[row])
+            known.add(number[row])
         rows = [slice(*ends) for ends in zip(starts, [*starts[1:], len(X)], strict=True)]
         return [(record, X[record, 0]) for record in rows]
 
@@ -148,13 +148,13 @@ def stack(records: Iterable[Record]) -> tuple[Array, Array, npt.NDArray[np.int64
 
     The record numbers are the `groups` of a cross-validation.
     """
-    given = as_records(records)
-    if len(kinds := {(r.ts, r.units) for r in given}) != 1:
-        told = "; ".join(sorted(f"every {ts:g} s in {u} and {y}" for ts, (u, y) in kinds)) or "none"
-        raise PiezoidError(f"give at least one record, all with the same sampling period and units; these are: {told}")
-    groups = np.repeat(np.arange(len(given)), [len(r) for r in given])
-    X = np.column_stack([np.concatenate([r.u for r in given]), groups])
-    return X, np.concatenate([r.y for r in given]), groups
+    measured = as_records(records)
+    if len(kinds := {(r.ts, r.units) for r in measured}) != 1:
+        message = "; ".join(sorted(f"every {ts:g} s in {u} and {y}" for ts, (u, y) in kinds)) or "none"
+        raise PiezoidError(f"give at least one record, all with the same sampling period and units; these are: {message}")
+    groups = np.repeat(np.arange(len(measured)), [len(r) for r in measured])
+    X = np.column_stack([np.concatenate([r.u for r in measured]), groups])
+    return X, np.concatenate([r.y for r in measured]), groups
 
 
 def _columns(X: Any) -> Any:

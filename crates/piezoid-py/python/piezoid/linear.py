@@ -11,7 +11,7 @@ from ._checks import some, whole
 from ._keywords import known, takes
 from ._options import SwarmOptions
 from ._piezoid import Arx
-from ._progress import told
+from ._progress import watched
 from ._types import Progress
 from .records import as_records
 
@@ -62,10 +62,10 @@ def fit(
     >>> found.arx.a.round(6).tolist()
     [1.7, -0.9]
     """
-    settings, given = known(fit, swarm), as_records(records)
+    settings, values = known(fit, swarm), as_records(records)
     is_one = isinstance(order, str) or not isinstance(order, Sequence)
     na, nb, delay = (order, whole("order", order) + 1, 0) if is_one else some("order", order, "a, b, delay")
     orders = (whole("order", na), whole("order", nb), whole("delay", delay))
-    with told(progress) as watch:
-        arx, found = _piezoid.fit([r._core for r in given], orders, estimator, settings, watch)
+    with watched(progress) as watch:
+        arx, found = _piezoid.fit([r._core for r in values], orders, estimator, settings, watch)
     return Fit(arx, **found)

@@ -15,7 +15,7 @@ from ._checks import whole
 from ._keywords import known, takes
 from ._options import CompensateOptions, InverseOptions, ValidateOptions
 from ._piezoid import FeedForward, PiezoidError
-from ._progress import told
+from ._progress import watched
 from ._types import Array, Begin, Progress, Samples, Units
 from .records import as_record, read_input
 from .results import Compensation, Validation, Verdict, frame
@@ -127,8 +127,8 @@ class Model:
     def provenance(self) -> dict[str, Any]:
         """Origin: front end, version, options, seed, files with hashes, operators that were tried, parameters with
         errors, notes."""
-        made = self.to_dict()["fit"]
-        return made if isinstance(made, dict) else {}
+        result = self.to_dict()["fit"]
+        return result if isinstance(result, dict) else {}
 
     @property
     def notes(self) -> list[str]:
@@ -157,7 +157,7 @@ class Model:
         The result equals this model, to the bit on the same version and kind of machine. A file that differs or is
         missing is named in the error, and so is a result that differs by more than rounding.
         """
-        with told(progress) as watch:
+        with watched(progress) as watch:
             named = [(str(path), _files.read(path)) for path in files]
             return Model._of(_piezoid.again(self._core, named, watch))
 
@@ -228,12 +228,12 @@ class Model:
 
         {options}
         """
-        given, measured = known(Model.validate, options), as_record(record)
-        figures, simulated = self._core._validate(measured._core, given)
+        settings, measured = known(Model.validate, options), as_record(record)
+        figures, simulated = self._core._validate(measured._core, settings)
         return Validation(measured, simulated, figures)
 
     @takes(InverseOptions)
-    def inverse(self, late: int = 0, **limits: Unpack[InverseOptions]) -> FeedForward:
+    def inverse(self, delay_samples: int = 0, **limits: Unpack[InverseOptions]) -> FeedForward:
         """The inverse, sample by sample, from requested displacement to voltage.
 
         The displacement follows `late` samples later. A value that is not finite is replaced by the one before, and
@@ -241,7 +241,7 @@ class Model:
 
         {options}
         """
-        return self._core._inverse(whole("late", late), known(Model.inverse, limits))
+        return self._core._inverse(whole("delay_samples", delay_samples), known(Model.inverse, limits))
 
     @takes(CompensateOptions)
     def compensate(self, reference: Samples, **options: Unpack[CompensateOptions]) -> Array:
@@ -287,17 +287,17 @@ def _plain(values: Any) -> Any:
     raise PiezoidError(f"a model cannot contain a {type(values).__name__}: use numbers, strings, lists and dicts")
 
 
-def _kind(given: object) -> str:
-    return f"a {type(given).__name__}"
+def _kind(source: object) -> str:
+    return f"a {type(source).__name__}"
 
 
-def as_model(given: Any) -> Model:
+def as_model(source: Any) -> Model:
     """A model, read if `given` is a file."""
-    if isinstance(given, (str, os.PathLike)):
-        return load(given)
-    if not isinstance(given, Model):
-        raise PiezoidError(f"model = {given!r}: must be a Model, or the file of one")
-    return given
+    if isinstance(source, (str, os.PathLike)):
+        return load(source)
+    if not isinstance(source, Model):
+        raise PiezoidError(f"model = {source!r}: must be a Model, or the file of one")
+    return source
 
 
 def load(path: str | os.PathLike[str]) -> Model:

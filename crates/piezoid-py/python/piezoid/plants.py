@@ -36,9 +36,9 @@ class Plant:
         try:
             self._core = _piezoid.Plant.from_json(values if isinstance(values, str) else json.dumps(values))
         except (PiezoidError, TypeError) as error:
-            told = str(error).split("; start from")[0]
+            message = str(error).split("; start from")[0]
             remedy = "start from pz.plants['pl140'].to_dict()"
-            raise PiezoidError(f"these are not the parameters of a plant: {told}; {remedy}") from None
+            raise PiezoidError(f"these are not the parameters of a plant: {message}; {remedy}") from None
         self.name = name
 
     @takes(SimulateOptions)
@@ -67,11 +67,11 @@ class Plant:
 
         This corresponds to the tolerance of a catalogue. `seed` and `index` select it.
         """
-        made = Plant.__new__(Plant)
-        made.name = f"{self.name}-{index}"
+        result = Plant.__new__(Plant)
+        result.name = f"{self.name}-{index}"
         with called(share="tolerance"):
-            made._core = self._core.drawn(number("tolerance", tolerance), whole("seed", seed), whole("index", index))
-        return made
+            result._core = self._core.drawn(number("tolerance", tolerance), whole("seed", seed), whole("index", index))
+        return result
 
     def to_dict(self) -> dict[str, Any]:
         """Its parameters as a dict, from which `Plant` makes another plant."""

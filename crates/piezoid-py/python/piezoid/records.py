@@ -113,7 +113,7 @@ class Record:
         output_scale: float | str | None = None,
         **options: Unpack[PrepareOptions],
     ) -> Record:
-        """The record as it is to be identified. Its `history` tells each step, and models and files keep it.
+        """The record as it is to be identified. Its `history` has each step, and models and files keep it.
 
         The steps happen in this order, whatever the order of the keywords; times are in seconds, or texts such as
         "0.5 ms":
@@ -131,9 +131,9 @@ class Record:
         >>> len(record), record.ts, len(record.history)
         (100, 0.0002, 2)
         """
-        given = known(Record.prepare, options)
+        settings = known(Record.prepare, options)
         scales = ["" if scale is None else str(scale) for scale in (input_scale, output_scale)]
-        return Record._of(self.part(start, stop)._core.scaled(*scales).prepare(given))
+        return Record._of(self.part(start, stop)._core.scaled(*scales).prepare(settings))
 
     def output_in(self, unit: str) -> Record:
         """The same record with its output in another unit of length."""
@@ -224,18 +224,18 @@ def as_record(source: Source) -> Record:
     return source if isinstance(source, Record) else read(source)
 
 
-def sources(given: Sources | None) -> list[Source]:
+def sources(data: Sources | None) -> list[Source]:
     """One or several sources of records, as a list."""
-    if given is None:
+    if data is None:
         return []
-    if isinstance(given, (Record, str, os.PathLike, Mapping)) or hasattr(given, "columns"):
-        return [cast("Source", given)]
-    return list(given)
+    if isinstance(data, (Record, str, os.PathLike, Mapping)) or hasattr(data, "columns"):
+        return [cast("Source", data)]
+    return list(data)
 
 
-def as_records(given: Sources | None) -> list[Record]:
+def as_records(data: Sources | None) -> list[Record]:
     """The records of one or several sources."""
-    return [as_record(source) for source in sources(given)]
+    return [as_record(source) for source in sources(data)]
 
 
 @takes(ColumnOptions)
@@ -251,7 +251,7 @@ def read(
     """Reads a record from a file of any format that piezoid knows, a DataFrame, or a mapping of arrays.
 
     Columns are found by name and unit: time `t_s`, input `u_V`, output `y_um`, but also `Zeit [s]`, `Drive (V)`,
-    `Displacement/µm`. The record's `history` tells what was guessed; two equally likely columns raise an error that names
+    `Displacement/µm`. The record's `history` says what was guessed; two equally likely columns raise an error that names
     the keywords to choose.
 
     units: of input and output, such as ("V", "nm") or {"y": "nm"}, in place of `input_unit` and `output_unit`
@@ -265,11 +265,11 @@ def read(
     >>> record.ts, record.units, record.u
     (0.001, ('V', 'nm'), array([ 0., 10., 20.]))
     """
-    given, held, rig = known(read, columns), columns_of(source), profile_of(profile)
+    settings, held, rig = known(read, columns), columns_of(source), profile_of(profile)
     # What is not cut does not stand in the history.
-    given["from"], given["to"] = number("start", start) or None, None if number("stop", stop) == float("inf") else stop
+    settings["from"], settings["to"] = number("start", start) or None, None if number("stop", stop) == float("inf") else stop
     with held.named(), called(**_ENDS):
-        record = Record._of(held.core.record(given, rig))
+        record = Record._of(held.core.record(settings, rig))
     return record if units is None else Record._of(record._core.with_units(_units(units, record.units)))
 
 

@@ -67,8 +67,8 @@ class Validation:
     @property
     def summary(self) -> str | None:
         """The error in one sentence: noise, drift, and what a better model could gain; None if y is constant."""
-        said: str | None = self.figures["summary"]
-        return said
+        text: str | None = self.figures["summary"]
+        return text
 
     @property
     def floor(self) -> dict[str, Any] | None:
@@ -154,8 +154,8 @@ class Compensation:
 
     def __repr__(self) -> str:
         low, high = (float(end(self.u)) for end in (np.min, np.max)) if len(self.u) else (float("nan"), float("nan"))
-        told = "".join(f"; {note}" for note in self.notes)
-        return f"<Compensation of {len(self.u)} samples: {low:.4g} to {high:.4g}, {self.clipped} clipped{told}>"
+        message = "".join(f"; {note}" for note in self.notes)
+        return f"<Compensation of {len(self.u)} samples: {low:.4g} to {high:.4g}, {self.clipped} clipped{message}>"
 
 
 @dataclass(frozen=True)

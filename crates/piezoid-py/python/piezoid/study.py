@@ -11,7 +11,7 @@ from . import _files, _piezoid
 from ._piezoid import PiezoidError
 from ._keywords import known, takes
 from ._options import StudyOptions
-from ._progress import told
+from ._progress import watched
 from ._types import Progress
 
 if TYPE_CHECKING:
@@ -66,7 +66,7 @@ def study(plant: str = "paper", *, progress: Progress = None, **options: Unpack[
 
     {options}
     """
-    given = {"plant": plant, **known(study, options)}
-    with told(progress) as watch:
-        figures, svg, html, verdict = _piezoid.study(given, watch)
+    settings = {"plant": plant, **known(study, options)}
+    with watched(progress) as watch:
+        figures, svg, html, verdict = _piezoid.study(settings, watch)
     return Study(figures, dict(svg), html, verdict)

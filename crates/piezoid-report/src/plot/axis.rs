@@ -71,9 +71,9 @@ impl Axis {
             self.padded(self.opened(ends), count)
         });
         let inside = |v: &&f64| drawn(v) && (low..=high).contains(*v);
-        let given: Vec<Tick> = self.ticks.iter().filter(inside).map(|&at| Tick::plain(at)).collect();
+        let arguments: Vec<Tick> = self.ticks.iter().filter(inside).map(|&at| Tick::plain(at)).collect();
         let found = match self.log {
-            _ if given.len() > 1 => given,
+            _ if arguments.len() > 1 => arguments,
             true => ticks::log(low, high, count),
             false => ticks::linear(low, high, TickStep::within(low, high, count)),
         };

@@ -195,16 +195,17 @@ impl PlotSeries {
             SeriesKind::Line | SeriesKind::Step => "line",
         };
         let dash = DASHES[series.dashes % DASHES.len()].split_whitespace().filter_map(|part| part.parse().ok());
-        let made = PlotSeries { name, colour: series.role.number(), style, dash: dash.collect(), ..Default::default() };
+        let result =
+            PlotSeries { name, colour: series.role.number(), style, dash: dash.collect(), ..Default::default() };
         let kept = kept(series, &x.onto(0.0, FINE[0]), &y.onto(FINE[1], 0.0));
         let number = |k: Option<usize>, axis: usize| Some(digits[axis].rounded(series.points[k?][axis]));
         let of = |axis: usize| kept.iter().map(|&k| number(k, axis)).collect::<Vec<_>>();
         let lower = |k: &Option<usize>| Some(digits[1].rounded(*series.lower.get((*k)?)?));
         let band = if series.lower.is_empty() { Vec::new() } else { kept.iter().map(lower).collect() };
-        let made = PlotSeries { y: of(1), lower: band, ..made };
+        let result = PlotSeries { y: of(1), lower: band, ..result };
         match even(&kept.iter().map(|k| Some(series.points[(*k)?][0])).collect::<Vec<_>>()) {
-            Some((start, step)) => PlotSeries { start: Some(start), step: Some(step), ..made },
-            None => PlotSeries { x: of(0), ..made },
+            Some((start, step)) => PlotSeries { start: Some(start), step: Some(step), ..result },
+            None => PlotSeries { x: of(0), ..result },
         }
     }
 }
@@ -321,10 +322,10 @@ mod tests {
             (&"u".into(), &"µm".into(), &Value::Null)
         );
         assert_eq!((&plot["panels"][0]["y"]["log"], &plot["loops"]), (&true.into(), &true.into()));
-        let made = &plot["panels"][0]["series"][0];
-        assert_eq!((&made["colour"], &made["style"], &made["dash"][0]), (&4.into(), &"line".into(), &9.0.into()));
+        let result = &plot["panels"][0]["series"][0];
+        assert_eq!((&result["colour"], &result["style"], &result["dash"][0]), (&4.into(), &"line".into(), &9.0.into()));
         // What a logarithmic axis cannot show is left out.
-        assert_eq!((numbers(&made["x"]), numbers(&made["y"])), (vec![0.0, 1.0, 0.5], vec![1.0, 2.0, 0.333333]));
+        assert_eq!((numbers(&result["x"]), numbers(&result["y"])), (vec![0.0, 1.0, 0.5], vec![1.0, 2.0, 0.333333]));
         assert_eq!(plot["panels"][0]["levels"][0]["label"], "limit");
         assert_eq!(plot["panels"][0]["places"][0]["at"], 0.5);
     }
@@ -349,8 +350,8 @@ mod tests {
         let t: Vec<f64> = (0..40).map(|k| 0.5 + f64::from(k) * 5e-4).collect();
         let y: Vec<f64> = t.iter().map(|t| t * t).collect();
         let plot = data(&Figure::new("", "").panel(Axes::new("t", "y").with(Series::line(&t, &y))));
-        let made = &plot[0]["panels"][0]["series"][0];
-        assert_eq!((&made["start"], &made["step"], &made["x"]), (&0.5.into(), &5e-4.into(), &Value::Null));
+        let result = &plot[0]["panels"][0]["series"][0];
+        assert_eq!((&result["start"], &result["step"], &result["x"]), (&0.5.into(), &5e-4.into(), &Value::Null));
         assert_eq!(plot[0]["loops"], false);
         let gap = [0.0, f64::NAN, 2.0, 3.0];
         let plot = data(&Figure::new("", "").panel(Axes::new("t", "y").with(Series::line(&ramp(4), &gap))));
@@ -366,15 +367,15 @@ mod tests {
         let turn: Vec<f64> = (0..n).map(|k| (f64::from(k) * 2e-4).cos()).collect();
         let noise: Vec<f64> = (0..n as u32).map(|i| f64::from(i.wrapping_mul(2_654_435_761) >> 8)).collect();
         let of = |series: Series| {
-            let made = data(&Figure::new("", "").panel(Axes::new("x", "y").with(series)));
-            let series = made[0]["panels"][0]["series"][0].clone();
+            let result = data(&Figure::new("", "").panel(Axes::new("x", "y").with(series)));
+            let series = result[0]["panels"][0]["series"][0].clone();
             assert!(series.to_string().len() < 80_000, "{}", series.to_string().len());
             series
         };
         let t = ramp(n as usize);
         let regular = of(Series::line(&t, &wave));
         assert!(regular["x"].is_null(), "every so many samples of a smooth curve");
-        let ends = |made: &Value| piezoid_numerics::series::ends(numbers(&made["y"]));
+        let ends = |result: &Value| piezoid_numerics::series::ends(numbers(&result["y"]));
         assert_close(&[ends(&regular).1], &[1.0], 0.0, 1e-4);
         assert_eq!(ends(&of(Series::line(&t, &spike))).1, 7.0);
         assert!(numbers(&of(Series::line(&turn, &wave))["y"]).len() <= MANY);

@@ -235,8 +235,8 @@ mod tests {
         let text = nasty().svg();
         let document = roxmltree::Document::parse(&text).unwrap();
         let words: Vec<&str> = document.descendants().filter_map(|n| n.text()).collect();
-        for said in ["<title>", "a & b", "u <V> & []", "\"y\" > 0", "<4>", "'"] {
-            assert!(words.contains(&said), "{said}: {words:?}");
+        for sentence in ["<title>", "a & b", "u <V> & []", "\"y\" > 0", "<4>", "'"] {
+            assert!(words.contains(&sentence), "{sentence}: {words:?}");
         }
     }
 

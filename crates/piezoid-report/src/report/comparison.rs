@@ -53,8 +53,8 @@ fn errors(compared: &ModelComparison, records: &[Compared]) -> Section {
         None => section,
     };
     let verdict = |one: &ComparedModel| {
-        let told = one.validated.verdict(&one.model).map_or("not proven".into(), |verdict| verdict.to_string());
-        format!("{}: {told}.", one.name)
+        let message = one.validated.verdict(&one.model).map_or("not proven".into(), |verdict| verdict.to_string());
+        format!("{}: {message}.", one.name)
     };
     section.table(blocks(models)).table(by_record(models, records)).list(models.iter().map(verdict))
 }
@@ -203,7 +203,7 @@ mod tests {
     #[test]
     fn every_model_is_in_every_table_and_figure() {
         let html = comparison(&compared()).html();
-        for said in [
+        for text in [
             "Smallest error in free run: m&amp;0, ",
             "Errors by record",
             "Error by frequency",
@@ -213,7 +213,7 @@ mod tests {
             "r&lt;1&gt;.csv",
             "proportional",
         ] {
-            assert!(html.contains(said), "{said}");
+            assert!(html.contains(text), "{text}");
         }
         for name in ["m\\u00260", "m\\u00261", "m\\u00262"] {
             assert!(html.matches(&format!("\"{name}\"")).count() >= 5, "{name}: two errors, residuals, two loops");

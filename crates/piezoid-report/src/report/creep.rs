@@ -29,12 +29,12 @@ fn figure(creep: &Creep, from: f64, to: f64) -> Figure {
     let n = (f64::from(FINE) * decades).ceil() as i32;
     let t: Vec<f64> = (0..=n).map(|k| from * 10f64.powf(decades * f64::from(k) / f64::from(n))).collect();
     let crept: Vec<f64> = t.iter().map(|&t| 100.0 * creep.after(t)).collect();
-    let [early, late] = [10.0 * from, 0.1 * to];
-    let grown = match late > early {
+    let [begin, end] = [10.0 * from, 0.1 * to];
+    let grown = match end > begin {
         true => {
-            let decade = 100.0 * (creep.after(late) - creep.after(early)) / (late.log10() - early.log10());
-            let [early, late, decade] = [round(early), round(late), short(decade)];
-            format!(" Between {early} and {late} s it grows by {decade} % per decade.")
+            let decade = 100.0 * (creep.after(end) - creep.after(begin)) / (end.log10() - begin.log10());
+            let [begin, end, decade] = [round(begin), round(end), short(decade)];
+            format!(" Between {begin} and {end} s it grows by {decade} % per decade.")
         }
         false => String::new(),
     };

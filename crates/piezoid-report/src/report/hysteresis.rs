@@ -38,9 +38,9 @@ pub(super) fn block(section: Section, model: &Model, trials: &[Compared]) -> Sec
 
 /// The range to show: that of the operator's or the model's identification data, or of the records.
 fn range(model: &Model, trials: &[Compared]) -> Option<(f64, f64)> {
-    let seen = || trials.iter().flat_map(|t| t.record.u()).copied();
+    let observed = || trials.iter().flat_map(|t| t.record.u()).copied();
     let domain = model.identified().map(|domain| (domain.u[0], domain.u[1]));
-    let range = model.hysteresis().range().or(domain).unwrap_or_else(|| ends(seen()));
+    let range = model.hysteresis().range().or(domain).unwrap_or_else(|| ends(observed()));
     (range.0 < range.1).then_some(range)
 }
 

@@ -6,8 +6,8 @@ use piezoid::Identification;
 use piezoid_numerics::number::short;
 
 /// The section; `None` if there is nothing to tell.
-pub(super) fn section(made: &Identification) -> Option<Section> {
-    let found = &made.found;
+pub(super) fn section(result: &Identification) -> Option<Section> {
+    let found = &result.found;
     let section = Section::new("The identification");
     let section = match &found.reasons[..] {
         [] => section,
@@ -16,7 +16,7 @@ pub(super) fn section(made: &Identification) -> Option<Section> {
     let section = found.notes.iter().fold(section, |section, note| section.note("Note", sentence(note)));
     let history = found.linear.fit.as_ref().map(|fit| &fit.history[..]).unwrap_or_default();
     let section = if history.len() > 1 { section.figure(convergence(history)) } else { section };
-    (history.len() > 1 || !found.told().is_empty()).then_some(section)
+    (history.len() > 1 || !found.remarks().is_empty()).then_some(section)
 }
 
 /// The cost by iteration.
@@ -57,12 +57,12 @@ mod tests {
             IdentifyOptions { method: Method::Paper, operator: "proportional".into(), ..IdentifyOptions::default() };
         let (records, names) = (std::slice::from_ref(&record), ["small <1>", "large"]);
         let records = Records { small_signal: records, large_signal: records };
-        let made = swarm.prove(records, &names, ("piezoid identify", &[]), &mut Stage::ignore).unwrap();
-        let html = identification(&made).html();
-        for said in ["Training records", "The identification", "Convergence", "piezoid identify", " large</h2>"] {
-            assert!(html.contains(said), "{said}");
+        let result = swarm.prove(records, &names, ("piezoid identify", &[]), &mut Stage::ignore).unwrap();
+        let html = identification(&result).html();
+        for text in ["Training records", "The identification", "Convergence", "piezoid identify", " large</h2>"] {
+            assert!(html.contains(text), "{text}");
         }
         assert!(!html.contains("Validation"));
-        assert_eq!(html, identification(&made).html());
+        assert_eq!(html, identification(&result).html());
     }
 }

@@ -31,10 +31,10 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
 }
 
 /// The report on a model and its training records, as it was identified.
-pub fn identification(made: &Identification) -> Page {
-    let training = Validated { files: made.training.clone() };
-    let section = identification::section(made);
-    page(&made.model, "Training records", made.model.verdict().as_ref(), &training, section)
+pub fn identification(result: &Identification) -> Page {
+    let training = Validated { files: result.training.clone() };
+    let section = identification::section(result);
+    page(&result.model, "Training records", result.model.verdict().as_ref(), &training, section)
 }
 
 fn page(model: &Model, title: &str, verdict: Option<&Verdict>, validated: &Validated, more: Option<Section>) -> Page {
@@ -142,7 +142,7 @@ mod tests {
             |record: Record| Compared { name: "r.csv".into(), validation: model.validate(&record).unwrap(), record };
         let trials = Validated { files: records.into_iter().map(compared).collect() };
         let html = report(&model, &trials).html();
-        for said in [
+        for text in [
             "Good to ",
             "Error by frequency",
             "Loops, measured and model",
@@ -155,7 +155,7 @@ mod tests {
             "Identified on inputs from",
             "The input changes by up to",
         ] {
-            assert!(html.contains(said), "{said}");
+            assert!(html.contains(text), "{text}");
         }
         assert!(!html.contains("Error by amplitude"), "one amplitude repeats the overall figures");
     }
@@ -173,8 +173,8 @@ mod tests {
             Compared { name: "r.csv".into(), validation: model.validate(&record).unwrap(), record }
         };
         let html = report(&model, &Validated { files: [20.0, 40.0].map(compared).into() }).html();
-        for said in ["Drawn are 3 of 38 cycles", "y − line [µm]", "over 8 of 7"] {
-            assert!(html.contains(said), "{said}");
+        for text in ["Drawn are 3 of 38 cycles", "y − line [µm]", "over 8 of 7"] {
+            assert!(html.contains(text), "{text}");
         }
         assert!([">20.", ">40."].iter().all(|hz| html.contains(hz)) && html.matches(" Hz</text>").count() == 2);
         assert!(!html.contains("um]") && !html.contains(" um"), "units as people read them");
@@ -189,7 +189,7 @@ mod tests {
     fn the_entries_of_identify_are_shown_if_there_are_any() {
         let bare = report(&beam(), &NONE).html();
         assert!(!bare.contains("Operators tried") && !bare.contains("How it was identified"));
-        let made = json!({
+        let result = json!({
             "command": "piezoid identify <here>",
             "trials": [
                 {"operator": "stop", "parameters": 30, "held_out_percent": null, "verdict": "refused", "refused": "no \
@@ -199,8 +199,8 @@ mod tests {
             ],
             "parameters": [{"name": "mode 1 damping", "value": 0.03, "error": null}],
         });
-        let html = report(&beam().with_provenance(made), &NONE).html();
-        let at = |said: &str| html.find(said).unwrap_or_else(|| panic!("{said}"));
+        let html = report(&beam().with_provenance(result), &NONE).html();
+        let at = |text: &str| html.find(text).unwrap_or_else(|| panic!("{text}"));
         assert!(at("0.2500") < at("as good") && at("as good") < at("no &amp; why"), "the best first");
         assert!(at("taken") < at("as good"));
         at("mode 1 damping</td><td class=\"num\">0.03000</td><td class=\"num\">-</td>");
@@ -213,8 +213,8 @@ mod tests {
     #[test]
     fn each_block_is_shown_if_the_model_has_it() {
         let plain = report(&beam(), &NONE).html();
-        for said in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
-            assert!(plain.contains(said), "{said}");
+        for text in ["lowest mode", "mode 1", "Frequency response", "146.7 Hz", "damper [N s/m]"] {
+            assert!(plain.contains(text), "{text}");
         }
         let plain = plain.split("<script>").next().unwrap();
         for absent in ["Creep", "Driver", "image"] {
@@ -224,16 +224,16 @@ mod tests {
         let stop = (piezoid::hysteresis::Operator::find("stop").unwrap().example)(1.25e-4).unwrap();
         let image = Arx::new(5e-4, vec![-0.6], vec![1.0, 0.6]).unwrap();
         let creep = piezoid::creep::Creep::logarithmic(5e-4, 0.015, 0.05, 5.0).unwrap();
-        let full = Model::driven(Some(driver), stop, image, 0.0).unwrap().with_creep(creep).unwrap();
+        let full = Model::from_blocks(Some(driver), stop, image, 0.0).unwrap().with_creep(creep).unwrap();
         let full = report(&full, &NONE).html();
-        for said in [
+        for text in [
             "4.500 % together",
             "Creep after a step",
             "at most 6",
             "of delay or of faster modes",
             "poles above 0.9 of half the sampling rate",
         ] {
-            assert!(full.contains(said), "{said}");
+            assert!(full.contains(text), "{text}");
         }
     }
 }

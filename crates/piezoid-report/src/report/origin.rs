@@ -8,8 +8,8 @@ use serde_json::Value;
 
 /// The operators tried, the parameters with their standard errors, and the command; `None` without any of them.
 pub(super) fn section(model: &Model) -> Option<Section> {
-    let made = model.provenance();
-    let list = |name: &str| made[name].as_array().map(Vec::as_slice).unwrap_or_default();
+    let result = model.provenance();
+    let list = |name: &str| result[name].as_array().map(Vec::as_slice).unwrap_or_default();
     let (tried, known) = (list("trials"), list("parameters"));
     let section = Section::new("How it was identified");
     let section = match model.verdict() {
@@ -18,20 +18,20 @@ pub(super) fn section(model: &Model) -> Option<Section> {
     };
     let section = if tried.is_empty() { section } else { section.table(trials(tried)) };
     let section = if known.is_empty() { section } else { section.table(parameters(known)) };
-    match made["command"].as_str() {
-        Some(command) => Some(section.text(origin(command, made))),
+    match result["command"].as_str() {
+        Some(command) => Some(section.text(origin(command, result))),
         None => (tried.len() + known.len() > 0).then_some(section),
     }
 }
 
 /// The front end, the options that were changed, and the files.
-fn origin(command: &str, made: &Value) -> Text {
+fn origin(command: &str, result: &Value) -> Text {
     let text = Text::from("Made by ").code(command);
-    let options = made["options"].as_object().into_iter().flatten();
+    let options = result["options"].as_object().into_iter().flatten();
     let options: Vec<String> = options.map(|(name, value)| format!("{name} = {}", plain(value))).collect();
     let text = if options.is_empty() { text } else { text.plain(" with ").code(options.join(", ")) };
     let files: Vec<&str> =
-        made["files"].as_array().into_iter().flatten().filter_map(|one| one["file"].as_str()).collect();
+        result["files"].as_array().into_iter().flatten().filter_map(|one| one["file"].as_str()).collect();
     let text = if files.is_empty() { text } else { text.plain(" from ").code(files.join(", ")) };
     text.plain(".")
 }

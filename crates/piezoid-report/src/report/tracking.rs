@@ -26,7 +26,7 @@ pub fn tracking(compared: &Comparison) -> Page {
         compared.plant
     );
     let page = Page::new("Comparison of controllers").subtitle(subtitle).section(errors(compared));
-    let page = (0..compared.wanted.len()).fold(page, |page, k| page.section(along(compared, k)));
+    let page = (0..compared.references.len()).fold(page, |page, k| page.section(along(compared, k)));
     [loops(compared), learning(compared), spread(compared)].into_iter().flatten().fold(page, Page::section)
 }
 
@@ -34,7 +34,7 @@ pub fn tracking(compared: &Comparison) -> Page {
 /// are all seen.
 fn curve(compared: &Comparison, d: &SchemeResult, x: &[f64], y: &[f64]) -> Series {
     let uncompensated = |d: &SchemeResult| d.name() == FEED_FORWARDS[0].name;
-    let others = compared.driven.iter().filter(|d| !uncompensated(d));
+    let others = compared.results.iter().filter(|d| !uncompensated(d));
     match others.map(SchemeResult::name).position(|name| name == d.name()) {
         None => Series::line(x, y).role(Role::Muted),
         // One pattern further where colours repeat.
@@ -44,23 +44,24 @@ fn curve(compared: &Comparison, d: &SchemeResult, x: &[f64], y: &[f64]) -> Serie
 
 fn errors(compared: &Comparison) -> Section {
     let table = |title: &str, of: fn(&ReferenceResult, &NamedReference) -> f64| {
-        let table = compared.driven.iter().fold(PageTable::new(title).text("reference"), |t, d| t.number(d.name()));
-        compared.wanted.iter().enumerate().fold(table, |table, (k, wanted)| {
-            let cell = |d: &SchemeResult| d.attempts[k].as_ref().map_or("–".into(), |a| short(of(a, wanted)));
-            table.row([wanted.name.clone()].into_iter().chain(compared.driven.iter().map(cell)).collect::<Vec<_>>())
+        let table = compared.results.iter().fold(PageTable::new(title).text("reference"), |t, d| t.number(d.name()));
+        compared.references.iter().enumerate().fold(table, |table, (k, reference)| {
+            let cell = |d: &SchemeResult| d.attempts[k].as_ref().map_or("–".into(), |a| short(of(a, reference)));
+            table.row([reference.name.clone()].into_iter().chain(compared.results.iter().map(cell)).collect::<Vec<_>>())
         })
     };
     let best = |k: usize| {
         let percent = |d: &SchemeResult| Some((d.attempts[k].as_ref().ok()?.tracking.percent_of_stroke, d.name()));
-        compared.driven.iter().filter_map(percent).min_by(|a, b| a.0.total_cmp(&b.0))
+        compared.results.iter().filter_map(percent).min_by(|a, b| a.0.total_cmp(&b.0))
     };
-    let worst = (0..compared.wanted.len()).filter_map(|k| Some((best(k)?, k))).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+    let worst =
+        (0..compared.references.len()).filter_map(|k| Some((best(k)?, k))).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
     let section = Section::new("Errors");
     let section = match worst {
         Some(((percent, name), k)) => {
             let of = format!(
                 "rms error of the best controller on the reference with the largest such error: {name}, {}",
-                compared.wanted[k].name
+                compared.references[k].name
             );
             section.facts([Fact::new(short(percent), "%", of)])
         }
@@ -78,9 +79,9 @@ fn errors(compared: &Comparison) -> Section {
         let of = |(w, a): (&NamedReference, &Result<ReferenceResult, _>)| {
             Some(format!("{}, {}: {}", d.name(), w.name, a.as_ref().err()?))
         };
-        compared.wanted.iter().zip(&d.attempts).filter_map(of).collect::<Vec<_>>()
+        compared.references.iter().zip(&d.attempts).filter_map(of).collect::<Vec<_>>()
     };
-    match compared.driven.iter().flat_map(refusal).collect::<Vec<_>>() {
+    match compared.results.iter().flat_map(refusal).collect::<Vec<_>>() {
         none if none.is_empty() => section,
         refused => section.text("Errors:").list(refused),
     }
@@ -88,16 +89,16 @@ fn errors(compared: &Comparison) -> Section {
 
 /// Reference, error and voltage of every scheme along one reference, over two periods if it is periodic.
 fn along(compared: &Comparison, k: usize) -> Section {
-    let (wanted, unit) = (&compared.wanted[k], compared.unit());
-    let length = period(&wanted.r).map_or(SHOWN, |period| 2 * period + 1);
-    let shown = wanted.from..wanted.r.len().min(wanted.from + length);
-    let ts = compared.driven[0].drive.model().ts();
+    let (reference, unit) = (&compared.references[k], compared.unit());
+    let length = period(&reference.r).map_or(SHOWN, |period| 2 * period + 1);
+    let shown = reference.from..reference.r.len().min(reference.from + length);
+    let ts = compared.results[0].tuned.model().ts();
     let t: Vec<f64> = shown.clone().map(|t| t as f64 * ts).collect();
     let mut path = Axes::new(Axis::new("t [s]").tight(), &*format!("y [{unit}]")).height(0.4);
     let mut error = Axes::new(Axis::new("t [s]").tight(), &*format!("r - y [{unit}]")).height(0.35);
     let mut nearest = Axes::new(Axis::new("t [s]").tight(), &*format!("r - y, best controllers [{unit}]")).height(0.35);
     let mut voltage = Axes::new(Axis::new("t [s]").tight(), "u [V]").height(0.4);
-    let attempts = || compared.driven.iter().filter_map(|d| Some((d, d.attempts[k].as_ref().ok()?)));
+    let attempts = || compared.results.iter().filter_map(|d| Some((d, d.attempts[k].as_ref().ok()?)));
     let best = attempts().map(|(_, a)| a.tracking.rms).fold(f64::INFINITY, f64::min);
     for (d, ReferenceResult { run, tracking, .. }) in attempts() {
         let error_of: Vec<f64> = shown.clone().map(|t| run.r[t] - run.y[t]).collect();
@@ -109,17 +110,17 @@ fn along(compared: &Comparison, k: usize) -> Section {
         }
         error = error.with(curve(&error_of));
     }
-    let path = path.with(Series::wide(&t, &wanted.r[shown]).role(Role::Reference).named("reference"));
+    let path = path.with(Series::wide(&t, &reference.r[shown]).role(Role::Reference).named("reference"));
     let caption =
         format!("Displacement, error, error of the schemes within {NEAR} times the smallest rms error, and voltage.");
-    let figure = Figure::new(wanted.name.clone(), caption).panel(path).panel(error).panel(nearest).panel(voltage);
-    Section::new(&*wanted.name).figure(figure.stacked())
+    let figure = Figure::new(reference.name.clone(), caption).panel(path).panel(error).panel(nearest).panel(voltage);
+    Section::new(&*reference.name).figure(figure.stacked())
 }
 
 /// Margins and |S| of the closed loops.
 fn loops(compared: &Comparison) -> Option<Section> {
-    let closed: Vec<_> = compared.driven.iter().filter_map(|d| Some((d, d.drive.margins()?))).collect();
-    let ts = closed.first()?.0.drive.model().ts();
+    let closed: Vec<_> = compared.results.iter().filter_map(|d| Some((d, d.tuned.margins()?))).collect();
+    let ts = closed.first()?.0.tuned.model().ts();
     let nyquist = 0.5 / ts;
     let hz: Vec<f64> = (0..GRID).map(|k| nyquist * 10f64.powf(3.5 * (k as f64 / (GRID - 1) as f64 - 1.0))).collect();
     let table = PageTable::new("Margins").text("scheme").number("gain [dB]").number("phase [°]").number("peak of |S|");
@@ -130,7 +131,7 @@ fn loops(compared: &Comparison) -> Option<Section> {
         table.row([d.name()].into_iter().chain(figures).chain([stable.to_string()]).collect::<Vec<_>>())
     });
     let axes = Axes::new(Axis::log("f [Hz]").tight(), Axis::log("|S|"));
-    let axes = closed.iter().enumerate().fold(axes, |axes, (k, (d, _))| match d.drive.sensitivity(&hz) {
+    let axes = closed.iter().enumerate().fold(axes, |axes, (k, (d, _))| match d.tuned.sensitivity(&hz) {
         Some(s) => axes.with(curve(compared, d, &hz, &s).dashes(k).named(d.name())),
         None => axes,
     });
@@ -148,9 +149,9 @@ fn learning(compared: &Comparison) -> Option<Section> {
         let of = |(w, a): (&NamedReference, &Result<ReferenceResult, _>)| {
             Some((w.name.clone(), w.height(), a.as_ref().ok()?.feed_forward.trials.clone()))
         };
-        compared.wanted.iter().zip(&d.attempts).filter_map(of).filter(|(.., t)| !t.is_empty()).collect::<Vec<_>>()
+        compared.references.iter().zip(&d.attempts).filter_map(of).filter(|(.., t)| !t.is_empty()).collect::<Vec<_>>()
     };
-    let courses = compared.driven.iter().map(learnt).find(|courses| !courses.is_empty())?;
+    let courses = compared.results.iter().map(learnt).find(|courses| !courses.is_empty())?;
     let axes = Axes::new("trial", Axis::log("rms error [% of the height]"));
     let axes = courses.iter().enumerate().fold(axes, |axes, (k, (name, height, trials))| {
         let n: Vec<f64> = (0..trials.len()).map(|n| n as f64).collect();
@@ -163,13 +164,13 @@ fn learning(compared: &Comparison) -> Option<Section> {
 
 /// Errors over plants within a tolerance.
 fn spread(compared: &Comparison) -> Option<Section> {
-    let drawn: Vec<_> = compared.driven.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).collect();
+    let drawn: Vec<_> = compared.results.iter().filter_map(|d| Some((d, d.spread.as_ref()?))).collect();
     let table =
         PageTable::new("Draws").text("scheme").number("median [%]").number("90th percentile [%]").number("worst [%]");
     let table = table.number("draws").number("unstable");
     let table = drawn.iter().fold(table, |table, (d, spread)| {
         let shares = [0.5, 0.9, 1.0].map(|share| short(spread.percent_of_stroke(share)));
-        let unstable = d.drive.scheme.law.map_or("–".into(), |_| spread.unstable().to_string());
+        let unstable = d.tuned.scheme.law.map_or("–".into(), |_| spread.unstable().to_string());
         let counts = [spread.trials.len().to_string(), unstable];
         table.row([d.name()].into_iter().chain(shares).chain(counts).collect::<Vec<_>>())
     });
@@ -179,9 +180,9 @@ fn spread(compared: &Comparison) -> Option<Section> {
         let percent: Vec<f64> = shares.iter().map(|share| spread.percent_of_stroke(share / 100.0)).collect();
         axes.with(curve(compared, d, &percent, &shares).named(d.name()))
     });
-    let wanted = &compared.wanted.first()?.name;
+    let reference = &compared.references.first()?.name;
     let caption = format!(
-        "Reference {wanted}: share of the random plants with a smaller error. Every controller is tuned to the model \
+        "Reference {reference}: share of the random plants with a smaller error. Every controller is tuned to the model \
          of the nominal \
         plant."
     );
@@ -214,17 +215,17 @@ mod tests {
             let settings = FeedForwardSettings { limits, clip: true, ..Default::default() };
             TunedScheme::new(Scheme::named(name).unwrap(), &model, settings, 0, &MarginTarget::default()).unwrap()
         };
-        let wanted = |name, hz| {
+        let reference = |name, hz| {
             NamedReference::new(name, ts, (Reference::find(name).unwrap().samples)(ts, 800, 300.0, hz).unwrap())
         };
         let drives = ["gain", "learning", "feed-forward+pi"].map(drive).to_vec();
         let (plant, tolerance) = (Preset::find("pl140").unwrap(), Tolerance { draws: 3, ..Default::default() });
-        let all = vec![wanted("sine", 10.0), wanted("random", 20.0)];
+        let all = vec![reference("sine", 10.0), reference("random", 20.0)];
         let compared =
             Comparison::run((plant.name, &(plant.spec)()), drives, all, 1, Some(&tolerance), &mut Stage::ignore)
                 .unwrap();
         let html = tracking(&compared).html();
-        for said in [
+        for text in [
             "Distribution of the errors within the tolerance",
             "Error by trial",
             "Sensitivity",
@@ -232,7 +233,7 @@ mod tests {
             "not periodic",
             "random",
         ] {
-            assert!(html.contains(said), "{said}");
+            assert!(html.contains(text), "{text}");
         }
         assert!(!html.split("<script>").next().unwrap().contains("NaN"));
         assert_eq!(html, tracking(&compared).html());

@@ -123,8 +123,8 @@ impl Bench {
         let rows = METHODS.iter().map(|method| {
             let series = |block: Arc<dyn Hysteresis>, arx: &Arx, offset| Model::new(block, arx.clone(), offset);
             let (model, loop_width_percent) = match method.way {
-                MethodModel::Branches(seen, reading) => {
-                    let (arx, offset, found) = match seen {
+                MethodModel::Branches(observed, reading) => {
+                    let (arx, offset, found) = match observed {
                         LoopSource::ByTable2 => (&table_2, 0.0, &by_table_2.found),
                         LoopSource::ByOwn => (&own.0, own.1, &by_own.found),
                     };

@@ -61,9 +61,9 @@ impl CompareOptions {
     pub fn on(&self, models: Vec<(String, Model)>, records: &[(String, Record)]) -> Result<ModelComparison, Error> {
         let record = match &self.record {
             None => 0,
-            Some(wanted) => {
-                let known = || Error::unknown("record", wanted, records.iter().map(|(name, _)| &**name));
-                records.iter().position(|(name, _)| name == wanted || short(name) == wanted).ok_or_else(known)?
+            Some(expected) => {
+                let known = || Error::unknown("record", expected, records.iter().map(|(name, _)| &**name));
+                records.iter().position(|(name, _)| name == expected || short(name) == expected).ok_or_else(known)?
             }
         };
         let compare = |(name, model): (String, Model)| {
@@ -152,19 +152,19 @@ mod tests {
 
     #[test]
     fn the_model_with_the_smaller_error_is_named() {
-        let made = run(&CompareOptions::default(), &[model("f/two.json", 2.4), model("f/ten.json", 10.0)]).unwrap();
-        assert_eq!(made.best().unwrap().name, "two.json");
-        let said = made.summary().unwrap();
-        assert!(said.starts_with("smallest error in free run: two.json, ") && said.contains("; ten.json "), "{said}");
-        let json = made.to_json();
+        let result = run(&CompareOptions::default(), &[model("f/two.json", 2.4), model("f/ten.json", 10.0)]).unwrap();
+        assert_eq!(result.best().unwrap().name, "two.json");
+        let text = result.summary().unwrap();
+        assert!(text.starts_with("smallest error in free run: two.json, ") && text.contains("; ten.json "), "{text}");
+        let json = result.to_json();
         assert_eq!((&json["best"], json["models"][1]["files"].as_array().unwrap().len()), (&"two.json".into(), 2));
         assert_eq!((&json["models"][0]["parameters"], &json["models"][0]["order"]), (&1.into(), &0.into()));
     }
 
     #[test]
     fn files_of_one_name_keep_their_folders() {
-        let made = run(&CompareOptions::default(), &[model("f/m.json", 2.0), model("g/m.json", 3.0)]).unwrap();
-        assert_eq!(made.models.iter().map(|one| &*one.name).collect::<Vec<_>>(), ["f/m.json", "g/m.json"]);
+        let result = run(&CompareOptions::default(), &[model("f/m.json", 2.0), model("g/m.json", 3.0)]).unwrap();
+        assert_eq!(result.models.iter().map(|one| &*one.name).collect::<Vec<_>>(), ["f/m.json", "g/m.json"]);
     }
 
     #[test]
@@ -172,7 +172,7 @@ mod tests {
         let of =
             |name: &str| run(&CompareOptions { record: Some(name.into()), ..Default::default() }, &[model("m", 2.0)]);
         assert_eq!((of("x/b.csv").unwrap().record, of("b.csv").unwrap().record), (1, 1));
-        let said = of("c.csv").unwrap_err().to_string();
-        assert!(said.contains("`c.csv`") && said.contains("x/a.csv"), "{said}");
+        let text = of("c.csv").unwrap_err().to_string();
+        assert!(text.contains("`c.csv`") && text.contains("x/a.csv"), "{text}");
     }
 }

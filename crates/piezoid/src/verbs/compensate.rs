@@ -21,7 +21,7 @@ options! {
         /// Clip the voltage to the limits, instead of refusing a reference that exceeds them.
         clip: bool = false, OptionRow::new(OptionKind::Switch);
         /// Largest number of iterations that correct the error left in the model's free run.
-        sweeps: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
+        iterations: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
     } with limits: LimitOptions with shape: Shaping
 }
 
@@ -37,7 +37,7 @@ pub struct Compensation {
     /// The shaped reference.
     pub shaped: Vec<f64>,
     /// The voltage, and the displacement that the model predicts.
-    pub made: Compensated,
+    pub compensated: Compensated,
     /// The lowest and the highest displacement that can be held.
     pub reach: (f64, f64),
     /// How good the model was at its identification, if its file says so.
@@ -57,7 +57,7 @@ impl CompensateOptions {
     /// # Errors
     /// The errors of [`LimitOptions::limits`].
     pub fn settings(&self) -> Result<FeedForwardSettings, Error> {
-        Ok(FeedForwardSettings { sweeps: self.sweeps, ..FeedForwardSettings::within(&self.limits, self.clip)? })
+        Ok(FeedForwardSettings { iterations: self.iterations, ..FeedForwardSettings::within(&self.limits, self.clip)? })
     }
 
     /// The voltage for the reference `r` [output unit].
@@ -68,9 +68,9 @@ impl CompensateOptions {
     pub fn of(&self, model: &Model, r: Vec<f64>) -> Result<Compensation, Error> {
         let inverse = FeedForward::new(model, self.settings()?)?;
         let shaped = self.shape.of(model, r.clone())?;
-        let made = inverse.whole(&shaped)?;
+        let compensated = inverse.whole(&shaped)?;
         let (ts, units, reach, verdict) = (model.ts(), model.units().clone(), inverse.reach(), model.verdict());
-        Ok(Compensation { ts, units, requested: r, shaped, made, reach, verdict })
+        Ok(Compensation { ts, units, requested: r, shaped, compensated, reach, verdict })
     }
 
     /// The same with the model and the reference from files.
@@ -79,15 +79,15 @@ impl CompensateOptions {
     /// The errors of [`CompensateOptions::of`], and errors for files without a model or a reference.
     pub fn run(&self, model: &File, reference: &File, columns: &ColumnSelection) -> Result<Compensation, Error> {
         let (file, model) = (model, model.model()?);
-        let made = self.of(&model, reference.reference(columns, &model)?);
-        made.map_err(|e| blamed(e, file).about(&reference.name))
+        let result = self.of(&model, reference.reference(columns, &model)?);
+        result.map_err(|e| blamed(e, file).about(&reference.name))
     }
 }
 
 impl Compensation {
     /// Errors of the free run against the shaped reference, and, if it differs, against the requested one.
     pub fn metrics(&self) -> (Metrics, Option<Metrics>) {
-        let of = |r: &[f64]| Metrics::of(r, &self.made.reached);
+        let of = |r: &[f64]| Metrics::of(r, &self.compensated.reached);
         (of(&self.shaped), (self.shaped != self.requested).then(|| of(&self.requested)))
     }
 
@@ -106,11 +106,11 @@ impl Compensation {
 
     /// The figures as a document. `rmse`, `max_abs` and `rms_pp_percent` are errors of the inverse alone, on the model.
     pub fn to_json(&self) -> Value {
-        let ((metrics, requested), made) = (self.metrics(), &self.made);
+        let ((metrics, requested), result) = (self.metrics(), &self.compensated);
         json!({
             "unit": self.units.y, "n": metrics.n, "rmse": metrics.rmse, "max_abs": metrics.max_abs,
-            "rms_pp_percent": metrics.rms_pp_percent, "clipped": made.clipped, "reach": self.reach,
-            "usage": made.usage, "notes": made.notes, "requested": requested,
+            "rms_pp_percent": metrics.rms_pp_percent, "clipped": result.clipped, "reach": self.reach,
+            "usage": result.usage, "notes": result.notes, "requested": requested,
             "expected_rms": self.expected_rms(), "verdict": self.verdict,
         })
     }
@@ -121,6 +121,6 @@ impl Compensation {
     /// The errors of [`Table::write`].
     pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
         let (u, r) = (format!("u_{}", self.units.u), format!("r_{}", self.units.y));
-        Table::write(name, self.ts, &[(&u, &self.made.u), (&r, &self.shaped)])
+        Table::write(name, self.ts, &[(&u, &self.compensated.u), (&r, &self.shaped)])
     }
 }

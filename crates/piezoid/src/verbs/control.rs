@@ -60,7 +60,7 @@ options! {
     #[derive(Copy)]
     pub struct TuneOptions {
         /// Sensor delay in samples; controllers are tuned for it.
-        late: usize = 0, OptionRow::new(OptionKind::Integer(0, ControlLoop::LATEST as u64));
+        delay_samples: usize = 0, OptionRow::new(OptionKind::Integer(0, ControlLoop::LATEST as u64));
         /// Gain margin to tune to [dB].
         gain_margin: f64 = MarginTarget::default().gain_db, OptionRow::positive("dB");
         /// Phase margin to tune to [degrees].
@@ -76,7 +76,7 @@ impl TuneOptions {
     pub fn drive(&self, scheme: Scheme, model: &Model, settings: FeedForwardSettings) -> Result<TunedScheme, Error> {
         let target =
             MarginTarget { gain_db: self.gain_margin, phase_deg: self.phase_margin, ..MarginTarget::default() };
-        TunedScheme::new(scheme, model, settings, self.late, &target)
+        TunedScheme::new(scheme, model, settings, self.delay_samples, &target)
     }
 }
 
@@ -145,17 +145,17 @@ impl ControlOptions {
             false => self.reference.iter().map(String::as_str).collect(),
         };
         let mut about = None;
-        let wanted = |name: &str| match (named(name), files.iter().find(|file| file.name == name)) {
+        let reference = |name: &str| match (named(name), files.iter().find(|file| file.name == name)) {
             (Some((kind, hz)), _) => self.repeated(name, kind, hz?, &model, settings, &mut about),
             (None, Some(file)) => Ok(NamedReference::new(file.short(), model.ts(), file.reference(columns, &model)?)),
             (None, None) => {
                 Err(Reference::find(name).err().unwrap_or_else(|| Error::parameter("reference", name, "no file")))
             }
         };
-        let wanted = names.into_iter().map(wanted).collect::<Result<_, _>>()?;
-        let mut made = self.along((plant, &spec), &model, wanted, progress).map_err(|e| blamed(e, file))?;
-        made.notes.extend(about);
-        Ok(made)
+        let reference = names.into_iter().map(reference).collect::<Result<_, _>>()?;
+        let mut result = self.along((plant, &spec), &model, reference, progress).map_err(|e| blamed(e, file))?;
+        result.notes.extend(about);
+        Ok(result)
     }
 
     /// The same along given references.
@@ -167,7 +167,7 @@ impl ControlOptions {
         &self,
         plant: (&str, &Spec),
         model: &Model,
-        wanted: Vec<NamedReference>,
+        reference: Vec<NamedReference>,
         progress: &mut Progress,
     ) -> Result<Comparison, Error> {
         let (settings, mut drives) = (self.settings()?, Vec::new());
@@ -180,20 +180,20 @@ impl ControlOptions {
                     notes.push(format!("{} is left out: {e}", scheme.name()));
                 }
                 Err(e @ Error::Parameter { .. }) => return Err(e),
-                made => {
-                    let mut drive = made.map_err(|e| e.of(&scheme.name()))?;
+                result => {
+                    let mut drive = result.map_err(|e| e.of(&scheme.name()))?;
                     drive.ahead = self.preview.unwrap_or(usize::MAX);
                     drives.push(drive);
                 }
             }
         }
-        for NamedReference { name, r, .. } in &wanted {
+        for NamedReference { name, r, .. } in &reference {
             drives.first().map_or(Ok(()), |drive| drive.check(r)).map_err(|e| e.of(name))?;
         }
         let share = |percent: f64| Tolerance { share: percent / 100.0, draws: self.draws, seed: self.seed };
         let plant = (plant.0, &spec);
         let mut compared =
-            Comparison::run(plant, drives, wanted, self.seed, self.tolerance.map(share).as_ref(), progress)?;
+            Comparison::run(plant, drives, reference, self.seed, self.tolerance.map(share).as_ref(), progress)?;
         compared.notes = notes;
         Ok(compared)
     }
@@ -267,7 +267,7 @@ pub trait ComparisonReport {
 
 impl ComparisonReport for Comparison {
     fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
-        let first = self.driven.first().and_then(|d| Some((&d.drive, d.attempts.first()?.as_ref().ok()?)));
+        let first = self.results.first().and_then(|d| Some((&d.tuned, d.attempts.first()?.as_ref().ok()?)));
         let Some((drive, ReferenceResult { run: ClosedLoopRun { u, y, r, .. }, .. })) = first else {
             return Err(Error::Content("there is no run to write: no controller could follow the reference".into()));
         };
@@ -277,37 +277,41 @@ impl ComparisonReport for Comparison {
     }
 
     fn remarks(&self) -> Vec<String> {
-        let mut told = self.notes.clone();
-        told.extend(self.driven.first().map(|d| d.drive.model().proven()));
-        if let Some(hz) = self.driven.first().and_then(|d| d.drive.known_hz()) {
-            told.push(format!(
+        let mut message = self.notes.clone();
+        message.extend(self.results.first().map(|d| d.tuned.model().proven()));
+        if let Some(hz) = self.results.first().and_then(|d| d.tuned.known_hz()) {
+            message.push(format!(
                 "the model was identified up to {} Hz only: feedback is tuned slow enough for an unknown resonance \
                  above; identify the model with a PRBS record as well to allow faster feedback",
                 short(hz)
             ));
         }
-        for d in &self.driven {
-            for (wanted, attempt) in self.wanted.iter().zip(&d.attempts) {
-                let along = &wanted.name;
+        for d in &self.results {
+            for (reference, attempt) in self.references.iter().zip(&d.attempts) {
+                let along = &reference.name;
                 match attempt {
-                    Err(error) => told.push(format!("{}, {along}: {error}", d.name())),
+                    Err(error) => message.push(format!("{}, {along}: {error}", d.name())),
                     Ok(ReferenceResult { feed_forward, run, .. }) => {
                         // The notes of a feed-forward are the same with every controller.
                         for note in &feed_forward.notes {
-                            let note = format!("{}, {along}: {note}", d.drive.scheme.feed.name);
-                            if !told.contains(&note) {
-                                told.push(note);
+                            let note = format!("{}, {along}: {note}", d.tuned.scheme.feed_forward.name);
+                            if !message.contains(&note) {
+                                message.push(note);
                             }
                         }
                         if run.limited > 0 {
                             let n = run.u.len();
-                            told.push(format!("{}, {along}: {} of {n} voltages are at a limit", d.name(), run.limited));
+                            message.push(format!(
+                                "{}, {along}: {} of {n} voltages are at a limit",
+                                d.name(),
+                                run.limited
+                            ));
                         }
                     }
                 }
             }
         }
-        told
+        message
     }
 }
 
@@ -364,36 +368,36 @@ mod tests {
     }
 
     fn percent(compared: &Comparison) -> f64 {
-        compared.driven[0].attempts[0].as_ref().unwrap().tracking.percent_of_stroke
+        compared.results[0].attempts[0].as_ref().unwrap().tracking.percent_of_stroke
     }
 
     #[test]
     fn a_plant_of_another_actuator_is_told_first_with_the_numbers() {
         // A stack of 9 um at 100 V on a bender of 2 mm at +-30 V.
-        let made = compared("pl140", &model(0.09, 0.0, [0.0, 100.0]));
-        let first = &made.remarks()[0];
+        let result = compared("pl140", &model(0.09, 0.0, [0.0, 100.0]));
+        let first = &result.remarks()[0];
         assert!(first.starts_with("The plant `pl140` is not the actuator of this model: the model is used"), "{first}");
         for number in ["from 0 to 100.0 V", "gives -30.00 to 30.00 V", "moves by ", "model by 2.700 um", "say nothing"]
         {
             assert!(first.contains(number), "{number}: {first}");
         }
-        let made = compared("pl140", &model(33.0, 0.0, [-30.0, 30.0]));
-        assert_eq!(made.notes, Vec::<String>::new());
-        assert!(percent(&made) < 20.0, "{}", percent(&made));
+        let result = compared("pl140", &model(33.0, 0.0, [-30.0, 30.0]));
+        assert_eq!(result.notes, Vec::<String>::new());
+        assert!(percent(&result) < 20.0, "{}", percent(&result));
     }
 
     #[test]
     fn a_displacement_on_one_side_of_zero_is_tracked_about_its_middle_with_the_zero_of_its_sensor() {
-        let made = compared("p885", &model(0.15, -131.0, [0.0, 120.0]));
-        let (low, high) = piezoid_numerics::series::ends(made.wanted[0].r.iter().copied());
+        let result = compared("p885", &model(0.15, -131.0, [0.0, 120.0]));
+        let (low, high) = piezoid_numerics::series::ends(result.references[0].r.iter().copied());
         assert!((0.5 * (low + high) + 122.0).abs() < 0.1 && (high - low - 15.84).abs() < 0.1, "{low} {high}");
-        let notes = made.notes.join("\n");
+        let notes = result.notes.join("\n");
         assert!(notes.contains("named references run about -122.0 um"), "{notes}");
         assert!(notes.contains("the zeros of their sensors differ. That of the plant is moved by -13"), "{notes}");
-        assert!(percent(&made) < 20.0, "{}", percent(&made));
+        assert!(percent(&result) < 20.0, "{}", percent(&result));
         // Without an offset, a unipolar actuator needs no other zero.
-        let made = compared("p885", &model(0.15, 0.0, [0.0, 120.0]));
-        assert!(made.notes.len() == 1 && made.notes[0].contains("run about 9.000 um"), "{:?}", made.notes);
-        assert!(percent(&made) < 20.0, "{}", percent(&made));
+        let result = compared("p885", &model(0.15, 0.0, [0.0, 120.0]));
+        assert!(result.notes.len() == 1 && result.notes[0].contains("run about 9.000 um"), "{:?}", result.notes);
+        assert!(percent(&result) < 20.0, "{}", percent(&result));
     }
 }

@@ -40,13 +40,13 @@ pub struct Excited {
 }
 
 impl ExciteOptions {
-    /// The signal of this kind; `given` contains the kind's own options by name.
+    /// The signal of this kind; `arguments` contains the kind's own options by name.
     ///
     /// # Errors
     /// Returns an error for invalid options, for a signal that exceeds the limits unless it is to be clipped, and for
     /// limits of a reference.
-    pub fn run(&self, kind: &Excitation, given: Value) -> Result<Excited, Error> {
-        let mut u = kind.samples(self.ts, self.duration, given)?;
+    pub fn run(&self, kind: &Excitation, arguments: Value) -> Result<Excited, Error> {
+        let mut u = kind.samples(self.ts, self.duration, arguments)?;
         let unit = ascii_unit(&self.unit);
         if unit.is_empty() || !unit.chars().all(char::is_alphanumeric) {
             return Err(Error::parameter("unit", &self.unit, "must be a unit such as V, um or mrad"));

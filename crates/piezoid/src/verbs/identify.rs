@@ -47,12 +47,12 @@ impl IdentifyOptions {
         let origins: Vec<_> = sources().map(Source::origin).collect();
         let names: Vec<&str> = sources().map(|source| &*source.file.name).collect();
         let records = Records { small_signal: &small_signal, large_signal: &large_signal };
-        let mut made = self.prove(records, &names, (command, &origins), progress)?;
+        let mut result = self.prove(records, &names, (command, &origins), progress)?;
         let histories = names.iter().zip(small_signal.iter().chain(&large_signal));
         let steps =
             histories.flat_map(|(name, record)| record.history().iter().map(move |step| format!("{name}: {step}")));
-        made.found.notes.splice(0..0, steps);
-        Ok(made)
+        result.found.notes.splice(0..0, steps);
+        Ok(result)
     }
 
     /// Identifies a model from records and tests it on them. `names` are those of the small-signal records, then of the
@@ -103,7 +103,7 @@ impl IdentifyOptions {
         let results = [
             ("trials", json!(found.trials)),
             ("parameters", json!(found.parameters)),
-            ("notes", json!(found.told())),
+            ("notes", json!(found.remarks())),
             ("verdict", json!(verdict)),
         ];
         for (name, result) in results {
@@ -138,7 +138,7 @@ impl Identification {
             "parameters": found.parameters,
             "creep": found.model.creep().lags(),
             "training": self.training.iter().map(Compared::to_json).collect::<Vec<_>>(),
-            "notes": found.told(),
+            "notes": found.remarks(),
             "linearity": self.linearity,
             "verdict": self.model.verdict(),
         })

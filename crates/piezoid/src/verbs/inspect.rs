@@ -61,7 +61,7 @@ impl InspectTable for Table {
             }
             Err(error) => (Value::Null, Vec::new(), vec![error.to_string()], Vec::new()),
         };
-        let seen = json!({
+        let inspection = json!({
             "file": name,
             "format": format,
             "channels": self.described(columns),
@@ -70,7 +70,7 @@ impl InspectTable for Table {
             "problems": problems,
             "defects": defects,
         });
-        (seen, read)
+        (inspection, read)
     }
 }
 
@@ -83,7 +83,7 @@ fn described(record: &Record) -> Value {
     })
 }
 
-/// Most spans that are told of a defect.
+/// Most spans that are listed for a defect.
 const SPANS: usize = 100;
 
 /// A defect, with the spans of time that it concerns.

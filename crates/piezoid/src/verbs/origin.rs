@@ -264,20 +264,20 @@ mod tests {
     #[test]
     fn a_model_is_identified_again_to_the_bit() {
         let model = identified();
-        let made = again(&model, &[file("renamed.csv", 0.25), file("a.csv", 0.5)]).unwrap();
-        assert_eq!(made.model.to_json(), model.to_json());
-        assert!(made.found.notes.iter().all(|note| !note.contains("to the bit")), "{:?}", made.found.notes);
+        let result = again(&model, &[file("renamed.csv", 0.25), file("a.csv", 0.5)]).unwrap();
+        assert_eq!(result.model.to_json(), model.to_json());
+        assert!(result.found.notes.iter().all(|note| !note.contains("to the bit")), "{:?}", result.found.notes);
     }
 
     #[test]
     fn the_file_that_differs_is_named() {
         let model = identified();
         let [a, b] = [file("a.csv", 0.5), file("b.csv", 0.25)];
-        let said = |files: &[File]| again(&model, files).unwrap_err();
-        assert!(said(std::slice::from_ref(&a)).contains("identified from b.csv (SHA-256 "));
-        let changed = said(&[a.clone(), file("lab/b.csv", 0.26)]);
+        let text = |files: &[File]| again(&model, files).unwrap_err();
+        assert!(text(std::slice::from_ref(&a)).contains("identified from b.csv (SHA-256 "));
+        let changed = text(&[a.clone(), file("lab/b.csv", 0.26)]);
         assert!(changed.starts_with("lab/b.csv is not the file"), "{changed}");
-        let extra = said(&[a, b, file("c.csv", 1.0)]);
+        let extra = text(&[a, b, file("c.csv", 1.0)]);
         assert!(extra.starts_with("c.csv is no file that the model was identified from (a.csv"), "{extra}");
     }
 

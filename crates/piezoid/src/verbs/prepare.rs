@@ -131,8 +131,8 @@ mod tests {
             let inner = record.len() / 10..record.len() * 9 / 10;
             let worst = inner.map(|k| (record.u()[k] - at(k).sin()).abs()).fold(0.0, f64::max);
             assert!(worst < 1e-3, "{worst} at {ts} s");
-            let told = &record.history()[0];
-            assert!(told.starts_with("uneven times (steps of 6.333e-4 s to 0.001067 s"), "{told}");
+            let message = &record.history()[0];
+            assert!(message.starts_with("uneven times (steps of 6.333e-4 s to 0.001067 s"), "{message}");
         }
     }
 

@@ -153,7 +153,7 @@ mod tests {
     use super::*;
     use piezoid_twins::Preset;
 
-    /// A sine of 50 Hz every 1 ms is planned with a seventh of the driver's current; the twin then told that the
+    /// A sine of 50 Hz every 1 ms is planned with a seventh of the driver's current; the twin then reported that the
     /// current was at its limit.
     #[test]
     fn a_drive_that_the_driver_follows_is_told_to_reach_the_limit_in_jumps_only() {

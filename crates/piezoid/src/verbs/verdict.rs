@@ -346,11 +346,11 @@ mod tests {
         let (worst, all) = (verdict.worst_percent.unwrap(), verdict.error_percent);
         assert!(worst > 1.2 * all && all > 0.1, "{worst} {all}");
         let (worst, all) = (rough(worst), rough(all));
-        let said = format!(
+        let sentence = format!(
             "good to {worst} % of stroke at worst (80Hz.csv; {all} % in the free run on 2 records; 0.1 % at \
              identification; noise "
         );
-        assert!(verdict.to_string().starts_with(&said), "{verdict}");
+        assert!(verdict.to_string().starts_with(&sentence), "{verdict}");
         let alone = verdict_on(&records[1..]).to_string();
         assert!(alone.starts_with(&format!("good to {worst} % of stroke (free run on 80Hz.csv; 0.1 % at")), "{alone}");
     }
@@ -373,8 +373,11 @@ mod tests {
         let mut verdict = model().verdict().unwrap();
         assert!(verdict.to_string().starts_with("good to 0.1 %"), "{verdict}");
         verdict.left_percent = Some(8.2);
-        let said = verdict.to_string();
-        assert!(said.starts_with("only good to 0.1 %") && said.contains("squared errors by 8.2 %"), "{said}");
+        let sentence = verdict.to_string();
+        assert!(
+            sentence.starts_with("only good to 0.1 %") && sentence.contains("squared errors by 8.2 %"),
+            "{sentence}"
+        );
         // What is made of the model, and its validation, say so too.
         let model = model().with_provenance(json!({"verdict": verdict}));
         assert!(model.proven().contains("not at its minimum"));
@@ -384,24 +387,24 @@ mod tests {
 
     #[test]
     fn an_input_that_never_falls_or_a_short_record_leaves_the_hysteresis_unproven() {
-        let said = |operator: &str, u: Vec<f64>| {
+        let sentence = |operator: &str, u: Vec<f64>| {
             let y = u.iter().zip(noise(5, u.len())).map(|(u, e)| 0.1 * u + 0.001 * e).collect();
             let records = [Record::new(0.02, u, y).unwrap()];
             let options = IdentifyOptions { operator: operator.into(), order: Some(0), ..IdentifyOptions::default() };
-            let made = options.prove(Records::from(&records), &["r"], ("", &[]), &mut Stage::ignore).unwrap();
-            made.model.verdict().unwrap().unproven
+            let result = options.prove(Records::from(&records), &["r"], ("", &[]), &mut Stage::ignore).unwrap();
+            result.model.verdict().unwrap().unproven
         };
         let step = |from: f64, to: f64| (0..1500).map(|t| if t < 100 { from } else { to }).collect::<Vec<f64>>();
-        for (u, wanted) in [
+        for (u, expected) in [
             (step(0.0, 80.0), Some("the hysteresis (the input never falls)")),
             (step(80.0, 0.0), Some("the hysteresis (the input never rises)")),
             ((0..1500).map(|t| 40.0 * (0.05 * f64::from(t)).sin()).collect(), None),
         ] {
-            let unproven = said("proportional", u);
+            let unproven = sentence("proportional", u);
             let found = unproven.iter().find(|text| text.starts_with("the hysteresis"));
-            assert_eq!(found.map(String::as_str), wanted, "{unproven:?}");
+            assert_eq!(found.map(String::as_str), expected, "{unproven:?}");
         }
-        let short = said("prandtl-ishlinskii", (0..24).map(|t| 50.0 - 50.0 * (0.3 * f64::from(t)).cos()).collect());
+        let short = sentence("prandtl-ishlinskii", (0..24).map(|t| 50.0 - 50.0 * (0.3 * f64::from(t)).cos()).collect());
         assert!(short[0].starts_with("the hysteresis (24 samples are few for its "), "{short:?}");
     }
 }

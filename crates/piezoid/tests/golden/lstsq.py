@@ -40,14 +40,14 @@ def solve(records, na, nb, delay):
 
 
 beam = ([1.7424, -0.9453], [0.0012, -0.0004, -0.0003])
-late = ([1.2, -0.7], [0.0, 0.0, 1.0, 0.5])
+delayed = ([1.2, -0.7], [0.0, 0.0, 1.0, 0.5])
 two_modes = ([1.1, -0.9, 0.6, -0.5], [1.0, 0.5, -0.3, 0.2, 0.4])
 cases = [
     # name, block, na, nb, delay, (samples, offset, noise) a record, scale of u, scale of y
     ("the paper's block, one record", beam, 2, 3, 0, [(200, 0.0, 0.05)], 1.0, 1.0),
     ("with an offset", beam, 2, 3, 0, [(200, 5.0, 0.05)], 1.0, 1.0),
     ("three records of their own offsets", two_modes, 4, 5, 0, [(90, 1.0, 0.1), (70, -3.0, 0.1), (80, 20.0, 0.1)], 1.0, 1.0),
-    ("a delay", late, 2, 2, 2, [(150, -2.0, 0.05)], 1.0, 1.0),
+    ("a delay", delayed, 2, 2, 2, [(150, -2.0, 0.05)], 1.0, 1.0),
     ("no feedback", ([], [0.5, 0.3, -0.2]), 0, 3, 0, [(100, 1.5, 0.2)], 1.0, 1.0),
     ("a gain", ([], [33.0]), 0, 1, 0, [(50, 0.5, 0.1), (60, -0.5, 0.1)], 1.0, 1.0),
     ("metres and millivolts", beam, 2, 3, 0, [(200, 3.0, 0.05)], 1e3, 1e-3),

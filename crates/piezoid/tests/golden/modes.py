@@ -24,17 +24,17 @@ cases = [
 ]
 
 rows = []
-for name, modes, r, late in cases:
+for name, modes, r, delay in cases:
     u = np.sign(random.standard_normal(900))
     held = np.repeat(u, fine)
     # Sample t is read at t fine - 1 + 1 steps: the input of step t fine has not acted yet.
-    driven = np.concatenate([np.zeros(fine), held, np.zeros(2 * fine)])
-    y = r * np.concatenate([[0.0], driven[:-1]])
+    input = np.concatenate([np.zeros(fine), held, np.zeros(2 * fine)])
+    y = r * np.concatenate([[0.0], input[:-1]])
     for hz, zeta, k in modes:
         w = 2 * np.pi * hz
         num, den, _ = cont2discrete(([k * w * w], [1.0, 2 * zeta * w, w * w]), ts / fine, method="zoh")
-        y = y + lfilter(num.ravel(), den, driven)
-    at = fine + np.arange(len(u)) * fine - late
+        y = y + lfilter(num.ravel(), den, input)
+    at = fine + np.arange(len(u)) * fine - delay
     rows.append({
         "name": name,
         "ts": ts,
@@ -44,7 +44,7 @@ for name, modes, r, late in cases:
         "damping": [m[1] for m in modes],
         "share": [m[2] / (r + sum(m[2] for m in modes)) for m in modes],
         "gain": r + sum(m[2] for m in modes),
-        "delay": late * ts / fine,
+        "delay": delay * ts / fine,
     })
 
 text = "[\n" + ",\n".join("  " + json.dumps(row) for row in rows) + "\n]\n"

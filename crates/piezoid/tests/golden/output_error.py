@@ -43,10 +43,10 @@ for name, a, b, delay, shapes, noise in cases:
 
     def residuals(x):
         theta_a, theta_b, rest = np.split(x, [len(a), len(a) + len(b)])
-        pasts = rest.reshape(len(records), m + 1)
+        initial = rest.reshape(len(records), m + 1)
         parts = [
             np.sqrt(weight) * (y - free_run(theta_a, theta_b, delay, past[:-1], past[-1], u))
-            for (u, y, weight), past in zip(records, pasts)
+            for (u, y, weight), past in zip(records, initial)
         ]
         return np.concatenate(parts)
 

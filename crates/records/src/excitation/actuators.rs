@@ -285,8 +285,8 @@ mod tests {
 
     #[test]
     fn a_description_has_the_figures_that_are_known() {
-        let told = |name| Actuator::find(name).unwrap().description();
-        assert_eq!(told("pl140"), "PI PL140.10, bender: 2000 um from -30 to 30 V, 8.2 uF, 160 Hz, 500 mN");
-        assert_eq!(told("pk2fsf1"), "Thorlabs PK2FSF1, amplified: 220 um from 0 to 75 V");
+        let message = |name| Actuator::find(name).unwrap().description();
+        assert_eq!(message("pl140"), "PI PL140.10, bender: 2000 um from -30 to 30 V, 8.2 uF, 160 Hz, 500 mN");
+        assert_eq!(message("pk2fsf1"), "Thorlabs PK2FSF1, amplified: 220 um from 0 to 75 V");
     }
 }

@@ -63,7 +63,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "sine of sweeping frequency, linear or logarithmic",
     reference: "Mueller and Massarani, J. Audio Eng. Soc. 49(6), 2001",
     rows: Chirp::rows,
-    generate: |given, ts, n| Chirp::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| Chirp::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

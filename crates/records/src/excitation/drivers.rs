@@ -123,8 +123,8 @@ impl Amplifier {
     ///
     /// ```
     /// use piezoid::excitation::Amplifier;
-    /// let told = "Thorlabs KPZ101, K-Cube with one channel: 0 to 150 V, 7.5 mA peak, 7.5 mA continuous";
-    /// assert_eq!(Amplifier::find("kpz101")?.description(), told);
+    /// let description = "Thorlabs KPZ101, K-Cube with one channel: 0 to 150 V, 7.5 mA peak, 7.5 mA continuous";
+    /// assert_eq!(Amplifier::find("kpz101")?.description(), description);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub fn description(&self) -> String {
@@ -240,7 +240,7 @@ mod tests {
 
     #[test]
     fn limits_that_are_given_go_before_those_of_the_driver() {
-        let of = |given: serde_json::Value| LimitOptions::from_json(given).and_then(|options| options.limits());
+        let of = |arguments: serde_json::Value| LimitOptions::from_json(arguments).and_then(|options| options.limits());
         let limits = of(serde_json::json!({"driver": "pl140", "high": 20})).unwrap().unwrap();
         assert_eq!((limits.low, limits.high, limits.current), (Some(-30.0), Some(20.0), Some(0.5)));
         assert_eq!(of(serde_json::json!({})), Ok(None));

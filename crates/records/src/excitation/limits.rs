@@ -159,8 +159,8 @@ impl Limits {
         let step = ts * self.fastest();
         let (low, high) = (self.low.unwrap_or(f64::NEG_INFINITY), self.high.unwrap_or(f64::INFINITY));
         let mut before: Option<f64> = None;
-        let follow = |wanted: &f64| {
-            let inside = wanted.clamp(low, high);
+        let follow = |expected: &f64| {
+            let inside = expected.clamp(low, high);
             let reached = before.map_or(inside, |before| inside.clamp(before - step, before + step));
             before = Some(reached);
             reached

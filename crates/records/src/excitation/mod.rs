@@ -91,7 +91,7 @@ impl Excitation {
 }
 
 impl Excitation {
-    /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples. `given` contains the
+    /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples. `arguments` contains the
     /// options by name.
     ///
     /// ```
@@ -103,7 +103,7 @@ impl Excitation {
     ///
     /// # Errors
     /// Returns an error for unknown and missing options, and for invalid values.
-    pub fn samples(&self, ts: f64, duration: f64, given: Value) -> Result<Vec<f64>, Error> {
+    pub fn samples(&self, ts: f64, duration: f64, arguments: Value) -> Result<Vec<f64>, Error> {
         positive("ts", ts, "seconds")?;
         positive("duration", duration, "seconds")?;
         let n = (duration / ts).round();
@@ -111,7 +111,7 @@ impl Excitation {
             let rule = format!("must give from 1 to {MOST} samples, not {n}, at ts = {ts} s");
             return Err(Error::parameter("duration", format!("{duration} s"), rule));
         }
-        (self.generate)(given, ts, n as usize)
+        (self.generate)(arguments, ts, n as usize)
     }
 }
 
@@ -172,16 +172,17 @@ mod tests {
     fn every_excitation_refuses_an_amplitude_of_zero() {
         for excitation in EXCITATIONS {
             let required = (excitation.rows)().into_iter().filter(|row| row.required);
-            let given = required.map(|row| (row.name, if row.name == "amplitude" { 0.0 } else { 10.0 })).collect();
-            let error = excitation.samples(1e-3, 1.0, given).unwrap_err();
+            let arguments = required.map(|row| (row.name, if row.name == "amplitude" { 0.0 } else { 10.0 })).collect();
+            let error = excitation.samples(1e-3, 1.0, arguments).unwrap_err();
             assert!(error.to_string().starts_with("amplitude = 0"), "{}: {error}", excitation.name);
         }
     }
 
     #[test]
     fn an_option_that_is_unknown_missing_or_no_number_is_refused_by_its_name() {
-        let refusal =
-            |given: Value| Excitation::find("stepped-sine").unwrap().samples(1e-3, 1.0, given).unwrap_err().to_string();
+        let refusal = |arguments: Value| {
+            Excitation::find("stepped-sine").unwrap().samples(1e-3, 1.0, arguments).unwrap_err().to_string()
+        };
         assert!(refusal(json!({"amplitud": 1.0})).ends_with("did you mean `amplitude`?"));
         assert!(
             refusal(json!({"amplitude": 1.0})).starts_with("frequency = (not given): must be a positive number [Hz]")

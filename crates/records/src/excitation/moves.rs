@@ -54,7 +54,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "moves of minimum jerk through given points: a path that an actuator can follow",
     reference: "Flash and Hogan, J. Neurosci. 5, 1688 (1985), DOI 10.1523/JNEUROSCI.05-07-01688.1985",
     rows: Moves::rows,
-    generate: |given, ts, n| Moves::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| Moves::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

@@ -112,7 +112,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "sines of equal amplitude over a band, with a low crest factor: no leakage, for frequency responses",
     reference: PINTELON_SCHOUKENS,
     rows: Multisine::rows,
-    generate: |given, ts, n| Multisine::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| Multisine::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

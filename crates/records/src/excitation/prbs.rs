@@ -143,7 +143,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "pseudo-random binary sequence: white over its period, for the linear block",
     reference: "MacWilliams and Sloane, Proc. IEEE 64(12), 1976, DOI 10.1109/PROC.1976.10411",
     rows: Prbs::rows,
-    generate: |given, ts, n| Prbs::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| Prbs::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

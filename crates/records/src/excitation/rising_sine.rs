@@ -65,7 +65,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "sine of growing amplitude: a family of loops that exercises the first-order reversal curves",
     reference: "Mayergoyz, Phys. Rev. Lett. 56(15), 1986, DOI 10.1103/PhysRevLett.56.1518",
     rows: RisingSine::rows,
-    generate: |given, ts, n| RisingSine::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| RisingSine::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

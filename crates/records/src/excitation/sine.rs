@@ -50,7 +50,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "sine: the same hysteresis loop repeatedly",
     reference: PINTELON_SCHOUKENS,
     rows: Sine::rows,
-    generate: |given, ts, n| Sine::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| Sine::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

@@ -66,7 +66,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "sine in steps of equal height: shows whether a model treats a held input as a falling one",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
     rows: Staircase::rows,
-    generate: |given, ts, n| Staircase::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| Staircase::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

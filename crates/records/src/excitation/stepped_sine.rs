@@ -66,7 +66,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "sine in steps of equal length: a form of the paper's periodic step-wise test signal",
     reference: "Kuklisova Pavelkova, ICINCO 2025, section 3",
     rows: SteppedSine::rows,
-    generate: |given, ts, n| SteppedSine::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| SteppedSine::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

@@ -59,7 +59,7 @@ pub(super) const ROW: Excitation = Excitation {
     summary: "triangle wave: a loop at constant rate of the input",
     reference: PINTELON_SCHOUKENS,
     rows: Triangle::rows,
-    generate: |given, ts, n| Triangle::from_json(given)?.samples(ts, n),
+    generate: |arguments, ts, n| Triangle::from_json(arguments)?.samples(ts, n),
 };
 
 #[cfg(test)]

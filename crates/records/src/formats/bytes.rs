@@ -195,9 +195,10 @@ mod tests {
         assert_eq!(read(NumberKind::Float, &(-1.5f64).to_le_bytes()), Some(-1.5));
         assert_eq!(read(NumberKind::Float, &0.1f32.to_le_bytes()), Some(f64::from(0.1f32)));
         // Half precision: -2, the largest, the smallest, infinity.
-        for (bits, wanted) in [(0xc000u16, -2.0), (0x7bff, 65504.0), (1, 5.960464477539063e-8), (0x7c00, f64::INFINITY)]
+        for (bits, expected) in
+            [(0xc000u16, -2.0), (0x7bff, 65504.0), (1, 5.960464477539063e-8), (0x7c00, f64::INFINITY)]
         {
-            assert_eq!(read(NumberKind::Float, &bits.to_le_bytes()), Some(wanted));
+            assert_eq!(read(NumberKind::Float, &bits.to_le_bytes()), Some(expected));
         }
         assert_eq!(read(NumberKind::Signed, &(-3i16).to_le_bytes()), Some(-3.0));
         assert_eq!(read(NumberKind::Signed, &(-3i64).to_le_bytes()), Some(-3.0));

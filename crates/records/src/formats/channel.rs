@@ -101,16 +101,16 @@ mod tests {
 
     #[test]
     fn what_is_as_long_as_most_is_a_table_and_the_rest_is_told() {
-        let mut given = channels(&[("t_s", 4), ("u_V", 4), ("y_um", 3), ("a", 1), ("b", 1), ("a", 1), ("c", 1)]);
-        given.push(Channel::other("map", "of shape 2 x 2"));
-        let table = Table::of(given);
+        let mut arguments = channels(&[("t_s", 4), ("u_V", 4), ("y_um", 3), ("a", 1), ("b", 1), ("a", 1), ("c", 1)]);
+        arguments.push(Channel::other("map", "of shape 2 x 2"));
+        let table = Table::of(arguments);
         assert_eq!(table.names().collect::<Vec<_>>(), ["t_s", "u_V"]);
         assert_eq!(
             table.record(&ColumnSelection::default()).unwrap_err().to_string(),
             "there is no output column: expected exactly one `y_*` among the columns `t_s`, `u_V`; left out: map (of shape 2 x 2), y_um (of 3 samples, not 4); give `output_col`"
         );
-        let asked = ColumnSelection { output_col: Some("map".into()), ..ColumnSelection::default() };
-        assert!(table.record(&asked).unwrap_err().to_string().contains("left out: map (of shape 2 x 2)"));
+        let requested = ColumnSelection { output_col: Some("map".into()), ..ColumnSelection::default() };
+        assert!(table.record(&requested).unwrap_err().to_string().contains("left out: map (of shape 2 x 2)"));
         let many: Vec<(String, usize)> = (0..20).map(|k| (format!("c{k}"), 2 + k)).collect();
         let many: Vec<(&str, usize)> = many.iter().map(|(name, n)| (name.as_str(), *n)).collect();
         assert!(Table::of(channels(&many)).left.ends_with("(of 13 samples, not 21) and 7 more"));
@@ -125,8 +125,8 @@ mod tests {
     #[test]
     fn two_channels_of_one_name_harm_who_needs_them() {
         let table = Table::of(channels(&[("t_s", 4), ("u_V", 4), ("u_V", 4), ("y_um", 4)]));
-        let asked = ColumnSelection { input_col: Some("u_V".into()), ..ColumnSelection::default() };
-        for selection in [&asked, &ColumnSelection::default()] {
+        let requested = ColumnSelection { input_col: Some("u_V".into()), ..ColumnSelection::default() };
+        for selection in [&requested, &ColumnSelection::default()] {
             let error = table.record(selection).unwrap_err().to_string();
             assert!(error.contains("`u_V` is also the name of column 2"), "{error}");
         }
@@ -157,8 +157,8 @@ mod tests {
         let table = Table { ts: Some(0.5), ..Table::of([stated("u_drive", "V"), stated("y_probe", "\u{b5}m")]) };
         let record = table.record(&ColumnSelection::default()).unwrap();
         assert_eq!((record.ts(), &*record.units().u, &*record.units().y), (0.5, "V", "um"));
-        let said = ColumnSelection { ts: Some(0.25), ..ColumnSelection::default() };
-        assert_eq!(table.record(&said).unwrap().ts(), 0.25, "who says a period knows better");
+        let text = ColumnSelection { ts: Some(0.25), ..ColumnSelection::default() };
+        assert_eq!(table.record(&text).unwrap().ts(), 0.25, "who says a period knows better");
         let timed = Table::of([stated("t", "ms"), stated("u_drive", "V"), stated("y_probe", "nm")]);
         assert_eq!(timed.record(&ColumnSelection::default()).unwrap().ts(), 1e-3);
     }

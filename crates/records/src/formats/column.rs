@@ -111,17 +111,17 @@ impl Column {
             _ => (&selection.output_unit, &selection.output_scale, ["output_scale", "output_unit"]),
         };
         let scale = scale.as_ref().map(|text| Scale::read(option, text)).transpose()?;
-        let given = unit.as_ref().map(|unit| units::written(unit));
+        let arguments = unit.as_ref().map(|unit| units::written(unit));
         // The file may call its unit as it likes.
-        if let Some(unit) = given.as_ref().filter(|unit| !units::is_word(unit) && **unit != self.unit(role)) {
+        if let Some(unit) = arguments.as_ref().filter(|unit| !units::is_word(unit) && **unit != self.unit(role)) {
             return Err(Error::parameter(name, unit, "must be a word of letters such as um, or %, or counts"));
         }
         Ok(match scale {
             Some(scale) => {
                 let factor = scale.of(option, self.stated())?;
-                (given.or(scale.unit).unwrap_or_else(|| self.unit(role)), factor)
+                (arguments.or(scale.unit).unwrap_or_else(|| self.unit(role)), factor)
             }
-            None => (given.unwrap_or_else(|| self.unit(role)), 1.0),
+            None => (arguments.unwrap_or_else(|| self.unit(role)), 1.0),
         })
     }
 }

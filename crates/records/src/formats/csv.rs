@@ -209,7 +209,7 @@ impl Table {
 }
 
 /// The lines above the rows: those before the first two rows in sequence, or before the only row. The first of two may
-/// have a flaw, which is told later.
+/// have a flaw, which is reported later.
 fn above<'a>(
     lines: &mut Peekable<impl Iterator<Item = (u64, &'a str)> + Clone>,
     dialect: &Dialect,
@@ -322,8 +322,8 @@ mod tests {
     #[test]
     fn the_same_record_is_read_however_it_is_dressed() {
         let plain = "t_s,u_V,y_um\n0.0,1.5,-2e-3\n0.1,2,3\n";
-        let wanted = record(plain).unwrap();
-        assert_eq!((wanted.ts(), wanted.u(), wanted.y()), (0.1, &[1.5, 2.0][..], &[-2e-3, 3.0][..]));
+        let expected = record(plain).unwrap();
+        assert_eq!((expected.ts(), expected.u(), expected.y()), (0.1, &[1.5, 2.0][..], &[-2e-3, 3.0][..]));
         let dressed = [
             format!("\u{feff}{plain}"),
             plain.replace('\n', "\r\n"),
@@ -346,7 +346,7 @@ mod tests {
             "note,y_um,yref_um,t_s,u_V\n\"a, \"\"b\"\"\",-2e-3,nan,0,1.5\n,3,,.1,2\n".into(),
         ];
         for file in dressed {
-            assert_eq!(record(&file).as_ref(), Ok(&wanted), "{file:?}");
+            assert_eq!(record(&file).as_ref(), Ok(&expected), "{file:?}");
         }
     }
 
@@ -398,18 +398,18 @@ mod tests {
 
     #[test]
     fn empty_lines_are_skipped_and_counted() {
-        let wanted = record("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n").unwrap();
-        assert_eq!(record("\r\nt_s,u_V,y_um\r\n\r\n0,1,2\r\n\r\n,,\r\n0.1,2,3\r\n").unwrap(), wanted);
+        let expected = record("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n").unwrap();
+        assert_eq!(record("\r\nt_s,u_V,y_um\r\n\r\n0,1,2\r\n\r\n,,\r\n0.1,2,3\r\n").unwrap(), expected);
         assert!(refusal("t_s,u_V,y_um\n0,1,2\n\n0.1,2,3\n\n\n0.1,2,3\n").starts_with("line 7, column t_s: two rows"));
     }
 
     #[test]
     fn remarks_and_the_header_may_stand_between_rows() {
-        let wanted = record("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3,4\n").unwrap();
+        let expected = record("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n0.2,3,4\n").unwrap();
         for between in ["# marker\n", "// marker 1 set by user\n", "t_s,u_V,y_um\n"] {
             assert_eq!(
                 record(&format!("t_s,u_V,y_um\n0,1,2\n0.1,2,3\n{between}0.2,3,4\n")).as_ref(),
-                Ok(&wanted),
+                Ok(&expected),
                 "{between}"
             );
         }
@@ -423,8 +423,8 @@ mod tests {
         for below in ["# end\n", "\nMean,1.5,2.5\nEnd of data\n", "\u{1a}"] {
             let (with, without) = (record(&format!("{rows}{below}")).unwrap(), record(rows).unwrap());
             assert_eq!((with.u(), with.y()), (without.u(), without.y()), "{below}");
-            let told = with.history().join("; ");
-            assert_eq!(told, if below.contains("Mean") { "2 lines below the last row left out" } else { "" });
+            let message = with.history().join("; ");
+            assert_eq!(message, if below.contains("Mean") { "2 lines below the last row left out" } else { "" });
         }
         assert_eq!(
             refusal(&format!("{rows}a,b,c\n0,1,2\n")),

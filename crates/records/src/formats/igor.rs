@@ -153,11 +153,11 @@ mod tests {
     #[test]
     fn what_is_no_wave_of_numbers_is_left_out_or_refused() {
         let head = "IGOR\nWAVES t_s u_V y_um\nBEGIN\n0 1 2\n";
-        let told = |text: &str| record(&format!("{head}{text}")).unwrap_err();
-        assert!(told("1 2\nEND\n").starts_with("line 5: 2 numbers, but 3 waves"));
-        assert!(told("1 x 2\nEND\n").starts_with("line 5, column u_V: `x` is not a number"));
-        assert!(told("1 nan 2\nEND\n").starts_with("row 1, u_V: the sample is NaN: repair it"));
-        assert!(told("1 2 3\n").contains("no END"));
+        let message = |text: &str| record(&format!("{head}{text}")).unwrap_err();
+        assert!(message("1 2\nEND\n").starts_with("line 5: 2 numbers, but 3 waves"));
+        assert!(message("1 x 2\nEND\n").starts_with("line 5, column u_V: `x` is not a number"));
+        assert!(message("1 nan 2\nEND\n").starts_with("row 1, u_V: the sample is NaN: repair it"));
+        assert!(message("1 2 3\n").contains("no END"));
         let others = "1 2 3\nEND\nWAVES/T a\nBEGIN\n\"b c\"\nEND\nWAVES/C z\nBEGIN\n1 2\nEND\nWAVES/N=(2,2) m\nBEGIN\n1 2\nEND\n";
         assert_eq!(record(&format!("{head}{others}")).unwrap().y(), [2.0, 3.0]);
     }

@@ -36,19 +36,19 @@ fn read(file: &[u8]) -> Result<Table, Error> {
     let mut unpacking = Unpacking::of(file);
     let mut channels = Vec::new();
     if !file.starts_with(MAGIC) {
-        let mut told = None;
+        let mut message = None;
         for member in zip::members(file)? {
             if let Some(name) = member.name.strip_suffix(".npy") {
                 let bytes = member.bytes(file, &mut unpacking)?;
                 if name == history::NAME {
-                    told = Some((name.to_string(), Node::Text(letters(&bytes)?)));
+                    message = Some((name.to_string(), Node::Text(letters(&bytes)?)));
                 } else {
                     channels.extend(array(name, &bytes, &mut unpacking)?);
                 }
             }
         }
         let named = |Channel { name, unit, samples, .. }: Channel| (name, Node::series(samples, unit));
-        return Ok(tree::table(channels.into_iter().map(named).chain(told).collect()));
+        return Ok(tree::table(channels.into_iter().map(named).chain(message).collect()));
     }
     channels.extend(array("", file, &mut unpacking)?);
     match &channels[..] {

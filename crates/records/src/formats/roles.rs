@@ -9,7 +9,7 @@
 //! An earlier line of this list counts more. Two columns that are equally likely are an error, which names the options
 //! that choose between them; a guess is written into the record's history.
 //!
-//! Why: docs/decisions/data-and-records.md, "Columns are guessed, and the guess is told".
+//! Why: docs/decisions/data-and-records.md, "Columns are guessed, and the guess is reported".
 
 use super::column::Column;
 use super::quote::{listed, quoted, shortened};
@@ -20,7 +20,7 @@ use super::words::{INPUT, OTHER, OUTPUT, REQUESTED, TIME};
 use piezoid_numerics::error::Error;
 use serde_json::Value;
 
-/// Number of rows from which on the course of a column tells what it may be.
+/// Number of rows from which on the course of a column shows what it may be.
 const ROWS: usize = 10;
 
 /// The role of a column.
@@ -53,7 +53,7 @@ impl Role {
     }
 
     /// What the user says about it.
-    pub(super) fn asked(self, selection: &ColumnSelection) -> Option<&String> {
+    pub(super) fn requested(self, selection: &ColumnSelection) -> Option<&String> {
         match self {
             Role::Time => selection.time_col.as_ref(),
             Role::Input => selection.input_col.as_ref(),
@@ -149,15 +149,15 @@ impl Role {
 
     /// The column of the table with this role.
     pub(super) fn find<'a>(self, table: &'a Table, selection: &ColumnSelection) -> Result<&'a Column, Missing<'a>> {
-        if let Some(name) = self.asked(selection) {
+        if let Some(name) = self.requested(selection) {
             return table.named(name).map_err(Missing::Wrong);
         }
-        let asked: Vec<&Column> = [Role::Time, Role::Input, Role::Output]
+        let requested: Vec<&Column> = [Role::Time, Role::Input, Role::Output]
             .iter()
-            .filter_map(|role| table.named(role.asked(selection)?).ok())
+            .filter_map(|role| table.named(role.requested(selection)?).ok())
             .collect();
         let mut free: Vec<&Column> =
-            table.columns.iter().filter(|c| !asked.iter().any(|other| std::ptr::eq(*other, *c))).collect();
+            table.columns.iter().filter(|c| !requested.iter().any(|other| std::ptr::eq(*other, *c))).collect();
         if self != Role::Time && self != Role::Reference {
             let time = Role::Time.candidates(&free);
             free.retain(|c| !time.iter().any(|other| std::ptr::eq(*other, *c)));
@@ -251,26 +251,26 @@ impl Missing<'_> {
                 table.about_names(&wrong, "; ").advised(vec![(role.option(), name)])
             }
             several => {
-                let wanted = several.iter().filter_map(|missing| match missing {
+                let expected = several.iter().filter_map(|missing| match missing {
                     Missing::None(role, _) | Missing::Several(role, _) => Some(*role),
                     Missing::Wrong(_) => None,
                 });
-                let roles: Vec<Role> = wanted.collect();
+                let roles: Vec<Role> = expected.collect();
                 let whats: Vec<&str> = roles.iter().map(|role| role.what()).collect();
-                let problem = format!("which is the {} cannot be told", whats.join(", and which the "));
+                let problem = format!("which is the {} cannot be decided", whats.join(", and which the "));
                 // The example takes the columns in their order, which the user corrects.
                 let likely: Vec<String> = table.columns.iter().filter(|c| likely(c)).map(|c| table.title(c)).collect();
-                let wanted = roles.iter().filter(|role| **role != Role::Time).count();
-                let mut names = if likely.len() < wanted { [].iter() } else { likely.iter() };
+                let expected = roles.iter().filter(|role| **role != Role::Time).count();
+                let mut names = if likely.len() < expected { [].iter() } else { likely.iter() };
                 let mut option = |role: &Role| match (role, &time) {
                     (Role::Time, Some(time)) => (role.option(), time.clone().into()),
                     (Role::Time, None) => ("ts", Value::Null),
                     _ => (role.option(), names.next().map_or(Value::Null, |name| name.clone().into())),
                 };
                 let options = roles.iter().map(&mut option).collect();
-                let remedy = if likely.len() >= wanted && wanted > 1 { "; if this is their order, " } else { "; " };
+                let remedy = if likely.len() >= expected && expected > 1 { "; if this is their order, " } else { "; " };
                 let error = match &likely[..] {
-                    [one, other] if wanted == 2 => {
+                    [one, other] if expected == 2 => {
                         let either = format!("{} and {} could be either{remedy}", quoted(one), quoted(other));
                         if table.header > 0 {
                             Error::Line { line: table.header, column: None, problem: format!("{problem}: {either}") }
@@ -384,7 +384,7 @@ mod tests {
         let unnamed = refusal("", |k| [0, 2, 3].map(|c| cells(k)[c].clone()).join(" "));
         assert_eq!(
             unnamed,
-            "line 1: which is the input, and which the output cannot be told: the columns have no names, but numbers \
+            "line 1: which is the input, and which the output cannot be decided: the columns have no names, but numbers \
              from 1 to 3; `2` and `3` could be either; if this is their order, give `input_col` = \"2\", `output_col` \
              = \"3\""
         );

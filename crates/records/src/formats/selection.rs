@@ -218,14 +218,14 @@ mod tests {
             let [unit, per] = [unit, per].map(|unit| unit.map(String::from));
             Scale { factor, unit, per }
         };
-        for (text, wanted) in [
+        for (text, expected) in [
             ("20", scale(20.0, None, None)),
             ("-5um/V", scale(-5.0, Some("um"), Some("V"))),
             ("5e-3 \u{b5}m/V", scale(5e-3, Some("um"), Some("V"))),
             ("0.1 mm/V", scale(0.1, Some("mm"), Some("V"))),
             ("2 nm", scale(2.0, Some("nm"), None)),
         ] {
-            assert_eq!(read(text).unwrap(), wanted, "{text}");
+            assert_eq!(read(text).unwrap(), expected, "{text}");
         }
         for text in ["", "um/V", "0", "inf", "nan", "0um/V"] {
             assert!(read(text).unwrap_err().to_string().contains("must be a factor"), "{text}");

@@ -4,8 +4,8 @@
 //! and becomes the error. A table does not repair; it interpolates only where it is asked for a sampling period.
 
 mod even;
+mod inspection;
 mod rows;
-mod told;
 
 use super::column::Column;
 use super::quote::{listed, quoted, shortened};
@@ -90,7 +90,7 @@ impl Signal {
     pub fn samples_in(self, unit: &str, what: &str) -> Result<Vec<f64>, Error> {
         match Units::factor(&self.unit, unit) {
             Some(factor) => Ok(self.samples.into_iter().map(|v| v * factor).collect()),
-            None => Err(Error::Units { what: what.into(), found: self.unit, wanted: unit.into() }),
+            None => Err(Error::Units { what: what.into(), found: self.unit, expected: unit.into() }),
         }
     }
 }
@@ -155,12 +155,12 @@ impl Table {
     /// The errors of [`record`](Table::record).
     pub fn reference(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
         let any = |prefix| self.names().any(|name| name.starts_with(prefix));
-        let said = selection.output_col.is_none() && (any("r_") || !any("y_"));
-        let role = if said { Role::Reference } else { Role::Output };
+        let sentence = selection.output_col.is_none() && (any("r_") || !any("y_"));
+        let role = if sentence { Role::Reference } else { Role::Output };
         self.sampled([role], selection, None).map(|([r], _)| r)
     }
 
-    /// True if something tells the times of the rows: the selection, a column, or the format.
+    /// True if something states the times of the rows: the selection, a column, or the format.
     pub fn is_timed(&self, selection: &ColumnSelection) -> bool {
         let own = self.ts.is_some() || self.columns.iter().any(|column| column.ts.is_some());
         own || selection.period() != Ok(None) || Role::Time.find(self, selection).is_ok()
@@ -248,7 +248,7 @@ impl Table {
         Ok((signals, even.map(|even| even.step)))
     }
 
-    /// Returns an error if the names stand again between these rows, and no time tells that the record goes on there.
+    /// Returns an error if the names stand again between these rows, and no time shows that the record goes on there.
     fn is_one_record(&self, selection: &ColumnSelection, rows: &Range<usize>) -> Result<(), Error> {
         let time = Role::Time.find(self, selection).ok();
         let goes_on = |row: usize| {
@@ -295,8 +295,8 @@ impl Table {
                 });
             }
         }
-        let sign = |wanted: char| {
-            needed.iter().find_map(|c| c.decimal.filter(|(sign, _)| *sign == wanted).map(|(_, line)| (&c.name, line)))
+        let sign = |expected: char| {
+            needed.iter().find_map(|c| c.decimal.filter(|(sign, _)| *sign == expected).map(|(_, line)| (&c.name, line)))
         };
         match (sign('.'), sign(',')) {
             (Some((point, above)), Some((comma, line))) => Err(Error::Line {
@@ -319,10 +319,13 @@ impl Table {
         match error {
             Error::Line { line: 0, column, problem } => {
                 // Options follow the last part of the message.
-                let (said, more) = problem.rsplit_once("; ").unwrap_or((&problem, ""));
-                let more =
-                    if more.is_empty() && said.len() == problem.len() { String::new() } else { format!("; {more}") };
-                Error::Row { row: None, column, problem: format!("{said}{left}{more}") }
+                let (sentence, more) = problem.rsplit_once("; ").unwrap_or((&problem, ""));
+                let more = if more.is_empty() && sentence.len() == problem.len() {
+                    String::new()
+                } else {
+                    format!("; {more}")
+                };
+                Error::Row { row: None, column, problem: format!("{sentence}{left}{more}") }
             }
             Error::Advised { error, options, all } => {
                 Error::Advised { error: Box::new(self.without_lines(*error)), options, all }
@@ -359,23 +362,23 @@ mod tests {
 
     #[test]
     fn a_stated_sampling_period_is_doubted_if_the_file_says_another_or_nobody_means_it() {
-        let said = |text: &str, ts: Option<f64>, fs: Option<f64>| {
+        let sentence = |text: &str, ts: Option<f64>, fs: Option<f64>| {
             let selection = ColumnSelection { ts, fs, ..ColumnSelection::default() };
             parsed(text).record(&selection).unwrap().history().join("; ")
         };
         let (timed, bare) = ("t_s,u_V,y_um\n0,1,2\n5e-4,2,3\n1e-3,3,4\n", "u_V,y_um\n1,2\n2,3\n");
-        assert_eq!(said(timed, Some(5e-4), None) + &said(bare, Some(2.0), None), "");
-        let doubt = said(timed, Some(2000.0), None);
+        assert_eq!(sentence(timed, Some(5e-4), None) + &sentence(bare, Some(2.0), None), "");
+        let doubt = sentence(timed, Some(2000.0), None);
         assert!(doubt.contains("the file says 0.0005 s for the sampling period, but 2000 s is stated"), "{doubt}");
         assert!(doubt.ends_with("if 2000 is the sampling rate in Hz, state it as such"), "{doubt}");
-        let doubt = said(&format!("# rate: 10 kHz\n{timed}"), None, None);
+        let doubt = sentence(&format!("# rate: 10 kHz\n{timed}"), None, None);
         assert_eq!(
             doubt,
             "the file states a sampling period of 0.0001 s: the time column is used, which has steps of 0.0005 s"
         );
-        let doubt = said(timed, None, Some(1000.0));
+        let doubt = sentence(timed, None, Some(1000.0));
         assert!(doubt.ends_with("but 0.001 s is stated"), "{doubt}");
-        let doubt = said(bare, None, Some(5e-4));
+        let doubt = sentence(bare, None, Some(5e-4));
         assert!(doubt.ends_with("is 2000 s: if 0.0005 is the sampling period in s, state it as such"), "{doubt}");
     }
 
@@ -423,21 +426,21 @@ mod tests {
     #[test]
     fn a_stated_unit_that_the_file_contradicts_is_told_and_one_that_is_none_refused() {
         let table = parsed("t (s),u (V),y (um)\n0,1,2\n1e-3,2,3\n");
-        let said = |unit: &str| ColumnSelection { output_unit: Some(unit.into()), ..ColumnSelection::default() };
-        let record = table.record(&said("nm")).unwrap();
+        let sentence = |unit: &str| ColumnSelection { output_unit: Some(unit.into()), ..ColumnSelection::default() };
+        let record = table.record(&sentence("nm")).unwrap();
         assert_eq!((record.y(), &*record.units().y), (&[2.0, 3.0][..], "nm"));
-        let told = "unit of the output nm as stated, the file says um";
-        assert!(record.history().iter().any(|step| step == told), "{:?}", record.history());
-        assert_eq!(table.described(&said("nm"))[2]["unit"], "nm");
+        let message = "unit of the output nm as stated, the file says um";
+        assert!(record.history().iter().any(|step| step == message), "{:?}", record.history());
+        assert_eq!(table.described(&sentence("nm"))[2]["unit"], "nm");
         for agrees in ["um", "\u{b5}m"] {
-            assert_eq!(table.record(&said(agrees)).unwrap().history().len(), 1, "{agrees}");
+            assert_eq!(table.record(&sentence(agrees)).unwrap().history().len(), 1, "{agrees}");
         }
         let millis = ColumnSelection { time_unit: Some("ms".into()), ..ColumnSelection::default() };
         let record = table.record(&millis).unwrap();
         assert!(record.history().iter().any(|step| step == "unit of the time ms as stated, the file says s"));
-        assert_eq!(table.record(&said("furlong")).unwrap().units().y, "furlong");
+        assert_eq!(table.record(&sentence("furlong")).unwrap().units().y, "furlong");
         for none in ["", "5", "12um", "--"] {
-            let refused = table.record(&said(none)).unwrap_err().to_string();
+            let refused = table.record(&sentence(none)).unwrap_err().to_string();
             assert!(refused.ends_with("must be a word of letters such as um, or %, or counts"), "{refused}");
         }
     }

@@ -242,8 +242,8 @@ impl Reading<'_> {
 }
 
 impl Object {
-    fn property(&self, wanted: &str) -> Option<&Property> {
-        self.properties.iter().find(|(name, _)| name == wanted).map(|(_, value)| value)
+    fn property(&self, expected: &str) -> Option<&Property> {
+        self.properties.iter().find(|(name, _)| name == expected).map(|(_, value)| value)
     }
 
     fn number(&self, name: &str) -> Option<f64> {
@@ -407,7 +407,7 @@ mod tests {
     fn a_point_in_time_keeps_its_fraction() {
         let bytes = [(1u64 << 63).to_le_bytes(), 3_700_000_000u64.to_le_bytes()].concat();
         let turned: Vec<u8> = bytes.iter().rev().copied().collect();
-        let wanted = (3_700_000_000i64 % 86_400_000) as f64 + 0.5;
-        assert_eq!((stamp(&bytes, false), stamp(&turned, true)), (Some(wanted), Some(wanted)));
+        let expected = (3_700_000_000i64 % 86_400_000) as f64 + 0.5;
+        assert_eq!((stamp(&bytes, false), stamp(&turned, true)), (Some(expected), Some(expected)));
     }
 }

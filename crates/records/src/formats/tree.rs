@@ -244,12 +244,12 @@ mod tests {
         let table = table(vec![("run1".into(), run(&Y)), ("run2".into(), run(&U))]);
         let error = table.record(&ColumnSelection::default()).unwrap_err().to_string();
         assert!(error.contains("output_col") && error.contains("run1/y"), "{error}");
-        let asked = ColumnSelection {
+        let requested = ColumnSelection {
             input_col: Some("run2/u".into()),
             output_col: Some("run2/y".into()),
             ..ColumnSelection::default()
         };
-        assert_eq!(table.record(&asked).unwrap().u(), U);
+        assert_eq!(table.record(&requested).unwrap().u(), U);
     }
 
     #[test]
@@ -257,9 +257,9 @@ mod tests {
         let run = |fs: f64| fields(&[("u", vector(&U)), ("y", vector(&Y)), ("fs", vector(&[fs]))]);
         let content = || vec![("slow".to_string(), run(100.0)), ("fast".to_string(), run(2000.0))];
         let of = |u: &str, y: &str| {
-            let asked =
+            let requested =
                 ColumnSelection { input_col: Some(u.into()), output_col: Some(y.into()), ..ColumnSelection::default() };
-            table(content()).record(&asked)
+            table(content()).record(&requested)
         };
         assert_eq!(of("slow/u", "slow/y").unwrap().ts(), 0.01);
         assert_eq!(of("fast/u", "fast/y").unwrap().ts(), 5e-4);

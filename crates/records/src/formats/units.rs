@@ -146,7 +146,7 @@ mod tests {
 
     #[test]
     fn a_unit_is_known_however_it_is_spelled() {
-        for (spelled, wanted) in [
+        for (spelled, expected) in [
             ("Volts", "V"),
             ("volt", "V"),
             ("v", "V"),
@@ -169,7 +169,7 @@ mod tests {
             ("MV", "MV"),
             ("furlong", "furlong"),
         ] {
-            assert_eq!(written(spelled), wanted, "{spelled}");
+            assert_eq!(written(spelled), expected, "{spelled}");
         }
         assert_eq!(known("ms"), Some(("ms".into(), Quantity::Time(1e-3))));
         assert_eq!(known("urad").map(|(_, quantity)| quantity), Some(Quantity::Displacement));
@@ -188,7 +188,7 @@ mod tests {
 
     #[test]
     fn the_unit_in_a_name_is_found_however_it_is_set_off() {
-        for (name, wanted) in [
+        for (name, expected) in [
             ("Weg [\u{b5}m]", ("Weg", Some("\u{b5}m"))),
             ("Position (mm)", ("Position", Some("mm"))),
             ("[ s ]", ("", Some("s"))),
@@ -208,7 +208,7 @@ mod tests {
             ("Channel A", ("Channel A", None)),
             ("velocity_m/s", ("velocity", Some("m/s"))),
         ] {
-            assert_eq!(split(name), wanted, "{name}");
+            assert_eq!(split(name), expected, "{name}");
         }
     }
 }

@@ -161,8 +161,8 @@ mod tests {
         for name in NAMES {
             let back = back(name, &record.written(name).unwrap());
             assert_eq!((&back, back.history().len()), (&plain, 3), "{name}");
-            let wanted = ["cut from 1 s to 2 s", "sample rate: 7, \"x\" of \u{b5}m", "3, 4 = 5"];
-            assert_eq!(back.history(), wanted, "{name}");
+            let expected = ["cut from 1 s to 2 s", "sample rate: 7, \"x\" of \u{b5}m", "3, 4 = 5"];
+            assert_eq!(back.history(), expected, "{name}");
             let (plain, columns) = (plain.written(name).unwrap(), [("u_V", plain.u()), ("y_um", plain.y())]);
             assert_eq!(plain, Table::write(name, 5e-4, &columns).unwrap(), "{name}");
         }

@@ -16,8 +16,8 @@
 //! the average the record is one period and continues itself, so that the filters have no ends. Each step adds a
 //! sentence with its figures to [`Record::history`].
 //!
-//! It does not do: estimate a delay, which cannot be told from the lag of the actuator without a model (`identify`
-//! states the delay of its linear block); replace more than single spikes; separate drift from creep.
+//! It does not do: estimate a delay, which cannot be distinguished from the lag of the actuator without a model
+//! (`identify` states the delay of its linear block); replace more than single spikes; separate drift from creep.
 
 mod kernel;
 mod periods;
@@ -84,7 +84,7 @@ options! {
 }
 
 impl PrepareOptions {
-    /// The record after these steps, which its history tells.
+    /// The record after these steps, which its history lists.
     ///
     /// # Errors
     /// Returns an error for options that exclude each other, an input without a period to average, and values that do

@@ -79,14 +79,14 @@ fn a_decimated_sine_is_kept_below_and_gone_above_the_new_nyquist_frequency() {
         let (options, n) = (with(|o| o.decimate = Some(factor)), 200 * factor);
         let nyquist = 0.5 / (factor as f64 * TS);
         let at = |hz: f64| {
-            let made = prepared(&options, &record(series(n, sine(hz)), series(n, sine(hz))));
-            assert_eq!((made.len(), made.u()), (200, made.y()), "both channels alike");
-            assert!((made.ts() / (factor as f64 * TS) - 1.0).abs() < 1e-12);
-            made
+            let result = prepared(&options, &record(series(n, sine(hz)), series(n, sine(hz))));
+            assert_eq!((result.len(), result.u()), (200, result.y()), "both channels alike");
+            assert!((result.ts() / (factor as f64 * TS) - 1.0).abs() < 1e-12);
+            result
         };
         for share in [0.0, 0.1, 0.5, 0.79] {
-            let wanted: Vec<f64> = series(n, sine(share * nyquist)).into_iter().step_by(factor).collect();
-            assert_close(inner(at(share * nyquist).y(), 30), inner(&wanted, 30), 0.0, 1e-4);
+            let expected: Vec<f64> = series(n, sine(share * nyquist)).into_iter().step_by(factor).collect();
+            assert_close(inner(at(share * nyquist).y(), 30), inner(&expected, 30), 0.0, 1e-4);
         }
         // Sines that would fold onto low frequencies: 60 dB at least.
         for share in [1.0, 1.1, 1.9, 2.0].iter().filter(|share| **share < factor as f64) {
@@ -101,13 +101,13 @@ fn a_resampled_signal_is_the_signal_at_the_new_times() {
     let signal = |t: f64| sine(70.0)(t) + 0.5 * sine(811.0)(t) + 0.2 * sine(1900.0)(t) + 3.0;
     // 2 kHz is 0.8 of the Nyquist frequency of 0.2 ms.
     for ts in [2e-4, 1.37e-4, 1.000_01e-4, 0.9e-4, 0.3e-4] {
-        let made = prepared(&with(|o| o.resample = Some(ts)), &record(series(3000, signal), series(3000, signal)));
-        assert_eq!(made.ts(), ts);
-        assert!((made.duration() - 0.3).abs() < 2.0 * ts.max(TS));
-        let wanted: Vec<f64> = (0..made.len()).map(|k| signal(k as f64 * ts)).collect();
+        let result = prepared(&with(|o| o.resample = Some(ts)), &record(series(3000, signal), series(3000, signal)));
+        assert_eq!(result.ts(), ts);
+        assert!((result.duration() - 0.3).abs() < 2.0 * ts.max(TS));
+        let expected: Vec<f64> = (0..result.len()).map(|k| signal(k as f64 * ts)).collect();
         let ends = (30.0 * (ts / TS).max(1.0) * TS / ts).ceil() as usize;
-        assert_close(inner(made.y(), ends), inner(&wanted, ends), 0.0, 1e-4);
-        assert_eq!(made.u(), made.y());
+        assert_close(inner(result.y(), ends), inner(&expected, ends), 0.0, 1e-4);
+        assert_eq!(result.u(), result.y());
     }
 }
 
@@ -115,10 +115,10 @@ fn a_resampled_signal_is_the_signal_at_the_new_times() {
 fn ends_keep_constants_and_lines() {
     let line = record(series(300, |t| 5.0 + 1e3 * t), vec![7.0; 300]);
     for options in [with(|o| o.decimate = Some(4)), with(|o| o.resample = Some(0.7e-4))] {
-        let made = prepared(&options, &line);
-        let wanted: Vec<f64> = (0..made.len()).map(|k| 5.0 + 1e3 * k as f64 * made.ts()).collect();
-        assert_close(made.u(), &wanted, 0.0, 1e-4);
-        assert_close(made.y(), &vec![7.0; made.len()], 1e-14, 0.0);
+        let result = prepared(&options, &line);
+        let expected: Vec<f64> = (0..result.len()).map(|k| 5.0 + 1e3 * k as f64 * result.ts()).collect();
+        assert_close(result.u(), &expected, 0.0, 1e-4);
+        assert_close(result.y(), &vec![7.0; result.len()], 1e-14, 0.0);
     }
 }
 
@@ -127,22 +127,22 @@ fn a_delay_of_any_part_of_a_sample_is_taken_out() {
     let n = 2000;
     let signal = |t: f64| sine(50.0)(t) + 0.5 * sine(1234.0)(t) + 0.3 * sine(3900.0)(t);
     for delay in [0.25e-4, 1e-4, 3.7e-4, -0.5e-4, -12.9e-4] {
-        let late = record(series(n, signal), series(n, |t| signal(t - delay)));
-        let made = prepared(&with(|o| o.delay = Some(delay)), &late);
+        let delayed = record(series(n, signal), series(n, |t| signal(t - delay)));
+        let result = prepared(&with(|o| o.delay = Some(delay)), &delayed);
         let cut = (delay.abs() / TS - 1e-9).ceil() as usize;
-        assert_eq!(made.len(), n - cut);
+        assert_eq!(result.len(), n - cut);
         let end = 15;
-        assert_close(inner(made.y(), end), inner(made.u(), end), 0.0, 1e-4);
+        assert_close(inner(result.y(), end), inner(result.u(), end), 0.0, 1e-4);
         let way = if delay > 0.0 { "earlier" } else { "later" };
-        assert!(made.history()[0].starts_with(&format!("output shifted {way} by")), "{:?}", made.history());
+        assert!(result.history()[0].starts_with(&format!("output shifted {way} by")), "{:?}", result.history());
     }
     // Whole samples are moved, not filtered.
     let steps = record((0..50).map(f64::from).collect(), (0..50).map(|k| f64::from(k % 7)).collect());
-    let made = prepared(&with(|o| o.delay = Some(3.0 * TS)), &steps);
-    assert_eq!((made.u(), made.y()), (&steps.u()[..47], &steps.y()[3..]));
-    assert!(made.history()[0].ends_with("(3 samples); the last 3 samples, without output, cut"));
-    let made = prepared(&with(|o| o.delay = Some(-TS)), &steps);
-    assert_eq!((made.u(), made.y()), (&steps.u()[1..], &steps.y()[..49]));
+    let result = prepared(&with(|o| o.delay = Some(3.0 * TS)), &steps);
+    assert_eq!((result.u(), result.y()), (&steps.u()[..47], &steps.y()[3..]));
+    assert!(result.history()[0].ends_with("(3 samples); the last 3 samples, without output, cut"));
+    let result = prepared(&with(|o| o.delay = Some(-TS)), &steps);
+    assert_eq!((result.u(), result.y()), (&steps.u()[1..], &steps.y()[..49]));
 }
 
 #[test]
@@ -151,20 +151,20 @@ fn the_mean_of_periods_has_the_noise_that_statistics_expect() {
     let signal = |t: f64| 10.0 * (TAU * t / (p as f64 * TS)).sin();
     let u = series(p * periods + 30, signal);
     let y = series(u.len(), signal).iter().zip(noise(3, u.len())).map(|(y, e)| 3.0 * y + rms * e).collect();
-    let made = prepared(&with(|o| o.average = true), &record(u.clone(), y));
-    assert_eq!(made.len(), p);
+    let result = prepared(&with(|o| o.average = true), &record(u.clone(), y));
+    assert_eq!(result.len(), p);
     // The last 100 periods: the record has 30 samples more, and they are the first.
-    assert_close(made.u(), &u[30..30 + p], 0.0, 1e-9);
-    let errors: Vec<f64> = made.y().iter().zip(made.u()).map(|(y, u)| y - 3.0 * u).collect();
+    assert_close(result.u(), &u[30..30 + p], 0.0, 1e-9);
+    let errors: Vec<f64> = result.y().iter().zip(result.u()).map(|(y, u)| y - 3.0 * u).collect();
     let scatter = (errors.iter().map(|e| e * e).sum::<f64>() / p as f64).sqrt();
     // Of 200 samples, the standard deviation is known to 5 %.
     assert!((scatter / (rms / 10.0) - 1.0).abs() < 0.15, "{scatter}");
-    let told = &made.history()[0];
-    let figures: Vec<f64> = told.split(' ').filter_map(|word| word.parse().ok()).collect();
-    assert_eq!(figures[..2], [100.0, 0.02], "{told}");
+    let message = &result.history()[0];
+    let figures: Vec<f64> = message.split(' ').filter_map(|word| word.parse().ok()).collect();
+    assert_eq!(figures[..2], [100.0, 0.02], "{message}");
     // Of 19800 degrees of freedom, to 0.5 %.
-    assert!((figures[2] / rms - 1.0).abs() < 0.02 && (figures[3] / (0.1 * rms) - 1.0).abs() < 0.02, "{told}");
-    assert!(!told.contains("transient"));
+    assert!((figures[2] / rms - 1.0).abs() < 0.02 && (figures[3] / (0.1 * rms) - 1.0).abs() < 0.02, "{message}");
+    assert!(!message.contains("transient"));
 }
 
 #[test]
@@ -176,13 +176,13 @@ fn one_period_continues_itself_through_the_filters() {
     };
     let three = record(series(3 * p, wave), series(3 * p, |t| wave(t - 0.4e-4)));
     let options = with(|o| (o.average, o.delay, o.decimate) = (true, Some(0.4e-4), Some(6)));
-    let made = prepared(&options, &three);
-    let wanted: Vec<f64> = series(p, wave).into_iter().step_by(6).collect();
-    assert_close(made.u(), &wanted, 0.0, 2e-4);
-    assert_close(made.y(), &wanted, 0.0, 2e-4);
-    assert_eq!(made.history().len(), 3);
-    let made = prepared(&with(|o| (o.average, o.resample) = (true, Some(1.6e-4))), &three);
-    assert_close(made.u(), &(0..150).map(|k| wave(f64::from(k) * 1.6e-4)).collect::<Vec<_>>(), 0.0, 2e-4);
+    let result = prepared(&options, &three);
+    let expected: Vec<f64> = series(p, wave).into_iter().step_by(6).collect();
+    assert_close(result.u(), &expected, 0.0, 2e-4);
+    assert_close(result.y(), &expected, 0.0, 2e-4);
+    assert_eq!(result.history().len(), 3);
+    let result = prepared(&with(|o| (o.average, o.resample) = (true, Some(1.6e-4))), &three);
+    assert_close(result.u(), &(0..150).map(|k| wave(f64::from(k) * 1.6e-4)).collect::<Vec<_>>(), 0.0, 2e-4);
 }
 
 #[test]
@@ -190,15 +190,15 @@ fn a_transient_and_a_wrong_period_are_told() {
     let p = 100;
     let wave = |t: f64| (TAU * t / (p as f64 * TS)).sin();
     let settling = record(series(8 * p, wave), series(8 * p, |t| wave(t) - (-t / 3e-3).exp()));
-    let told = prepared(&with(|o| o.average = true), &settling).history()[0].clone();
-    assert!(told.contains("; the first of them differs from the others, like a transient, by"), "{told}");
+    let message = prepared(&with(|o| o.average = true), &settling).history()[0].clone();
+    assert!(message.contains("; the first of them differs from the others, like a transient, by"), "{message}");
     let later = prepared(&with(|o| o.average = true), &settling.part(0.02, 1.0).unwrap());
     assert!(!later.history()[1].contains("transient"), "{:?}", later.history());
-    let given = |period: f64| with(|o| (o.average, o.period) = (true, Some(period)));
-    assert_eq!(prepared(&given(0.02), &settling).len(), 200, "two periods as one");
-    assert!(refused(given(0.013), &settling).contains("does not repeat with this period: its periods differ by"));
-    assert!(refused(given(0.05), &settling).contains("no two periods"));
-    assert!(refused(given(1.05e-3), &settling).contains("must be a multiple of the sampling period of 0.0001 s"));
+    let input = |period: f64| with(|o| (o.average, o.period) = (true, Some(period)));
+    assert_eq!(prepared(&input(0.02), &settling).len(), 200, "two periods as one");
+    assert!(refused(input(0.013), &settling).contains("does not repeat with this period: its periods differ by"));
+    assert!(refused(input(0.05), &settling).contains("no two periods"));
+    assert!(refused(input(1.05e-3), &settling).contains("must be a multiple of the sampling period of 0.0001 s"));
     let ramp = record(series(500, |t| t), series(500, |t| t));
     assert!(refused(with(|o| o.average = true), &ramp).ends_with("apart from noise, give `period`"));
 }
@@ -212,12 +212,15 @@ fn exactly_the_spikes_that_were_put_in_are_replaced() {
     let before = y.clone();
     spikes.iter().for_each(|(t, size)| y[*t] += size);
     let options = with(|o| o.outliers = true);
-    let made = prepared(&options, &record(clean.u().to_vec(), y.clone()));
-    let changed: Vec<usize> = (0..n).filter(|t| made.y()[*t] != y[*t]).collect();
+    let result = prepared(&options, &record(clean.u().to_vec(), y.clone()));
+    let changed: Vec<usize> = (0..n).filter(|t| result.y()[*t] != y[*t]).collect();
     assert_eq!(changed, spikes.map(|(t, _)| t));
-    assert_close(made.y(), &before, 0.0, 5e-3);
-    let told = &made.history()[0];
-    assert!(told.starts_with("outliers of the output replaced by interpolation: 5 samples in 5 places"), "{told}");
+    assert_close(result.y(), &before, 0.0, 5e-3);
+    let message = &result.history()[0];
+    assert!(
+        message.starts_with("outliers of the output replaced by interpolation: 5 samples in 5 places"),
+        "{message}"
+    );
     assert_eq!(prepared(&options, &clean).history(), ["no outliers were found in the output"]);
     assert!(
         refused(options, &record(vec![1.0; 50], series(50, |t| t))).starts_with("outliers cannot be found: the input")
@@ -227,17 +230,17 @@ fn exactly_the_spikes_that_were_put_in_are_replaced() {
 #[test]
 fn trends_and_offsets_are_taken_from_their_channels() {
     let line = record(series(101, |t| t), series(101, |t| 5.0 + 40.0 * t));
-    let made = prepared(&with(|o| o.detrend = Some(Trend::Line)), &line);
-    assert_close(made.y(), &[0.0; 101], 0.0, 1e-12);
+    let result = prepared(&with(|o| o.detrend = Some(Trend::Line)), &line);
+    assert_close(result.y(), &[0.0; 101], 0.0, 1e-12);
     assert_eq!(
-        (made.u(), &*made.history()[0]),
+        (result.u(), &*result.history()[0]),
         (line.u(), "line removed from the output: 5.200 um in its middle, 40.00 um/s")
     );
-    let made = prepared(&with(|o| o.detrend = Some(Trend::Mean)), &line);
-    assert_close(&[made.y()[0], made.y()[100]], &[-0.2, 0.2], 1e-9, 0.0);
-    let made = prepared(&with(|o| (o.input_offset, o.output_offset) = (50.0, -5.0)), &line);
-    assert_close(&[made.u()[0], made.y()[0]], &[50.0, 0.0], 0.0, 1e-12);
-    assert_eq!(made.history(), ["50 V added to the input", "-5 um added to the output"]);
+    let result = prepared(&with(|o| o.detrend = Some(Trend::Mean)), &line);
+    assert_close(&[result.y()[0], result.y()[100]], &[-0.2, 0.2], 1e-9, 0.0);
+    let result = prepared(&with(|o| (o.input_offset, o.output_offset) = (50.0, -5.0)), &line);
+    assert_close(&[result.u()[0], result.y()[0]], &[50.0, 0.0], 0.0, 1e-12);
+    assert_eq!(result.history(), ["50 V added to the input", "-5 um added to the output"]);
 }
 
 #[test]
@@ -266,9 +269,9 @@ fn values_that_do_not_suit_the_record_are_refused_with_what_to_do() {
             "resample = 0.0003 s: the period of 0.0025 s is no multiple",
         ),
     ];
-    for (options, wanted) in messages {
-        let told = refused(options, &wave);
-        assert!(told.contains(wanted), "{told} is not {wanted}");
+    for (options, expected) in messages {
+        let message = refused(options, &wave);
+        assert!(message.contains(expected), "{message} is not {expected}");
     }
 }
 
@@ -295,9 +298,9 @@ fn no_record_is_too_short_or_too_odd_to_be_answered() {
     for record in &records {
         for change in changes {
             match with(change).run(record) {
-                Ok(made) => {
-                    assert!(made.ts() > 0.0 && made.ts().is_finite() && made.len() > 0);
-                    assert!(made.u().iter().chain(made.y()).all(|v| v.is_finite()));
+                Ok(result) => {
+                    assert!(result.ts() > 0.0 && result.ts().is_finite() && result.len() > 0);
+                    assert!(result.u().iter().chain(result.y()).all(|v| v.is_finite()));
                 }
                 Err(error) => assert!(!error.to_string().is_empty()),
             }
@@ -334,8 +337,8 @@ mod golden {
         let [u, y] = ["u", "y"].map(|name| numbers(&golden[name]));
         let record = record(u, y);
         let check = |options: PrepareOptions, name: &str, ends: usize, atol: f64| {
-            let (made, wanted) = (prepared(&options, &record), numbers(&golden[name]));
-            assert_close(inner(made.y(), ends), inner(&wanted, ends), 0.0, atol);
+            let (result, expected) = (prepared(&options, &record), numbers(&golden[name]));
+            assert_close(inner(result.y(), ends), inner(&expected, ends), 0.0, atol);
         };
         check(with(|o| o.detrend = Some(Trend::Line)), "line", 0, 1e-11);
         check(with(|o| o.detrend = Some(Trend::Mean)), "mean", 0, 1e-11);

@@ -415,11 +415,11 @@ fn a_closed_loop_is_reported_and_a_noisy_measurement_of_the_input_is_not() {
         "{:?}",
         inspection.findings
     );
-    let driven = stage(|t, _| slow(t), 6000);
-    assert_eq!(found(&driven), [""; 0]);
+    let with_driver = stage(|t, _| slow(t), 6000);
+    assert_eq!(found(&with_driver), [""; 0]);
     let mut noise = random(11);
-    let monitored: Vec<f64> = driven.u().iter().map(|u| u + 0.01 * noise()).collect();
-    assert_eq!(found(&Record::new(TS, monitored, driven.y().to_vec()).unwrap()), [""; 0]);
+    let monitored: Vec<f64> = with_driver.u().iter().map(|u| u + 0.01 * noise()).collect();
+    assert_eq!(found(&Record::new(TS, monitored, with_driver.y().to_vec()).unwrap()), [""; 0]);
 }
 
 #[test]

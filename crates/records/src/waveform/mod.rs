@@ -18,7 +18,7 @@ use piezoid_numerics::series::ends;
 
 /// The frequency at which `u` crosses its mid-value upwards [Hz], averaged over whole periods; `ts` is the sampling
 /// period [s]. `None` if there is no whole period. It exists for broad inputs too, as a measure of their speed; the
-/// frequency that a user is told is [`cycle_rate`].
+/// frequency that a user sees is [`cycle_rate`].
 pub fn dominant_frequency(u: &[f64], ts: f64) -> Option<f64> {
     let crossings = crossings(u);
     let (first, last) = (crossings.first()?, crossings.last()?);

@@ -148,8 +148,8 @@ impl Condensed {
                 }
             }
         };
-        let given = |(x, back): (&mut f64, &[f64])| *x -= dot(back, w.lambda);
-        x.iter_mut().zip(self.back.chunks_exact(w.lambda.len())).for_each(given);
+        let eliminate = |(x, back): (&mut f64, &[f64])| *x -= dot(back, w.lambda);
+        x.iter_mut().zip(self.back.chunks_exact(w.lambda.len())).for_each(eliminate);
         SolveResult { changes, solved }
     }
 

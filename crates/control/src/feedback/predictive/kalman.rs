@@ -25,15 +25,15 @@ pub(super) struct Observer {
 }
 
 impl Observer {
-    /// From the gain `l` without delay, propagated by `late` samples.
-    pub(super) fn new(a: &DMatrix<f64>, c: &RowDVector<f64>, l: DVector<f64>, late: usize) -> Self {
+    /// From the gain `l` without delay, propagated by `delay_samples` samples.
+    pub(super) fn new(a: &DMatrix<f64>, c: &RowDVector<f64>, l: DVector<f64>, delay_samples: usize) -> Self {
         let mut state = l;
         let carried = |_| {
             let unread = (c * &state)[0];
             state = a * &state;
             unread
         };
-        let unread = (0..late).map(carried).collect();
+        let unread = (0..delay_samples).map(carried).collect();
         Observer { state, unread }
     }
 }
@@ -63,8 +63,8 @@ pub(super) fn gain(a: &DMatrix<f64>, c: &RowDVector<f64>, q: &DMatrix<f64>, r: f
             break;
         }
         if grown.amax() <= 1e-14 * p.amax() {
-            let seen = &p * c.transpose();
-            return Ok(a * &seen / ((c * &seen)[0] + r));
+            let observed = &p * c.transpose();
+            return Ok(a * &observed / ((c * &observed)[0] + r));
         }
     }
     Err(unobservable())
@@ -87,8 +87,8 @@ mod tests {
         let mut p = DMatrix::<f64>::identity(n, n);
         let mut k = DVector::<f64>::zeros(n);
         for _ in 0..40_000 {
-            let seen: DVector<f64> = &p * model.c.transpose();
-            k = &seen / (model.c.transpose().dot(&seen) + r);
+            let observed: DVector<f64> = &p * model.c.transpose();
+            k = &observed / (model.c.transpose().dot(&observed) + r);
             let left = DMatrix::identity(n, n) - &k * &model.c;
             let after = &left * &p * left.transpose() + r * &k * k.transpose();
             p = &model.a * after * model.a.transpose() + &q;
@@ -101,17 +101,20 @@ mod tests {
     fn a_sensor_delay_gives_the_kalman_gain_of_a_system_with_a_delay_line() {
         let (creep, linear) = blocks(1);
         let model = Realisation::new(&creep, &linear);
-        let (n, late, r) = (model.order(), 3, 0.3);
+        let (n, delay_samples, r) = (model.order(), 3, 0.3);
         let mut q = &model.b * model.b.transpose() * 1e-2;
         q[(n - 1, n - 1)] += 1e-3;
-        let observer = Observer::new(&model.a, &model.c, gain(&model.a, &model.c, &q, r).unwrap(), late);
+        let observer = Observer::new(&model.a, &model.c, gain(&model.a, &model.c, &q, r).unwrap(), delay_samples);
         // The delayed outputs follow s, the oldest first, which is measured.
-        let (mut a, mut noise) = (DMatrix::zeros(n + late, n + late), DMatrix::zeros(n + late, n + late));
+        let (mut a, mut noise) = (
+            DMatrix::zeros(n + delay_samples, n + delay_samples),
+            DMatrix::zeros(n + delay_samples, n + delay_samples),
+        );
         a.view_mut((0, 0), (n, n)).copy_from(&model.a);
-        (0..late - 1).for_each(|k| a[(n + k, n + k + 1)] = 1.0);
-        a.view_mut((n + late - 1, 0), (1, n)).copy_from(&model.c);
+        (0..delay_samples - 1).for_each(|k| a[(n + k, n + k + 1)] = 1.0);
+        a.view_mut((n + delay_samples - 1, 0), (1, n)).copy_from(&model.c);
         noise.view_mut((0, 0), (n, n)).copy_from(&q);
-        let c = RowDVector::from_fn(n + late, |_, k| f64::from(u8::from(k == n)));
+        let c = RowDVector::from_fn(n + delay_samples, |_, k| f64::from(u8::from(k == n)));
         let known = gain(&a, &c, &noise, r).unwrap();
         let found = [observer.state.as_slice(), &observer.unread].concat();
         assert_close(&found, known.as_slice(), 1e-6, 1e-9);

@@ -140,21 +140,21 @@ impl Predictive {
         let mut disturbed = &plant.b * plant.b.transpose() * (settings.unexplained * range).powi(2);
         disturbed[(p, p)] += (settings.drift * range).powi(2);
         let trusted = kalman::gain(&plant.a, &plant.c, &disturbed, (settings.noise * range * gain).powi(2))?;
-        let made = Predictive {
-            observer: Observer::new(&plant.a, &plant.c, trusted, settings.late),
+        let result = Predictive {
+            observer: Observer::new(&plant.a, &plant.c, trusted, settings.delay_samples),
             horizon: Horizon::new(&plant, gain, &settings)?,
             model: model.clone(),
             settings,
             plant,
             major,
         };
-        let (low, high) = made.reachable();
-        match made.settings.displacement {
+        let (low, high) = result.reachable();
+        match result.settings.displacement {
             Some((least, most)) if !(least < high && low < most) => {
                 let rule = format!("must overlap with {low} to {high}, the range within the voltage limits");
                 Err(Error::parameter("displacement", format!("{least} to {most}"), rule))
             }
-            _ => Ok(made),
+            _ => Ok(result),
         }
     }
 
@@ -200,7 +200,7 @@ impl Predictive {
         let program = &self.horizon.program;
         StateLayout {
             observer: self.plant.order(),
-            late: self.settings.late,
+            delay_samples: self.settings.delay_samples,
             model: self.model.order(),
             horizon: self.settings.horizon,
             rows: program.sigma.len(),
@@ -356,8 +356,9 @@ pub(super) const ROW: ControllerKind = ControllerKind {
         let slew = Some(path.slew).filter(|slew| slew.is_finite());
         let usual = PredictiveSettings::default();
         // A delayed measurement is propagated with model errors, so its noise counts as larger.
-        let noise = usual.noise * libm::hypot(path.late as f64 / CARRIED, 1.0);
-        let settings = PredictiveSettings { voltage: path.limits, slew, late: path.late, noise, ..usual };
+        let noise = usual.noise * libm::hypot(path.delay_samples as f64 / CARRIED, 1.0);
+        let settings =
+            PredictiveSettings { voltage: path.limits, slew, delay_samples: path.delay_samples, noise, ..usual };
         Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)
     },
 };

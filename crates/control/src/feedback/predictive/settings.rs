@@ -1,6 +1,6 @@
 //! Settings of the predictive controller, and checks of its computing time.
 
-use super::super::margins::check_late;
+use super::super::margins::check_delay;
 use super::condensed;
 use piezoid_numerics::error::{Error, positive};
 
@@ -41,7 +41,7 @@ pub struct PredictiveSettings {
     /// the model: the observer then ignores the residual at its resonance.
     pub noise: f64,
     /// Sensor delay [samples], at most 20.
-    pub late: usize,
+    pub delay_samples: usize,
     /// Method for the quadratic program.
     pub solver: Solver,
     /// Multiplications per second of the machine. A horizon that takes longer than Ts is an error. The steps of the
@@ -61,7 +61,7 @@ impl Default for PredictiveSettings {
             drift: 1e-3,
             unexplained: 1e-3,
             noise: 1e-2,
-            late: 0,
+            delay_samples: 0,
             solver: Solver::ActiveSet,
             multiplications_per_second: 1e9,
         }
@@ -76,7 +76,7 @@ impl PredictiveSettings {
         if !(1..=LONGEST).contains(horizon) {
             return Err(Error::parameter("horizon", horizon, format!("must be from 1 to {LONGEST} samples")));
         }
-        check_late(self.late)?;
+        check_delay(self.delay_samples)?;
         for (name, ends) in [("voltage", Some(voltage)), ("displacement", displacement.as_ref())] {
             if let Some((low, high)) = ends.filter(|(low, high)| !(low < high && low.is_finite() && high.is_finite())) {
                 let rule = "must go from low to high, both finite";

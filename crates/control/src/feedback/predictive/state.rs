@@ -27,7 +27,7 @@ pub(super) struct Parts<'x> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct StateLayout {
     pub(super) observer: usize,
-    pub(super) late: usize,
+    pub(super) delay_samples: usize,
     pub(super) model: usize,
     pub(super) horizon: usize,
     pub(super) rows: usize,
@@ -36,7 +36,7 @@ pub(super) struct StateLayout {
 
 impl StateLayout {
     pub(super) fn length(self) -> usize {
-        2 * self.observer + self.late + 2 + 2 * self.model + 2 * self.horizon + 2 * self.rows + self.scratch
+        2 * self.observer + self.delay_samples + 2 + 2 * self.model + 2 * self.horizon + 2 * self.rows + self.scratch
     }
 
     pub(super) fn parts(self, x: &mut [f64]) -> Parts<'_> {
@@ -48,7 +48,7 @@ impl StateLayout {
         };
         Parts {
             s: cut(self.observer),
-            unread: cut(self.late),
+            unread: cut(self.delay_samples),
             last: cut(2),
             model: cut(self.model),
             trial: cut(self.model),

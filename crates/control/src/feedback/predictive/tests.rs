@@ -47,12 +47,12 @@ fn sine(amplitude: f64, n: usize) -> Vec<f64> {
 }
 
 /// The same with a driver that has a lag and this slew limit [V/s].
-fn driven(off: f64, slew: f64) -> Model {
+fn result(off: f64, slew: f64) -> Model {
     let driver = DriverModel::new(1e-4, Some(slew)).unwrap();
     let plain = model(off);
     let faster = plays(TS / DriverModel::SUBSTEPS as f64);
-    let driven = Model::driven(Some(driver), faster, plain.linear().clone(), plain.offset()).unwrap();
-    driven.with_creep(plain.creep().clone()).unwrap()
+    let result = Model::from_blocks(Some(driver), faster, plain.linear().clone(), plain.offset()).unwrap();
+    result.with_creep(plain.creep().clone()).unwrap()
 }
 
 /// A linear block with a proportional operator.
@@ -64,7 +64,7 @@ fn before(linear: Arx) -> Model {
 fn follow(mpc: &Predictive, plant: &Model, r: &[f64], disturbance: f64) -> (Vec<f64>, Vec<Plan>) {
     let (mut x, mut truth) = (mpc.settled(0.0), plant.settled(0.0));
     // The measurements, the oldest first: it is used now.
-    let mut y = vec![plant.step(&mut truth.clone(), 0.0); 1 + mpc.settings().late];
+    let mut y = vec![plant.step(&mut truth.clone(), 0.0); 1 + mpc.settings().delay_samples];
     let step = |t: usize| {
         let plan = mpc.plan(&mut x, &r[t..], y[0]);
         y.rotate_left(1);
@@ -117,8 +117,8 @@ fn it_tracks_on_its_own_model_and_feedback_helps_on_another() {
 
 #[test]
 fn a_constant_disturbance_leaves_no_offset() {
-    for late in [0, 3, 20] {
-        let mpc = controller(PredictiveSettings { late, ..Default::default() });
+    for delay_samples in [0, 3, 20] {
+        let mpc = controller(PredictiveSettings { delay_samples, ..Default::default() });
         for (off, disturbance) in [(1.0, 0.7), (0.85, -0.4)] {
             let (y, _) = follow(&mpc, &model(off), &[6.0; 3000], disturbance);
             assert_close(&y[2900..], &[6.0; 100], 0.0, 1e-3);
@@ -129,13 +129,13 @@ fn a_constant_disturbance_leaves_no_offset() {
 #[test]
 fn on_its_own_model_a_sensor_delay_does_not_matter() {
     let r = sine(15.0, 800);
-    for truth in [model(1.0), driven(1.0, 6e4), before(Arx::gain(TS, 2.0).unwrap())] {
-        let followed = |late| {
-            let mpc = Predictive::new(&truth, PredictiveSettings { late, ..Default::default() }).unwrap();
+    for truth in [model(1.0), result(1.0, 6e4), before(Arx::gain(TS, 2.0).unwrap())] {
+        let followed = |delay_samples| {
+            let mpc = Predictive::new(&truth, PredictiveSettings { delay_samples, ..Default::default() }).unwrap();
             follow(&mpc, &truth, &r, 0.0).0
         };
-        for late in [1, 3, 20] {
-            assert_close(&followed(late), &followed(0), 0.0, 1e-6);
+        for delay_samples in [1, 3, 20] {
+            assert_close(&followed(delay_samples), &followed(0), 0.0, 1e-6);
         }
     }
 }
@@ -143,9 +143,9 @@ fn on_its_own_model_a_sensor_delay_does_not_matter() {
 #[test]
 fn on_other_plants_a_known_sensor_delay_is_better_than_an_unknown_one() {
     let r = sine(15.0, 800);
-    let error = |plant: &Model, known: usize, late: usize| {
-        let mpc = controller(PredictiveSettings { late: known, ..Default::default() });
-        let closed_loop = ClosedLoop { late, ..ClosedLoop::new(&r, &[0.0; 800], (-30.0, 30.0)) };
+    let error = |plant: &Model, known: usize, delay_samples: usize| {
+        let mpc = controller(PredictiveSettings { delay_samples: known, ..Default::default() });
+        let closed_loop = ClosedLoop { delay_samples, ..ClosedLoop::new(&r, &[0.0; 800], (-30.0, 30.0)) };
         rms(&closed_loop.run(plant, &mpc).unwrap().y[200..], &r[200..])
     };
     let shifted = |share: f64| model_of(detuned(model(1.0).linear(), share).unwrap(), 1.5);
@@ -176,7 +176,7 @@ fn limits_of_voltage_slew_and_displacement_are_kept() {
 #[test]
 fn a_slew_limit_that_is_hardly_active_hardly_matters() {
     let r = sine(15.0, 800);
-    for truth in [model(1.0), driven(1.0, 6e4)] {
+    for truth in [model(1.0), result(1.0, 6e4)] {
         let run = |slew| {
             let mpc = Predictive::new(&truth, PredictiveSettings { slew, ..Default::default() }).unwrap();
             follow(&mpc, &truth, &r, 0.0)
@@ -235,7 +235,8 @@ fn invalid_references_and_settings_are_errors_with_numbers() {
     let refused = |settings| Predictive::new(&model(1.0), settings).unwrap_err().to_string();
     assert!(refused(PredictiveSettings { horizon: 0, ..Default::default() }).contains("from 1 to 200"));
     assert!(
-        refused(PredictiveSettings { late: 21, ..Default::default() }).starts_with("late = 21: must be at most 20")
+        refused(PredictiveSettings { delay_samples: 21, ..Default::default() })
+            .starts_with("delay_samples = 21: must be at most 20")
     );
     assert!(refused(PredictiveSettings { voltage: (30.0, -30.0), ..Default::default() }).contains("30 to -30"));
     assert!(refused(PredictiveSettings { move_cost: f64::NAN, ..Default::default() }).starts_with("move_cost = NaN"));
@@ -255,13 +256,13 @@ fn it_tracks_with_a_driver_in_the_model_as_well_as_without() {
         rms(&follow(&mpc, truth, &r, 0.0).0[200..], &r[200..])
     };
     let plain = error(&model(1.0), &model(1.0));
-    let behind = error(&driven(1.0, 6e4), &driven(1.0, 6e4));
+    let behind = error(&result(1.0, 6e4), &result(1.0, 6e4));
     assert!(behind < 1.1 * plain, "{behind} {plain}");
-    let (plain, behind) = (error(&model(1.0), &model(1.1)), error(&driven(1.0, 6e4), &driven(1.1, 6e4)));
+    let (plain, behind) = (error(&model(1.0), &model(1.1)), error(&result(1.0, 6e4), &result(1.1, 6e4)));
     assert!(behind < 1.1 * plain, "{behind} {plain}");
     // A driver that is not in the model increases the error.
-    let unknown = error(&model(1.0), &driven(1.0, 6e4));
-    assert!(unknown > 1.5 * error(&driven(1.0, 6e4), &driven(1.0, 6e4)), "{unknown}");
+    let unknown = error(&model(1.0), &result(1.0, 6e4));
+    assert!(unknown > 1.5 * error(&result(1.0, 6e4), &result(1.0, 6e4)), "{unknown}");
 }
 
 #[test]
@@ -269,12 +270,12 @@ fn limits_are_kept_with_a_driver_and_its_slew_limit_is_planned_for() {
     let square = square(15.0, 100, 600);
     let run = |slew: Option<f64>, model: &Model| {
         let settings = PredictiveSettings { voltage: (-14.0, 14.0), slew, ..Default::default() };
-        follow(&Predictive::new(model, settings).unwrap(), &driven(1.0, 1500.0), &square, 0.0)
+        follow(&Predictive::new(model, settings).unwrap(), &result(1.0, 1500.0), &square, 0.0)
     };
-    let (y, plans) = run(None, &driven(1.0, 1500.0));
+    let (y, plans) = run(None, &result(1.0, 1500.0));
     assert!(plans.iter().all(|p| p.solved && p.u.abs() <= 14.0));
     // Requests above the driver's slew rate do not accumulate.
-    let (requested, plans) = run(Some(1e4), &driven(1.0, 1500.0));
+    let (requested, plans) = run(Some(1e4), &result(1.0, 1500.0));
     assert!(plans.windows(2).all(|w| (w[1].u - w[0].u).abs() <= 1500.0 * TS * (1.0 + 1e-9)));
     let unknown = run(None, &model(1.0)).0;
     let [known, requested, unknown] = [&y, &requested, &unknown].map(|y| rms(&y[200..], &square[200..]));
@@ -308,11 +309,12 @@ fn measurements_and_references_that_are_not_finite_give_valid_voltages() {
 #[test]
 fn it_tracks_with_gains_delays_integrators_and_negative_signs() {
     let gain = |k: f64| before(Arx::gain(TS, k).unwrap());
-    let late = |delay: usize| before(Arx::new(TS, vec![0.9], [vec![0.0; delay], vec![0.05, 0.05]].concat()).unwrap());
+    let delay_samples =
+        |delay: usize| before(Arx::new(TS, vec![0.9], [vec![0.0; delay], vec![0.05, 0.05]].concat()).unwrap());
     let crept = |m: Model| m.with_creep(blocks(1).0).unwrap();
     let mut models = vec![gain(2.0), gain(-2.0), crept(gain(2.0)), crept(gain(-3.0))];
-    models.extend((0..9).map(late));
-    models.extend((0..9).map(|delay| crept(late(delay))));
+    models.extend((0..9).map(delay_samples));
+    models.extend((0..9).map(|delay| crept(delay_samples(delay))));
     models.push(crept(before(Arx::new(TS, vec![1.6, -0.8], vec![0.0, -0.25, -0.1, -0.05]).unwrap())));
     // An integrator has no finite gain.
     models.push(before(Arx::new(TS, vec![1.0], vec![0.0, 0.02]).unwrap()));
@@ -322,12 +324,12 @@ fn it_tracks_with_gains_delays_integrators_and_negative_signs() {
             let settings =
                 PredictiveSettings { horizon, move_cost: 1e-4, displacement: Some((-9.0, 9.0)), ..Default::default() };
             let mpc = Predictive::new(&model, settings).unwrap();
-            let late = model.linear().delay();
+            let delay_samples = model.linear().delay();
             let (y, plans) = follow(&mpc, &model, &r, 0.2);
             let kept: Vec<f64> = r.iter().map(|r| r.clamp(-9.0, 9.0)).collect();
             let error = rms(&y[300..], &kept[300..]);
             let solved = plans.iter().all(|p| p.solved);
-            assert!(error < 0.5 && solved, "{error} after {late}, {horizon}: {:?}", model.linear());
+            assert!(error < 0.5 && solved, "{error} after {delay_samples}, {horizon}: {:?}", model.linear());
         }
     }
 }

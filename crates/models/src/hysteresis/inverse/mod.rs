@@ -197,19 +197,19 @@ mod tests {
         for o in OPERATORS {
             let operator = (o.example)(5e-4).unwrap();
             let mut x = operator.settled(0.0);
-            let mut given = Vec::new();
+            let mut inputs = Vec::new();
             let mut found = Vec::new();
             for u in (0..400).map(wander) {
                 let z = operator.step(&mut x.clone(), u);
                 let back = operator.invert(&x, z, (-30.0, 30.0));
                 // Between branches with jumps several inputs give the same z.
                 assert_close(&[back.z, operator.step(&mut x.clone(), back.u)], &[z, back.z], 1e-9, 1e-9);
-                given.push(u);
+                inputs.push(u);
                 found.push(back.u);
                 operator.step(&mut x, u);
             }
             if operator.falling_input(-30.0, 30.0).is_none() && o.minor_loops {
-                assert_close(&found, &given, 1e-7, 1e-7);
+                assert_close(&found, &inputs, 1e-7, 1e-7);
             }
         }
     }

@@ -152,7 +152,7 @@ fn hysteresis_by_slopes(x: hysteresis, z, low, high) {
 
 /// [`super::by_trials`].
 const BY_TRIALS: &str = "
-// The same by trials between the ends: inverse quadratic interpolation where it stays well inside, else halving.
+// The same by trials between the ends: inverse quadratic interpolation where it stays well inside, else bisection.
 fn hysteresis_by_trials(x: hysteresis, z, low, high) {
     // a is the newest input; b lies on the other side of the requested z.
     let a = low;

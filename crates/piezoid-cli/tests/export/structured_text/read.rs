@@ -123,13 +123,13 @@ impl Reader<'_> {
             self.expect(":");
             let mut value = self.kind();
             if self.pass(":=") {
-                let given = if self.is("[") { self.list() } else { self.signed() };
-                match (&value, &given) {
+                let input = if self.is("[") { self.list() } else { self.signed() };
+                match (&value, &input) {
                     (Value::Array(a), Value::Array(b)) => assert_eq!(a.len(), b.len(), "{name}"),
                     (Value::Real(_), Value::Real(_)) => {}
-                    _ => panic!("{name} begins with {given:?}"),
+                    _ => panic!("{name} begins with {input:?}"),
                 }
-                value = given;
+                value = input;
             }
             self.expect(";");
             unit.variables.push((kind.into(), name, value));
@@ -227,7 +227,7 @@ impl Reader<'_> {
         }
         let path = self.path();
         if self.is("(") {
-            return Step::Call(path.0, self.given());
+            return Step::Call(path.0, self.input());
         }
         self.expect(":=");
         Step::Set(path, self.expr(1))
@@ -248,12 +248,12 @@ impl Reader<'_> {
         }
     }
 
-    fn given(&mut self) -> Vec<Given> {
+    fn input(&mut self) -> Vec<Given> {
         self.expect("(");
-        let mut given = Vec::new();
+        let mut input = Vec::new();
         loop {
             let sign = self.words.get(self.at + 1).cloned();
-            given.push(if sign == Some(Word::Sign(":=".into())) {
+            input.push(if sign == Some(Word::Sign(":=".into())) {
                 let name = self.name();
                 self.at += 1;
                 Given::Named(name, self.expr(1))
@@ -266,7 +266,7 @@ impl Reader<'_> {
             });
             if !self.pass(",") {
                 self.expect(")");
-                return given;
+                return input;
             }
         }
     }
@@ -319,7 +319,7 @@ impl Reader<'_> {
             }
             _ => {
                 let path = self.path();
-                if self.is("(") { Expr::Call(path.0, self.given()) } else { Expr::At(path) }
+                if self.is("(") { Expr::Call(path.0, self.input()) } else { Expr::At(path) }
             }
         }
     }

@@ -10,12 +10,12 @@ impl Library {
                     let value = self.value(value, room);
                     self.set(path, value, room);
                 }
-                Step::Call(name, given) => {
+                Step::Call(name, arguments) => {
                     let Some(Value::Struct(block, mut inner)) = room.remove(name) else {
                         panic!("`{name}` is no block")
                     };
-                    for given in given {
-                        let Given::Named(input, value) = given else { panic!("{given:?} of {name}") };
+                    for arguments in arguments {
+                        let Given::Named(input, value) = arguments else { panic!("{arguments:?} of {name}") };
                         let value = self.value(value, room);
                         assert!(inner.insert(input.clone(), value).is_some(), "`{block}` has no {input}");
                     }
@@ -97,12 +97,12 @@ impl Library {
                 let (left, right) = (self.value(left, room), self.value(right, room));
                 self.joined(sign, &left, &right)
             }
-            Expr::Call(name, given) => self.call(name, given, room),
+            Expr::Call(name, arguments) => self.call(name, arguments, room),
         }
     }
 
-    fn call(&self, name: &str, given: &[Given], room: &mut Room) -> Value {
-        if let ("trunc" | "dint_to_lreal" | "dint_to_real", [Given::Next(value)]) = (name, given) {
+    fn call(&self, name: &str, arguments: &[Given], room: &mut Room) -> Value {
+        if let ("trunc" | "dint_to_lreal" | "dint_to_real", [Given::Next(value)]) = (name, arguments) {
             return match (name, self.value(value, room)) {
                 ("trunc", Value::Real(v)) => Value::ExportedProgram(v as i64),
                 ("dint_to_lreal" | "dint_to_real", Value::ExportedProgram(v)) => Value::Real(self.round(v as f64)),
@@ -114,8 +114,8 @@ impl Library {
         let kind = |name: &str| variables.iter().find(|(_, known, _)| known == name).map_or("", |(kind, ..)| kind);
         let mut inputs = variables.iter().filter(|(kind, ..)| kind == "var_input").map(|(_, name, _)| name.clone());
         let mut results: Vec<(String, &Path)> = Vec::new();
-        for given in given {
-            let (own, value) = match given {
+        for arguments in arguments {
+            let (own, value) = match arguments {
                 Given::Next(value) => (inputs.next().unwrap(), value),
                 Given::Named(own, value) => (own.clone(), value),
                 Given::Result(own, path) => {
@@ -133,9 +133,9 @@ impl Library {
             let before = inner.insert(own.clone(), value.clone()).unwrap();
             assert_eq!(std::mem::discriminant(&before), std::mem::discriminant(&value), "{own} of {name}");
         }
-        let wanted = variables.iter().filter(|(kind, ..)| kind == "var_input" || kind == "var_in_out").count();
-        let outputs = given.iter().filter(|given| matches!(given, Given::Result(..))).count();
-        assert_eq!(given.len() - outputs, wanted, "{name} takes {wanted}");
+        let expected = variables.iter().filter(|(kind, ..)| kind == "var_input" || kind == "var_in_out").count();
+        let outputs = arguments.iter().filter(|arguments| matches!(arguments, Given::Result(..))).count();
+        assert_eq!(arguments.len() - outputs, expected, "{name} takes {expected}");
         self.run(&self.units[name].steps, &mut inner);
         for (own, path) in results {
             let value = inner.remove(&own).unwrap();

@@ -44,20 +44,20 @@ def panels(
     """
     n = 1 + max(max(row) for row in rows)
     if ax is not None:
-        given = list(np.ravel(np.asarray(ax, dtype=object)))
-        if len(given) != n or not all(isinstance(a, Axes) for a in given):
-            what = f"{len(given)} of {type(given[0]).__name__}" if given else "nothing"
+        source = list(np.ravel(np.asarray(ax, dtype=object)))
+        if len(source) != n or not all(isinstance(a, Axes) for a in source):
+            what = f"{len(source)} of {type(source[0]).__name__}" if source else "nothing"
             raise PiezoidError(f"ax holds {what}: this figure takes {n} Axes, as plt.subplots({n}) makes them")
-        return given
+        return source
     width = mpl.rcParams["figure.figsize"][0]
     tall = height * (width if width <= SINGLE else SINGLE + 0.4 * (width - SINGLE))
     figure = plt.figure(figsize=(width, tall), layout="constrained")
-    made = figure.subplot_mosaic(
+    result = figure.subplot_mosaic(
         [list(row) for row in rows], height_ratios=ratios, sharex=shared[0], sharey=shared[1], empty_sentinel=-1
     )
-    for a in made.values():
+    for a in result.values():
         _hold(a)
-    return [made[k] for k in range(n)]
+    return [result[k] for k in range(n)]
 
 
 def _hold(ax: Axes) -> None:
@@ -136,11 +136,11 @@ def legend(ax: Axes, over: Figure | None = None) -> None:
     widths = [TextPath((0, 0), name, prop=font).get_extents().width + GAP * size for name in names]
     rows = next(r for r in range(1, 1 + len(names)) if r == len(names) or _columns(widths, r) < room)
     above = {"loc": "outside upper left"} if over else {"loc": "lower left", "bbox_to_anchor": (0.0, 1.0)}
-    made = (over or ax).legend(
+    result = (over or ax).legend(
         handles, names, **above, ncols=-(-len(names) // rows), prop=font, frameon=False, borderaxespad=0.1,
         borderpad=0.2, handlelength=1.6, handletextpad=0.5, columnspacing=1.4,
     )  # fmt: skip
-    for line in made.get_lines():
+    for line in result.get_lines():
         line.set_linewidth(max(line.get_linewidth(), width(1.4)))
 
 
@@ -149,11 +149,11 @@ def _columns(widths: Sequence[float], rows: int) -> float:
     return sum(max(widths[k : k + rows]) for k in range(0, len(widths), rows))
 
 
-def named(given: Any, kinds: tuple[type, ...]) -> dict[str, Any] | None:
+def named(source: Any, kinds: tuple[type, ...]) -> dict[str, Any] | None:
     """Several by name, where a number is a frequency [Hz]; None if a single one is given."""
-    if isinstance(given, kinds):
+    if isinstance(source, kinds):
         return None
-    wanted = " or ".join(f"a {kind.__name__}" for kind in kinds)
-    if isinstance(given, Mapping) and given and all(isinstance(one, kinds) for one in given.values()):
-        return {name if isinstance(name, str) else f"{name:g} Hz": one for name, one in given.items()}
-    raise PiezoidError(f"a {type(given).__name__} cannot be drawn here: give {wanted}, or a mapping from names to such")
+    expected = " or ".join(f"a {kind.__name__}" for kind in kinds)
+    if isinstance(source, Mapping) and source and all(isinstance(one, kinds) for one in source.values()):
+        return {name if isinstance(name, str) else f"{name:g} Hz": one for name, one in source.items()}
+    raise PiezoidError(f"a {type(source).__name__} cannot be drawn here: give {expected}, or a mapping from names to such")

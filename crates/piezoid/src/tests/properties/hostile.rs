@@ -20,7 +20,7 @@ fn legitimate(operator: usize) -> Value {
     let hysteresis = (OPERATORS[operator].example)(TS / DriverModel::SUBSTEPS as f64).expect("an example");
     let linear = Arx::new(TS, vec![1.6, -0.8], vec![0.0, 0.1, 0.05]).expect("a block");
     let driver = DriverModel::new(1e-4, Some(6e4)).expect("a driver");
-    let model = Model::driven(Some(driver), hysteresis, linear, 2.0).expect("a model");
+    let model = Model::from_blocks(Some(driver), hysteresis, linear, 2.0).expect("a model");
     let model = model.with_creep(Creep::logarithmic(TS, 0.01, 0.01, 1.0).expect("creep")).expect("the same period");
     let mut document: Value = serde_json::from_str(&model.to_json()).expect("its own file");
     document["identified"] = json!({"u": [-30.0, 30.0], "hz": [5.0, 50.0], "slew": 4000.0, "mean": [0.0, 0.0]});
@@ -40,7 +40,7 @@ fn use_it(model: &Model) {
         let _ = model.validate(&record);
     }
     for clip in [false, true] {
-        let settings = FeedForwardSettings { clip, sweeps: 1, ..Default::default() };
+        let settings = FeedForwardSettings { clip, iterations: 1, ..Default::default() };
         for r in [&y, &plain] {
             let _ = FeedForward::new(model, settings).map(|inverse| inverse.whole(r));
         }

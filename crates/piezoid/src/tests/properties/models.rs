@@ -36,9 +36,9 @@ proptest! {
             // Any sampling period, the same for both blocks.
             let again = (operator.operator().load)(serde_json::Value::Object(operator.params()), ts).expect("its own");
             let linear = Arx::new(ts, a.clone(), b.clone()).expect("a block");
-            let made = serde_json::json!({"seed": 1, "x": offset});
+            let result = serde_json::json!({"seed": 1, "x": offset});
             let model = Model::new(again, linear, offset).expect("a model");
-            let model = model.with_units(units.clone()).with_provenance(made);
+            let model = model.with_units(units.clone()).with_provenance(result);
             let text = model.to_json();
             let back = Model::from_json(&text).expect("its own file");
             prop_assert_eq!(back.to_json(), text);

@@ -38,16 +38,16 @@ pub(crate) fn monic(modulus: impl Strategy<Value = f64> + Clone, pairs: usize) -
         .prop_map(|(pairs, real)| pairs.iter().chain(&real).fold(vec![1.0], |product, factor| times(&product, factor)))
 }
 
-/// A block of the given poles and zeros with a gain of either sign, and a delay of up to `late` samples.
+/// A block of the given poles and zeros with a gain of either sign, and a delay of up to `delay_samples` samples.
 pub(crate) fn arx(
     poles: impl Strategy<Value = Vec<f64>>,
     zeros: impl Strategy<Value = Vec<f64>>,
-    late: usize,
+    delay_samples: usize,
 ) -> impl Strategy<Value = Arx> {
     let gain = (0.1..10.0f64, any::<bool>()).prop_map(|(k, negative)| if negative { -k } else { k });
-    (poles, zeros, gain, 0..=late).prop_map(|(poles, zeros, gain, late)| {
+    (poles, zeros, gain, 0..=delay_samples).prop_map(|(poles, zeros, gain, delay_samples)| {
         let a = poles[1..].iter().map(|c| -c).collect();
-        let b = std::iter::repeat_n(0.0, late).chain(zeros.iter().map(|c| gain * c)).collect();
+        let b = std::iter::repeat_n(0.0, delay_samples).chain(zeros.iter().map(|c| gain * c)).collect();
         Arx::new(TS, a, b).expect("a block")
     })
 }

@@ -52,7 +52,7 @@ enum What {
     Damping(Pole),
 }
 
-/// Pivot of a scaled information matrix below which a parameter cannot be told from the others.
+/// Pivot of a scaled information matrix below which a parameter cannot be distinguished from the others.
 const SINGULAR: f64 = 1e-9;
 
 /// The sentence on the largest uncertainty and the drive that lowers it.
@@ -89,20 +89,20 @@ pub(super) fn advise(model: &Model, plan: &Plan) -> Result<String, Error> {
     }
     let (_, name, gained) = best.ok_or_else(|| none("the plan has no drives"))?;
     let Uncertain { value, error, unit, .. } = &known[worst];
-    let told = |x: f64| format!("{}{unit}", round(x));
-    let stated = if error.is_finite() { told(*error) } else { "unknown".into() };
+    let message = |x: f64| format!("{}{unit}", round(x));
+    let stated = if error.is_finite() { message(*error) } else { "unknown".into() };
     let begin =
-        format!("The largest uncertainty is the {} ({}, standard error {stated})", known[worst].shown, told(*value));
+        format!("The largest uncertainty is the {} ({}, standard error {stated})", known[worst].shown, message(*value));
     let after = |n: u32| {
         Some((n, expected(&known, worst, &gained, n))).filter(|(_, after)| after.is_finite() && *after <= 0.5 * error)
     };
     Ok(match (1..=REPEATED).find_map(after) {
         Some((1, after)) => {
-            format!("{begin}: record {name}_u.csv, which is expected to lower it to {}.", told(after))
+            format!("{begin}: record {name}_u.csv, which is expected to lower it to {}.", message(after))
         }
         Some((n, after)) => format!(
             "{begin}: no single record halves it; record {name}_u.csv {n} times, which is expected to lower it to {}.",
-            told(after)
+            message(after)
         ),
         None => format!("{begin}: no drive of this plan halves it, not even {REPEATED} records of it."),
     })

@@ -167,7 +167,7 @@ impl Rig {
         name: &'static str,
         purpose: &'static str,
         shape: &[f64],
-        wanted: f64,
+        expected: f64,
         what: &str,
         notes: &mut Vec<String>,
     ) -> Result<PlannedDrive, Error> {
@@ -180,18 +180,18 @@ impl Rig {
         let ((fastest, step), kind) =
             if left(lasting) < left(peaks) { (lasting, " continuously") } else { (peaks, "") };
         let allowed = left((fastest, step));
-        let amplitude = wanted.min(allowed);
-        let [wants, allows] = [wanted, allowed].map(|volts| quantity((1e3 * volts).round() / 1e3, "V"));
-        if amplitude < LEAST * wanted {
-            let (slew, limit) = (quantity(step / peak * wanted / self.ts, "V/s"), quantity(fastest, "V/s"));
+        let amplitude = expected.min(allowed);
+        let [wants, allows] = [expected, allowed].map(|volts| quantity((1e3 * volts).round() / 1e3, "V"));
+        if amplitude < LEAST * expected {
+            let (slew, limit) = (quantity(step / peak * expected / self.ts, "V/s"), quantity(fastest, "V/s"));
             let rule = format!(
                 "{what} of {wants} slews {slew}{kind}, but driver and load allow {limit} ({allows}): lower the bandwidth or \
                  the range, or take a driver with more current"
             );
             return Err(Error::parameter("bandwidth", format!("{} Hz", self.bandwidth), rule));
         }
-        if amplitude < wanted {
-            let percent = round((1e2 * amplitude / wanted).round());
+        if amplitude < expected {
+            let percent = round((1e2 * amplitude / expected).round());
             notes.push(format!(
                 "{name}_u.csv: amplitude reduced from {wants} to {allows} ({percent} %), which uses {} % of the slew or \
                  current{kind}",

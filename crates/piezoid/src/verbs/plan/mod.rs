@@ -141,11 +141,11 @@ impl PlanOptions {
 
     fn rig(&self, model: Option<&Model>, notes: &mut Vec<String>) -> Result<Rig, Error> {
         let actuator = self.actuator.as_deref().map(Actuator::find).transpose()?;
-        let mut given = self.limits.clone();
-        if given.driver.is_some() || given.own.current.is_some() {
-            given.own.capacitance = given.own.capacitance.or(actuator.and_then(|a| a.capacitance));
+        let mut arguments = self.limits.clone();
+        if arguments.driver.is_some() || arguments.own.current.is_some() {
+            arguments.own.capacitance = arguments.own.capacitance.or(actuator.and_then(|a| a.capacitance));
         }
-        let limits = given.limits()?;
+        let limits = arguments.limits()?;
         if limits.is_none_or(|limits| limits.fastest().is_infinite()) {
             notes.push("No limit of slew or current is known: name the driver, or check both yourself".into());
         }
@@ -162,7 +162,7 @@ impl PlanOptions {
             return Err(Error::parameter("range", range, "must go from the lowest to the highest voltage"));
         }
         let mut limits = limits.unwrap_or_default();
-        let driver = given.driver.as_ref().map_or("the driver".into(), |name| format!("driver `{name}`"));
+        let driver = arguments.driver.as_ref().map_or("the driver".into(), |name| format!("driver `{name}`"));
         if let (Some(Actuator { kind: "bender", name, .. }), Some((least, most))) =
             (actuator, limits.low.zip(limits.high))
             && least != -most
@@ -202,7 +202,7 @@ impl PlanOptions {
             );
             return Err(Error::parameter("bandwidth", format!("{} Hz", self.bandwidth), rule));
         }
-        let (bandwidth, driver) = (self.bandwidth, given.driver);
+        let (bandwidth, driver) = (self.bandwidth, arguments.driver);
         let amplifier = driver.as_deref().map(Amplifier::find).transpose()?;
         let current = amplifier.and_then(|amplifier| amplifier.continuous);
         let continuous = current.zip(limits.capacitance).map_or(f64::INFINITY, |(current, farad)| current / farad);

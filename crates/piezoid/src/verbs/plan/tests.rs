@@ -11,12 +11,12 @@ use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-fn planned(given: Value) -> Result<Plan, Error> {
-    PlanOptions::from_json(given).and_then(|options| options.run(None))
+fn planned(input: Value) -> Result<Plan, Error> {
+    PlanOptions::from_json(input).and_then(|options| options.run(None))
 }
 
-fn refusal(given: Value) -> String {
-    planned(given).unwrap_err().to_string()
+fn refusal(input: Value) -> String {
+    planned(input).unwrap_err().to_string()
 }
 
 /// Requests for the simulated actuators.
@@ -55,14 +55,14 @@ fn amplitudes_are_those_of_the_request_unless_the_driver_is_too_slow() {
     assert!(ample.notes.iter().all(|note| !note.contains("reduced")), "{:?}", ample.notes);
     // 90 % of 7.5 mA into 1 uF: a sine of 150 Hz has 6750 / (2 pi 150) = 7.16 V.
     assert_close(&[peak(&scarce, 1), peak(&scarce, 3)], &[146.25, 82.16], 1e-3, 0.0);
-    let told = scarce.notes.join("\n");
-    assert!(told.contains("rise3_u.csv: amplitude reduced from 71.25 V to 7.176 V (10 %)"), "{told}");
-    assert!(told.contains("creep_u.csv: shortened from 60 s to 40 s"), "{told}");
+    let message = scarce.notes.join("\n");
+    assert!(message.contains("rise3_u.csv: amplitude reduced from 71.25 V to 7.176 V (10 %)"), "{message}");
+    assert!(message.contains("creep_u.csv: shortened from 60 s to 40 s"), "{message}");
 }
 
 #[test]
 fn the_sampling_period_follows_from_bandwidth_and_resonance() {
-    let ts = |given: Value| planned(given).unwrap().ts;
+    let ts = |input: Value| planned(input).unwrap().ts;
     assert_eq!(ts(json!({"range": [0, 1], "bandwidth": 50})), 1e-3);
     assert_eq!(ts(json!({"range": [0, 1], "bandwidth": 51})), 5e-4);
     assert_eq!(ts(json!({"actuator": "tb3507", "bandwidth": 200})), 5e-5);
@@ -73,7 +73,7 @@ fn the_sampling_period_follows_from_bandwidth_and_resonance() {
 
 #[test]
 fn impossible_requests_are_refused_with_the_limit_and_a_remedy() {
-    for (given, says) in [
+    for (input, says) in [
         (json!({"bandwidth": 5}), "range = (not given): is needed: give the lowest and highest voltage"),
         (json!({"bandwidth": 5, "range": [3, 1]}), "range = 3 1: must go from the lowest to the highest"),
         (
@@ -93,8 +93,8 @@ fn impossible_requests_are_refused_with_the_limit_and_a_remedy() {
         (json!({"bandwidth": 20, "range": [0, 1], "driver": "kpz101"}), "depends on the load: give it in farad"),
         (json!({"bandwidth": 20, "actuator": "pl14"}), "did you mean `pl140`?"),
     ] {
-        let told = refusal(given.clone());
-        assert!(told.contains(says), "{given}: {told}");
+        let message = refusal(input.clone());
+        assert!(message.contains(says), "{input}: {message}");
     }
 }
 
@@ -136,34 +136,37 @@ fn model(gain_error: f64, hz_error: f64) -> Model {
 }
 
 fn advised(model: &Model) -> String {
-    let given = json!({"range": [-30, 30], "bandwidth": 10, "driver": "pl140"});
-    PlanOptions::from_json(given).unwrap().run(Some(model)).unwrap().advice.unwrap()
+    let input = json!({"range": [-30, 30], "bandwidth": 10, "driver": "pl140"});
+    PlanOptions::from_json(input).unwrap().run(Some(model)).unwrap().advice.unwrap()
 }
 
 #[test]
 fn an_uncertain_slow_creep_gain_needs_the_creep_record_and_an_uncertain_mode_the_small_signal() {
-    let told = advised(&model(0.0047, 1e-3));
+    let message = advised(&model(0.0047, 1e-3));
     let begin = "The largest uncertainty is the creep gain at 5 s (0.008, standard error 0.0047): record creep_u.csv, ";
-    assert!(told.starts_with(begin) && told.contains("which is expected to lower it to "), "{told}");
-    let told = advised(&model(1e-5, 40.0));
+    assert!(message.starts_with(begin) && message.contains("which is expected to lower it to "), "{message}");
+    let message = advised(&model(1e-5, 40.0));
     let begin = "The largest uncertainty is the frequency of mode 1 (120 Hz, standard error 40 Hz): record small_u.csv";
-    assert!(told.starts_with(begin), "{told}");
+    assert!(message.starts_with(begin), "{message}");
 }
 
 #[test]
 fn repetitions_are_counted_where_one_record_is_not_enough() {
-    let told = advised(&model(1e-9, 1e-9));
-    assert!(told.contains("no single record halves it; record small_u.csv 21 times, which is expected to"), "{told}");
+    let message = advised(&model(1e-9, 1e-9));
+    assert!(
+        message.contains("no single record halves it; record small_u.csv 21 times, which is expected to"),
+        "{message}"
+    );
 }
 
 #[test]
 fn a_model_without_standard_errors_or_at_another_rate_is_refused() {
-    let given = || json!({"range": [-30, 30], "bandwidth": 10});
+    let input = || json!({"range": [-30, 30], "bandwidth": 10});
     let refused =
-        |given: Value, model: &Model| PlanOptions::from_json(given).unwrap().run(Some(model)).unwrap_err().to_string();
+        |input: Value, model: &Model| PlanOptions::from_json(input).unwrap().run(Some(model)).unwrap_err().to_string();
     let model = model(0.001, 1.0);
-    assert!(refused(given(), &model.clone().with_provenance(Value::Null)).contains("states no standard error"));
-    let mut other = given();
+    assert!(refused(input(), &model.clone().with_provenance(Value::Null)).contains("states no standard error"));
+    let mut other = input();
     other["ts"] = json!(2e-3);
     assert!(refused(other, &model).contains("the model is sampled every 0.001 s but the plan every 0.002 s"));
 }
@@ -175,9 +178,9 @@ fn the_expected_standard_error_is_that_of_theory() {
     let (tau, gain, k, amplitude, hz, sigma, error) = (0.05, 1e-3, 30.0, 20.0, 4.0, 2.0, 5e-3);
     let hysteresis = Arc::new(Proportional::new(TS, 1.0).unwrap());
     let creep = Creep::new(TS, vec![Lag { tau_s: tau, gain }]).unwrap();
-    let made = json!({"parameters": [{"name": "creep gain at 0.05000 s [-]", "value": gain, "error": error}]});
+    let result = json!({"parameters": [{"name": "creep gain at 0.05000 s [-]", "value": gain, "error": error}]});
     let model = Model::new(hysteresis, Arx::gain(TS, k).unwrap(), 0.0).unwrap().with_creep(creep).unwrap();
-    let model = model.with_provenance(made);
+    let model = model.with_provenance(result);
     let n = 20_000;
     let u: Vec<f64> = (0..n).map(|t| amplitude * (TAU * hz * TS * f64::from(t)).sin()).collect();
     let known = uncertain(&model);
@@ -194,8 +197,8 @@ fn the_expected_standard_error_is_that_of_theory() {
 
 #[test]
 fn a_bender_is_not_planned_for_a_driver_whose_limits_are_not_about_its_middle() {
-    let told = refusal(json!({"bandwidth": 20, "driver": "e-610", "actuator": "pl140"}));
-    assert!(told.contains("is about the middle of the supply of the bender `pl140`"), "{told}");
+    let message = refusal(json!({"bandwidth": 20, "driver": "e-610", "actuator": "pl140"}));
+    assert!(message.contains("is about the middle of the supply of the bender `pl140`"), "{message}");
     assert!(planned(json!({"bandwidth": 20, "driver": "pl140", "actuator": "pl140"})).is_ok());
 }
 

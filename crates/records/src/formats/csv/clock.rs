@@ -83,7 +83,7 @@ mod tests {
 
     #[test]
     fn a_time_of_day_is_read_with_or_without_its_date() {
-        for (cell, wanted) in [
+        for (cell, expected) in [
             ("14:07:09.0005", Some(50829.0005)),
             ("2024-03-05T14:07:09.0005+01:00", Some(47229.0005)),
             ("2024-03-05T14:07:09.0005-0130", Some(56229.0005)),
@@ -109,7 +109,7 @@ mod tests {
             (":", None),
             ("\u{b5}:00", None),
         ] {
-            assert_eq!(read(cell), wanted, "{cell}");
+            assert_eq!(read(cell), expected, "{cell}");
         }
     }
 }

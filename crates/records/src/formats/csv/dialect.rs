@@ -95,9 +95,9 @@ impl Dialect {
     pub(super) fn is_row(&self, line: &str) -> bool {
         let Some(row) = row(line, self.separator) else { return false };
         let here = |kind| row.iter().zip(&self.numeric).filter(|(cell, numeric)| **numeric && **cell == kind).count();
-        let wanted = self.numeric.iter().filter(|numeric| **numeric).count();
+        let expected = self.numeric.iter().filter(|numeric| **numeric).count();
         let numbers = here(Cell::Number);
-        self.leaves_empty(&row) && numbers > 0 && 2 * numbers >= wanted && here(Cell::Word) == 0
+        self.leaves_empty(&row) && numbers > 0 && 2 * numbers >= expected && here(Cell::Word) == 0
     }
 
     /// True if a line begins like a row: its first number is one.

@@ -1,7 +1,7 @@
 //! Converts bytes to text, or to the reason why they are not text.
 //!
-//! Text is UTF-8, UTF-16 (Excel's "Unicode text", PowerShell) or Windows-1252 (older programs), which this file tells
-//! apart by the byte-order mark, the zeros between letters, and the bytes that UTF-8 does not allow.
+//! Text is UTF-8, UTF-16 (Excel's "Unicode text", PowerShell) or Windows-1252 (older programs), which this file
+//! distinguishes apart by the byte-order mark, the zeros between letters, and the bytes that UTF-8 does not allow.
 
 use piezoid_numerics::error::Error;
 use std::borrow::Cow;
@@ -44,7 +44,7 @@ const WINDOWS_1252: [char; 32] = [
 ];
 
 impl Encoding {
-    /// The encoding that the byte-order mark tells, or else the bytes, and the length of the mark.
+    /// The encoding by the byte-order mark, or else the bytes, and the length of the mark.
     fn of(bytes: &[u8]) -> (Encoding, usize) {
         match bytes {
             [0xef, 0xbb, 0xbf, ..] => (Encoding::Utf8, 3),

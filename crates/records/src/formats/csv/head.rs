@@ -378,7 +378,7 @@ mod tests {
 
     #[test]
     fn the_sampling_period_is_found_wherever_it_stands() {
-        for (above, wanted) in [
+        for (above, expected) in [
             ("# sampling rate: 2000 Hz\n", 5e-4),
             ("#Sample rate: 100Hz\n", 0.01),
             ("\"SampleRate\", 2,\"kHz\"\n", 5e-4),
@@ -394,7 +394,7 @@ mod tests {
             ("Abtastrate: 2 kHz\n", 5e-4),
         ] {
             let ts = head(&format!("{above}{ROWS}")).ts;
-            assert_eq!(ts, Some(wanted), "{above}");
+            assert_eq!(ts, Some(expected), "{above}");
         }
         for unclear in ["Scan rate: 1 Hz\nSample rate: 2000 Hz\n", "# ts: 2024-03-05 14:07:09\n", "Sample rate,2,M\n"] {
             assert_eq!(head(&format!("{unclear}t,u,y\n{ROWS}")).ts, None, "{unclear}");

@@ -137,7 +137,7 @@ mod tests {
 
     #[test]
     fn a_number_is_read_as_its_country_writes_it() {
-        for (cell, wanted) in [
+        for (cell, expected) in [
             ("-1.5e-3", Some((-1.5e-3, None))),
             ("-1,5e-3", Some((-1.5e-3, Some(',')))),
             ("1,5", Some((1.5, Some(',')))),
@@ -156,7 +156,7 @@ mod tests {
             (",", None),
             ("1.2.3", None),
         ] {
-            assert_eq!(read(cell), wanted, "{cell}");
+            assert_eq!(read(cell), expected, "{cell}");
         }
     }
 

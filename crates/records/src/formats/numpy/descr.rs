@@ -32,8 +32,8 @@ pub(super) fn head(bytes: &[u8]) -> Result<ArrayHead, Error> {
     let text = String::from_utf8_lossy(bytes);
     let wrong = || damaged(format!("the description of an array, {:.60?}", text.trim()));
     let Literal::Dict(entries) = parse(&text)? else { return Err(wrong()) };
-    let entry = |wanted: &str| {
-        let found = entries.iter().find(|(key, _)| *key == Literal::Text(wanted.into()));
+    let entry = |expected: &str| {
+        let found = entries.iter().find(|(key, _)| *key == Literal::Text(expected.into()));
         found.map(|(_, value)| value).ok_or_else(wrong)
     };
     let descr = descr(entry("descr")?, 0).ok_or_else(wrong)?;

@@ -87,12 +87,12 @@ mod tests {
             List(vec![text_of("a"), text_of("<f8")]),
             List(vec![text_of("b"), text_of("<i2"), List(vec![Number(3)])]),
         ];
-        let wanted = vec![
+        let expected = vec![
             (text_of("descr"), List(fields)),
             (text_of("fortran_order"), Truth(false)),
             (text_of("shape"), List(vec![Number(4), Number(1)])),
         ];
-        assert_eq!(parse(text), Ok(Dict(wanted)));
+        assert_eq!(parse(text), Ok(Dict(expected)));
         let deep = "(".repeat(100_000);
         for wrong in ["", "{", "{'a' 1}", "(1 2)", "'a", "1 2", "-1", "import os", "\u{e9}", &deep] {
             assert!(parse(wrong).unwrap_err().to_string().contains("the description of an array"), "{wrong:.20}");

@@ -11,8 +11,8 @@ const ALIGNED: usize = 64;
 pub(super) fn write(ts: f64, columns: &[(&str, &[f64])], steps: &[String]) -> Result<Vec<u8>, Error> {
     let times = times(ts, columns.first().map_or(0, |(_, samples)| samples.len()));
     let columns = std::iter::once(("t_s", &times[..])).chain(columns.iter().copied());
-    let told = (!steps.is_empty()).then(|| (format!("{}.npy", history::NAME), letters(&history::text(steps))));
-    zip::archive(columns.map(|(name, samples)| (format!("{name}.npy"), array(samples))).chain(told))
+    let message = (!steps.is_empty()).then(|| (format!("{}.npy", history::NAME), letters(&history::text(steps))));
+    zip::archive(columns.map(|(name, samples)| (format!("{name}.npy"), array(samples))).chain(message))
 }
 
 /// An array of doubles.

@@ -30,9 +30,9 @@ pub(super) struct Even {
 
 impl Even {
     /// The grid over times [s] with a median step, for a sampling period; the first time is `start` [s] in the file.
-    pub(super) fn over(t: &[f64], median: f64, wanted: Option<f64>, start: f64) -> Result<Even, Error> {
-        let wanted = wanted.unwrap_or(median);
-        piezoid_numerics::error::positive("resample", wanted, "seconds")?;
+    pub(super) fn over(t: &[f64], median: f64, expected: Option<f64>, start: f64) -> Result<Even, Error> {
+        let expected = expected.unwrap_or(median);
+        piezoid_numerics::error::positive("resample", expected, "seconds")?;
         let steps = || t.windows(2).map(|pair| pair[1] - pair[0]);
         let (least, most) = piezoid_numerics::series::ends(steps());
         if let Some(k) = steps().position(|step| step > GAP * median) {
@@ -47,13 +47,13 @@ impl Even {
             let cut = if 2 * k > t.len() { "to" } else { "from" };
             return Err(Error::Content(problem).advised(vec![(cut, Value::from(rounded(to, 12)))]));
         }
-        let ts = wanted / (wanted / median).round().max(1.0);
+        let ts = expected / (expected / median).round().max(1.0);
         let duration = t[t.len() - 1] - t[0];
         let count = (duration / ts + 1e-6).floor() + 1.0;
         if count > MOST {
             let least = round(duration / MOST);
             let rule = format!("the record would have {} samples: choose {least} s or more", exact(count));
-            return Err(Error::parameter("resample", format!("{} s", round(wanted)), rule));
+            return Err(Error::parameter("resample", format!("{} s", round(expected)), rule));
         }
         let mut places = Vec::with_capacity(count as usize);
         let mut before = 0;

@@ -40,20 +40,20 @@ impl Table {
         Ok(Rows { range: selection.part(ts, n)?, ts, unit: None, stamps: None })
     }
 
-    /// The rows that a cut keeps, by a time column; uneven times are kept if they are `wanted`.
+    /// The rows that a cut keeps, by a time column; uneven times are kept if they are `expected`.
     pub(super) fn timed(
         &self,
         time: &Column,
         selection: &ColumnSelection,
         stated: Option<f64>,
-        wanted: bool,
+        expected: bool,
     ) -> Result<Rows, Error> {
         let n = time.samples.len();
         let whole = self.period(time, 0..n, selection, stated);
         let cut = selection.from.is_some() || selection.to.is_some();
         match whole {
             Ok(ts) => return self.cut(ts, selection, n),
-            Err(error) if !cut && !wanted => return Err(error),
+            Err(error) if !cut && !expected => return Err(error),
             _ => {}
         }
         let unit = self.seconds(time, selection, stated)?.unwrap_or(1.0);
@@ -61,7 +61,7 @@ impl Table {
         self.finite(&[time], &range, &|row| elapsed(&time.samples, unit, row))?;
         match self.period(time, range.clone(), selection, stated) {
             Ok(ts) => Ok(Rows { range, ts, unit: Some(unit), stamps: None }),
-            Err(error) if !wanted => Err(error),
+            Err(error) if !expected => Err(error),
             Err(error) => {
                 let stamps: Vec<f64> = time.samples[range.clone()].iter().map(|t| t * unit).collect();
                 match time::step(&stamps) {
@@ -72,7 +72,7 @@ impl Table {
         }
     }
 
-    /// The number of seconds of the unit of a time column; a stated period tells the unit of a time without one.
+    /// The number of seconds of the unit of a time column; a stated period determines the unit of a time without one.
     fn seconds(&self, time: &Column, selection: &ColumnSelection, stated: Option<f64>) -> Result<Option<f64>, Error> {
         if let (Some(seconds), _) | (None, Some(Quantity::Time(seconds))) = (selection.seconds()?, time.quantity()) {
             return Ok(Some(seconds));
@@ -146,7 +146,7 @@ impl Table {
         }
         let Some(first) = places.first().map(|place| place.start) else { return Ok(()) };
         let Some(column) = columns.iter().find(|column| !column.samples[first].is_finite()) else { return Ok(()) };
-        let told = match &column.flaw {
+        let message = match &column.flaw {
             Some(Error::Line { line, problem, .. }) if *line == self.line(first) => problem.clone(),
             Some(Error::NotFinite { .. }) => format!("the sample is {}", column.samples[first]),
             _ => "the cell holds no number".into(),
@@ -157,10 +157,10 @@ impl Table {
         let starts = std::iter::once(rows.start).chain(places.iter().map(|place| place.end));
         let ends = places.iter().map(|place| place.start).chain([rows.end]);
         let part = starts.zip(ends).map(|(start, end)| start..end).max_by_key(Range::len).unwrap_or_default();
-        let problem = format!("{told}{where_}: repair {} in the file", if count > 1 { "them" } else { "it" });
-        let told = |problem| Error::Line { line: self.line(first), column: Some(shortened(&column.name)), problem };
+        let problem = format!("{message}{where_}: repair {} in the file", if count > 1 { "them" } else { "it" });
+        let message = |problem| Error::Line { line: self.line(first), column: Some(shortened(&column.name)), problem };
         if part.len() < 2 {
-            return Err(told(problem));
+            return Err(message(problem));
         }
         let time = |row: usize| Value::from(time::rounded(at(row), DIGITS));
         let from = (part.start > 0).then(|| ("from", time(part.start)));
@@ -168,7 +168,7 @@ impl Table {
         let part = if many { "the longest part without them" } else { "the longer part without it" };
         let part = if !many && count > 1 { "the longer part without them" } else { part };
         let problem = format!("{problem}, or cut the record to {part}: ");
-        Err(told(problem).needing(from.into_iter().chain(to).collect()))
+        Err(message(problem).needing(from.into_iter().chain(to).collect()))
     }
 
     /// The rows without numbers, in words: how many, where, and when.

@@ -1,4 +1,4 @@
-//! The inverse of the hysteresis by halving: a search for integers, of the same length in every sample.
+//! The inverse of the hysteresis by bisection: a search for integers, of the same length in every sample.
 //!
 //! ```text
 //! from the last input toward the wanted z:   u = (near + far) / 2;   short of z: near = u, else far = u
@@ -19,7 +19,7 @@ const INVERSES: [(&str, &str); 2] = [("hysteresis_inverse", "hysteresis"), ("hid
 
 /// Replaces each inverse that searches with floating-point numbers. Of a closed form with a search as a fallback, the
 /// closed form stays.
-pub(super) fn halved(program: &mut Program) -> Result<(), Error> {
+pub(super) fn bisected(program: &mut Program) -> Result<(), Error> {
     for (name, forth) in INVERSES {
         let Some(at) = program.functions.iter().position(|f| f.name == name) else { continue };
         match program.function("hysteresis_closed") {
@@ -43,8 +43,8 @@ fn searches(function: &Function) -> bool {
 fn replace(program: &mut Program, at: usize, forth: &str) -> Result<(), Error> {
     let Function { name, block, takes, .. } = program.functions[at].clone();
     program.extend(&text(program, &takes, forth))?;
-    if let Some(made) = program.functions.pop() {
-        program.functions[at] = Function { name, block, ..made };
+    if let Some(result) = program.functions.pop() {
+        program.functions[at] = Function { name, block, ..result };
     }
     Ok(())
 }
@@ -60,8 +60,8 @@ fn text(program: &Program, takes: &[Argument], forth: &str) -> String {
     let copies =
         |n: usize| states.iter().map(|(name, _)| format!("let {name}_{n} = copy({name}); ")).collect::<String>();
     let reached = |n: usize, u: &str| {
-        let given: String = states.iter().map(|(name, _)| format!("{name}_{n}, ")).collect();
-        format!("z - {forth}({given}{u})")
+        let arguments: String = states.iter().map(|(name, _)| format!("{name}_{n}, ")).collect();
+        format!("z - {forth}({arguments}{u})")
     };
     // Behind a driver, the last input of the hysteresis is not that of the model.
     let last = states.iter().find(|(_, block)| {
@@ -71,8 +71,8 @@ fn text(program: &Program, takes: &[Argument], forth: &str) -> String {
     let start = last.map_or("low".into(), |(name, _)| format!("clamp({name}.last, low, high)"));
     format!(
         "
-// The input between low and high for which the next step comes nearest to z: from the first one tried to the end in the direction of z, halved until the ends are neighbours.
-fn inverse_by_halving({declared}z, low, high) {{
+// The input between low and high for which the next step comes nearest to z: from the first one tried to the end in the direction of z, bisected until the ends are neighbours.
+fn inverse_by_bisection({declared}z, low, high) {{
     let near = {start};
     {}
     let near_left = {};
@@ -127,7 +127,7 @@ mod tests {
             let law = (operator.example)(5e-4).unwrap();
             let model = Model::new(law.clone(), Arx::gain(5e-4, 1.0).unwrap(), 0.0).unwrap();
             let mut program = model.program().unwrap();
-            halved(&mut program).unwrap();
+            bisected(&mut program).unwrap();
             let mut machine = Machine::new(&program, "hysteresis", false);
             let u: Vec<f64> =
                 (0..300).map(|t| 20.0 * (0.05 * f64::from(t)).sin() + 4.0 * (0.31 * f64::from(t)).cos()).collect();
@@ -148,7 +148,7 @@ mod tests {
     fn a_constant_reference_gives_a_constant_input_and_one_out_of_reach_the_end() {
         let law = (Operator::find("stop").unwrap().example)(5e-4).unwrap();
         let mut program = Model::new(law, Arx::gain(5e-4, 1.0).unwrap(), 0.0).unwrap().program().unwrap();
-        halved(&mut program).unwrap();
+        bisected(&mut program).unwrap();
         let mut machine = Machine::new(&program, "hysteresis", false);
         let mut input = |z: f64| {
             let u = machine.call("hysteresis_inverse", &[z, -30.0, 30.0]).unwrap()[0];

@@ -137,8 +137,8 @@ fn line(request: &FeedRequest) -> Result<FeedResult, Error> {
 fn inverse(request: &FeedRequest) -> Result<FeedResult, Error> {
     let FeedRequest { model, settings, r, ahead, .. } = *request;
     if ahead >= ALL {
-        let made = FeedForward::new(model, settings)?.whole(r)?;
-        return Ok(FeedResult { u: made.u, notes: made.notes, ..Default::default() });
+        let result = FeedForward::new(model, settings)?.whole(r)?;
+        return Ok(FeedResult { u: result.u, notes: result.notes, ..Default::default() });
     }
     piezoid_numerics::error::finite("reference", r)?;
     let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(FeedResult::default()) };

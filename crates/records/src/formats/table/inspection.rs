@@ -1,4 +1,4 @@
-//! What is told of how a table is read: columns with their roles, a profile, what was guessed, what is doubtful.
+//! How a table is read: columns with their roles, a profile, what was guessed, what is doubtful.
 
 use super::super::ColumnSelection;
 use super::super::column::Column;
@@ -40,10 +40,10 @@ impl Table {
     /// What the user says, completed by the names and units that were found.
     pub fn profile(&self, selection: &ColumnSelection) -> ColumnSelection {
         let found = |role: Role| role.find(self, selection).ok();
-        let name = |role: Role| role.asked(selection).cloned().or_else(|| Some(self.title(found(role)?)));
-        let unit = |role: Role, said: &Option<String>, scale: &Option<String>| match (said, scale) {
+        let name = |role: Role| role.requested(selection).cloned().or_else(|| Some(self.title(found(role)?)));
+        let unit = |role: Role, text: &Option<String>, scale: &Option<String>| match (text, scale) {
             (None, None) => Some(found(role)?.unit(role)),
-            _ => said.clone(),
+            _ => text.clone(),
         };
         let stamped = selection.period() == Ok(None) || selection.time_col.is_some();
         ColumnSelection {
@@ -62,7 +62,7 @@ impl Table {
         let mut steps = Vec::new();
         for role in [Role::Time, Role::Input, Role::Output] {
             let Ok(column) = role.find(self, selection) else { continue };
-            if role.asked(selection).is_none()
+            if role.requested(selection).is_none()
                 && !role.owns(column)
                 && (role != Role::Time || selection.period() == Ok(None))
             {
