@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// The crates without input and output.
-const PURE: [&str; 11] = [
+const PURE: [&str; 12] = [
     "numerics",
     "records",
     "twins",
@@ -14,6 +14,7 @@ const PURE: [&str; 11] = [
     "validation",
     "control",
     "paper",
+    "verbs",
     "piezoid",
     "piezoid-export",
     "piezoid-report",
@@ -39,8 +40,8 @@ const SIDE_EFFECTS: [&str; 9] = [
 /// Crates whose types must not be in public signatures; `serde_json::Value` is the exception.
 const FOREIGN: [&str; 8] = ["nalgebra", "rand", "rand_chacha", "rand_distr", "rayon", "clarabel", "csv", "minijinja"];
 
-/// Maximum number of public items of the three crates.
-const ITEMS: usize = 165;
+/// Maximum number of public items of the facade.
+const ITEMS: usize = 120;
 
 /// Statements of pages on the length of a list: page, phrase with `#` for the number, file and name of the list.
 const COUNTS: [(&str, &str, &str, &str); 7] = [
@@ -232,7 +233,7 @@ fn public_items() -> Result<Vec<String>, String> {
         for part in html.split("<h3 id=\"").skip(1) {
             kind = part.split('"').next().unwrap_or(kind);
             for item in part.split("<li><a href=\"").skip(1) {
-                count += 1;
+                count += usize::from(name == "piezoid");
                 let path = item.split_once('>').and_then(|(_, rest)| rest.split('<').next()).unwrap_or_default();
                 if ["structs", "enums", "traits", "types"].contains(&kind) {
                     let last = path.rsplit("::").next().unwrap_or_default();
@@ -243,8 +244,8 @@ fn public_items() -> Result<Vec<String>, String> {
     }
     let twice =
         types.into_values().filter(|paths| paths.len() > 1).map(|paths| format!("one name: {}", paths.join(", ")));
-    let many = (count > ITEMS).then(|| format!("{count} public items, {ITEMS} at most"));
-    eprintln!("tidy: {count} public items");
+    let many = (count > ITEMS).then(|| format!("{count} public items of the facade, {ITEMS} at most"));
+    eprintln!("tidy: {count} public items of the facade");
     Ok(twice.chain(many).collect())
 }
 

@@ -312,7 +312,8 @@ pub trait Options: Default + Serialize + DeserializeOwned {
     /// The options from a JSON object by name. Those that are missing or null have their defaults.
     ///
     /// ```
-    /// use piezoid::{IdentifyOptions, Options};
+    /// use piezoid::IdentifyOptions;
+    /// use piezoid_numerics::options::Options;
     /// let options = IdentifyOptions::from_json(serde_json::json!({"order": 3, "operator": "preisach"}))?;
     /// assert_eq!((options.order, options.seed), (Some(3), 1));
     /// let error = IdentifyOptions::from_json(serde_json::json!({"order": 13})).unwrap_err();

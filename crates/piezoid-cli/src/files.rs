@@ -2,8 +2,8 @@
 
 use crate::console::Console;
 use anyhow::{Error, Result, anyhow};
-use piezoid::File;
 use piezoid_host::files::{self, FileSet};
+use piezoid_verbs::File;
 use serde_json::Value;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};

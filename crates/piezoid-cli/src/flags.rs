@@ -5,7 +5,8 @@ use crate::words::{CommandLine, flag, is_option};
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser, ValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches};
-use piezoid::{Error, OptionKind, OptionRow, Options};
+use piezoid::Error;
+use piezoid_numerics::options::{OptionKind, OptionRow, Options};
 use serde_json::{Map, Value};
 
 /// The options `O`, read from flags. A switch that is on by default becomes the flag `--no-NAME`.

@@ -3,10 +3,11 @@
 
 use crate::console::Console;
 use crate::layout::{capitalised, table};
+use piezoid::Verdict;
 use piezoid::validation::{Bin, Floor, LoopComparison, Metrics};
-use piezoid::{Compared, Validated, Verdict};
 use piezoid_numerics::number::{round, short as number};
 use piezoid_validation::Source;
+use piezoid_verbs::{Compared, Validated};
 
 /// Maximum number of bands without `full`. If there are more, this number of the worst bands is shown.
 const MOST: usize = 12;

@@ -1,7 +1,8 @@
 //! The words of the command line: options of the library as flags, its lists as commands.
 
 use crate::flags::placeholder;
-use piezoid::{OptionRow, Words};
+use piezoid_numerics::options::OptionRow;
+use piezoid_numerics::words::Words;
 use piezoid_operations::catalogue;
 use serde_json::Value;
 

@@ -27,15 +27,17 @@ pub use served::{FEED_FORWARD, MODEL};
 #[doc(hidden)]
 pub use vectors::Vectors;
 
+use piezoid::Model;
 use piezoid::compensation::FeedForwardSettings;
 use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
 use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid::hysteresis::OPERATORS;
-use piezoid::{File, Model, OptionKind, OptionRow, Options, TuneOptions};
 use piezoid_models::program::Counts;
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionKind, OptionRow, Options};
+use piezoid_verbs::{File, TuneOptions};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 

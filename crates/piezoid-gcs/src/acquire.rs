@@ -7,8 +7,10 @@ use crate::recording::{Sources, points, record};
 use crate::run::{Play, Run};
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
-use piezoid::{Error, File, OptionKind, OptionRow, Record, Units};
+use piezoid::{Error, Record, Units};
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionKind, OptionRow};
+use piezoid_verbs::File;
 use serde_json::{Value, json};
 
 const SECONDS: OptionRow =

@@ -1,8 +1,9 @@
 //! A controller, and what it says of itself.
 
 use crate::line::Line;
-use piezoid::{Error, OptionKind, OptionRow};
+use piezoid::Error;
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionKind, OptionRow};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::time::Duration;

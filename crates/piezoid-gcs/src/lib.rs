@@ -2,7 +2,8 @@
 //! record, and a controller that is simulated around a plant.
 //!
 //! ```
-//! use piezoid::{File, formats::ColumnSelection, progress::Stage};
+//! use piezoid::{formats::ColumnSelection, progress::Stage};
+//! use piezoid_verbs::File;
 //! use piezoid_gcs::{AcquireOptions, Simulation};
 //! use std::net::TcpListener;
 //!

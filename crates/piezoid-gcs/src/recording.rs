@@ -3,7 +3,8 @@
 use crate::controller::Controller;
 use crate::line::Line;
 use piezoid::formats::ColumnSelection;
-use piezoid::{Error, File, Record};
+use piezoid::{Error, Record};
+use piezoid_verbs::File;
 
 /// What is recorded, by the options that `HDR?` lists.
 pub(crate) struct Sources {

@@ -1,7 +1,8 @@
 //! The C compiler of this machine, for exports that contain a library.
 
-use piezoid::{Error, File};
+use piezoid::Error;
 use piezoid_export::Compiler;
+use piezoid_verbs::File;
 use std::ffi::OsString;
 use std::process::{Command, Stdio};
 

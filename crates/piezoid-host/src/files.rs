@@ -1,8 +1,9 @@
 //! Files that are complete or absent, alone or as a set: written beside their places, then renamed.
 
 use crate::temporary::{Own, beside, folder_of, forsake, make, own, sweep_files};
-use piezoid::{Error, File};
+use piezoid::Error;
 use piezoid_export::{ExportTarget, Exported, LIST, Placement};
+use piezoid_verbs::File;
 use std::collections::BTreeSet;
 use std::fs::TryLockError;
 use std::io::{self, ErrorKind, Write};

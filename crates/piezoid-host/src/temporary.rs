@@ -1,6 +1,6 @@
 //! Temporary files and folders, which a signal removes, and which a later run sweeps if nothing could.
 
-use piezoid::File;
+use piezoid_verbs::File;
 use std::ffi::OsStr;
 use std::io;
 use std::path::{Path, PathBuf};

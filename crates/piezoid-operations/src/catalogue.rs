@@ -8,8 +8,8 @@ use piezoid::formats::{ColumnSelection, FORMATS, Format};
 use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::{ESTIMATORS, Estimator};
 use piezoid::plant::{PLANTS, Preset};
-use piezoid::{OptionRow, Options};
 use piezoid_export::{ExportTarget, TARGETS};
+use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::study::{METHODS, StudyMethod};
 use serde::Serialize;
 

@@ -5,7 +5,8 @@
 //! as JSON and named bytes out.
 //!
 //! ```
-//! use piezoid::{File, progress::Stage};
+//! use piezoid::progress::Stage;
+//! use piezoid_verbs::File;
 //! use piezoid_operations::{Request, run};
 //! use serde_json::json;
 //!
@@ -31,8 +32,10 @@ pub use catalogue::{Catalogue, ControlRow, catalogue};
 pub use packet::{answered, moves, refused};
 pub use request::{Inputs, Request};
 
+use piezoid::Error;
 use piezoid::progress::Progress;
-use piezoid::{Error, File, OptionRow};
+use piezoid_numerics::options::OptionRow;
+use piezoid_verbs::File;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 

@@ -12,7 +12,7 @@ mod models;
 mod reports;
 
 use crate::{Operation, Role};
-use piezoid::OptionKind;
+use piezoid_numerics::options::OptionKind;
 
 /// The operations that are built in: natively all. `instruments` is no module of the page in a browser alone.
 const MODULES: &[&[Operation]] = &[

@@ -10,8 +10,10 @@
 //! sample is a double, little-endian.
 
 use crate::{Request, run};
+use piezoid::Error;
 use piezoid::progress::Progress;
-use piezoid::{Error, File, Words};
+use piezoid_numerics::words::Words;
+use piezoid_verbs::File;
 use serde_json::{Value, json};
 
 /// What everything begins at a multiple of: a browser reads doubles only there.

@@ -1,8 +1,10 @@
 //! A request: the operation, its options, how columns are read, and the names of files by their roles.
 
 use crate::Role;
+use piezoid::Error;
 use piezoid::formats::ColumnSelection;
-use piezoid::{Error, File, Options, Origin, Source, Step};
+use piezoid_numerics::options::Options;
+use piezoid_verbs::{File, Origin, Source, Step};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;

@@ -4,10 +4,11 @@
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may stop at what must not happen
 
 use piezoid::progress::Stage;
-use piezoid::{Error, File, Model};
+use piezoid::{Error, Model};
 use piezoid_export::TARGETS;
 use piezoid_operations::{Request, run};
 use piezoid_testing::hostile::{CHANGES, changed};
+use piezoid_verbs::File;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;

@@ -2,9 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::panic)] // a test may stop at what must not happen
 
+use piezoid::Error;
 use piezoid::progress::Stage;
-use piezoid::{Error, File, Words};
+use piezoid_numerics::words::Words;
 use piezoid_operations::{Output, Request, catalogue, run};
+use piezoid_verbs::File;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::ops::ControlFlow;

@@ -5,8 +5,8 @@ use crate::error::raised;
 use crate::json::{object, options};
 use crate::model::Model;
 use crate::record::Record;
-use piezoid::CompareOptions;
 use piezoid_report::report::comparison;
+use piezoid_verbs::CompareOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -7,9 +7,10 @@ use crate::model::Model;
 use crate::plant::Plant;
 use crate::samples::{array, samples, slice};
 use crate::watch::watched;
+use piezoid::System;
 use piezoid::control::{NamedReference, Reference};
-use piezoid::{ControlOptions, System};
 use piezoid_report::report;
+use piezoid_verbs::ControlOptions;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 

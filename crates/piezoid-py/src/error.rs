@@ -1,6 +1,7 @@
 //! Errors of the library as Python exceptions.
 
-use piezoid::{Error, Words};
+use piezoid::Error;
+use piezoid_numerics::words::Words;
 use pyo3::create_exception;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;

@@ -4,7 +4,8 @@ use crate::json::options;
 use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
-use piezoid::{File, IdentifyAgain, IdentifyOptions, Records};
+use piezoid::{IdentifyOptions, Records};
+use piezoid_verbs::{File, IdentifyAgain};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -25,8 +26,9 @@ pub(crate) fn identify(
     let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();
     let (small, large) = (own(&records.0), own(&records.1));
     let records = Records { small_signal: &small, large_signal: &large };
-    let identified = watched(py, progress, |progress| options.prove(records, &[], (FRONT_END, &origins), progress))?;
-    Ok(identified.model.into())
+    let identified =
+        watched(py, progress, |progress| options.identify_and_validate(records, &[], (FRONT_END, &origins), progress))?;
+    Ok(identified.found.model.into())
 }
 
 /// Identifies a model again, from its files: the new model, and remarks.
@@ -39,5 +41,5 @@ pub(crate) fn again(
 ) -> PyResult<Model> {
     let files: Vec<File> = files.into_iter().map(|(name, bytes)| File::new(name, bytes)).collect();
     let again = watched(py, progress, |progress| model.get().model.again(&files, progress))?;
-    Ok(again.model.into())
+    Ok(again.found.model.into())
 }

@@ -1,7 +1,7 @@
 //! Documents of the library as Python objects.
 
 use crate::error::{Keywords, raised};
-use piezoid::{OptionKind, OptionRow, Options};
+use piezoid_numerics::options::{OptionKind, OptionRow, Options};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyList, PyString};

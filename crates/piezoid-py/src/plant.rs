@@ -6,8 +6,9 @@ use crate::model::finite;
 use crate::samples::{array, samples, slice};
 use crate::watch::in_pieces;
 use numpy::PyArray1;
+use piezoid::System;
 use piezoid::plant::{self, Spec};
-use piezoid::{SimulateOptions, System};
+use piezoid_verbs::SimulateOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 

@@ -11,7 +11,8 @@ use piezoid::excitation::{Prbs, RisingSine};
 use piezoid::formats::ColumnSelection;
 use piezoid::plant::{Plant, Preset};
 use piezoid::progress::Stage;
-use piezoid::{ControlOptions, Error, File, IdentifyOptions, Record, Records, identify};
+use piezoid::{Error, IdentifyOptions, Record, Records, identify};
+use piezoid_verbs::{ControlOptions, File};
 
 /// Sampling period [s].
 const TS: f64 = 5e-4;

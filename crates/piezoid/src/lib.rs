@@ -34,10 +34,8 @@
 // Tests compare with the C library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
-mod identification;
 #[cfg(test)]
 mod tests;
-mod verbs;
 
 pub use piezoid_models::{creep, driver};
 pub use piezoid_numerics::{progress, system};
@@ -84,14 +82,12 @@ pub mod formats {
 /// The Hammerstein model, and what its identification found.
 pub mod hammerstein {
     pub use piezoid_identification::{FittedParameter, Identified, LinearPart, OperatorTrial};
-    pub use piezoid_models::hammerstein::{Domain, HiddenLoop, InitialCondition, Model};
+    pub use piezoid_models::hammerstein::{Domain, InitialCondition, Model};
 }
 
 /// Hysteresis operators.
 pub mod hysteresis {
-    pub use piezoid_models::hysteresis::{
-        Branches, HeldInput, Hysteresis, LoopOptions, MeasuredLoop, OPERATORS, Operator, Proportional, Split, TwoBranch,
-    };
+    pub use piezoid_models::hysteresis::{HeldInput, Hysteresis, OPERATORS, Operator, Proportional, Split};
 }
 
 /// The linear block: its analysis, its inverses, and the estimators that fit it.
@@ -135,20 +131,11 @@ pub use compensation::Compensate;
 pub use error::Error;
 #[doc(no_inline)]
 pub use hammerstein::{Identified, Model};
-pub use identification::{IdentifyOptions, Method, Records, identify};
-pub use piezoid_numerics::options::{OptionKind, OptionRow, Options};
-pub use piezoid_numerics::words::Words;
 pub use piezoid_records::preparation::{PrepareOptions, Trend};
+pub use piezoid_verbs::{Identification, IdentifyOptions, Method, Records, StatedVerdict, Verdict, identify};
 #[doc(no_inline)]
 pub use record::{Record, Units};
 #[doc(no_inline)]
 pub use system::System;
 #[doc(no_inline)]
 pub use validation::Validate;
-pub use verbs::{
-    CompareOptions, Compared, ComparedModel, ComparisonReport, CompensateOptions, Compensation, ControlOptions,
-    ExciteOptions, Excited, File, Identification, IdentifyAgain, InspectTable, ModelComparison, Plan, PlanOptions,
-    PlannedDrive, SimulateOptions, Simulated, StatedVerdict, TuneOptions, ValidateRecords, Validated, Verdict,
-};
-#[doc(hidden)]
-pub use verbs::{Origin, Source, Step};

@@ -2,7 +2,7 @@
 
 use crate::verbs::KEYWORDS;
 use crate::words::Keywords;
-use piezoid::{OptionKind, OptionRow};
+use piezoid_numerics::options::{OptionKind, OptionRow};
 use serde_json::Value;
 use std::fmt::Write;
 

@@ -4,7 +4,7 @@ use crate::verbs::VERBS;
 use crate::words::Reference;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
-use piezoid::{OptionKind, OptionRow, Options};
+use piezoid_numerics::options::{OptionKind, OptionRow, Options};
 
 /// Tables that several verbs share: title, and rows.
 type Shared = [(&'static str, Vec<OptionRow>); 2];

@@ -2,13 +2,12 @@
 
 use piezoid::formats::ColumnSelection;
 use piezoid::validation::ValidateOptions;
-use piezoid::{
-    CompareOptions, CompensateOptions, ControlOptions, ExciteOptions, IdentifyOptions, OptionRow, Options, PlanOptions,
-    PrepareOptions, SimulateOptions,
-};
+use piezoid::{IdentifyOptions, PrepareOptions};
 use piezoid_export::ExportOptions;
 use piezoid_gcs::{AcquireOptions, Simulation};
+use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::study::StudyOptions;
+use piezoid_verbs::{CompareOptions, CompensateOptions, ControlOptions, ExciteOptions, PlanOptions, SimulateOptions};
 
 /// The rows of a table.
 pub(crate) type Rows = fn() -> Vec<OptionRow>;

@@ -1,6 +1,6 @@
 //! How each text names options and lists.
 
-use piezoid::Words;
+use piezoid_numerics::words::Words;
 use serde_json::Value;
 
 /// The documentation: options by name, lists as commands.

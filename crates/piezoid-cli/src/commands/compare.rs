@@ -8,9 +8,9 @@ use crate::layout::{capitalised, table};
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::{CompareOptions, ModelComparison, Source};
 use piezoid_numerics::number::short as number;
 use piezoid_report::report::comparison;
+use piezoid_verbs::{CompareOptions, ModelComparison, Source};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -82,7 +82,7 @@ fn errors(compared: &ModelComparison, console: &Console) -> String {
     let mut header = vec!["rms/pp %", "operator"];
     header.extend(records.iter().map(|record| record.short()));
     header.extend((records.len() > 1).then_some("total"));
-    let row = |one: &piezoid::ComparedModel| {
+    let row = |one: &piezoid_verbs::ComparedModel| {
         let each = one.validated.files.iter().map(|run| number(run.validation.metrics.rms_pp_percent));
         let total = (records.len() > 1).then(|| number(one.validated.total().rms_pp_percent));
         let what = [one.name.clone(), one.model.hysteresis().operator().name.into()];

@@ -9,8 +9,8 @@ use crate::values::{apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
 use piezoid::validation::Metrics;
-use piezoid::{CompensateOptions, Compensation};
 use piezoid_numerics::number::{round, short as number};
+use piezoid_verbs::{CompensateOptions, Compensation};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\

@@ -9,12 +9,13 @@ use crate::layout::table;
 use crate::values::{Ended::Misused, apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
-use piezoid::ComparisonReport;
+use piezoid::System;
 use piezoid::control::{
     ClosedLoopRun, Comparison, ControllerInput, NamedReference, Reference, ReferenceResult, TunedScheme,
 };
-use piezoid::{ControlOptions, System};
 use piezoid_numerics::number::{round, short as number};
+use piezoid_verbs::ComparisonReport;
+use piezoid_verbs::ControlOptions;
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

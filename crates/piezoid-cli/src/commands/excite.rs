@@ -9,8 +9,8 @@ use crate::values::record;
 use anyhow::Result;
 use clap::{ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
 use piezoid::excitation::{self, EXCITATIONS, Excitation};
-use piezoid::{ExciteOptions, Excited};
 use piezoid_numerics::number::{round, short as number};
+use piezoid_verbs::{ExciteOptions, Excited};
 use serde_json::Value;
 use std::path::PathBuf;
 

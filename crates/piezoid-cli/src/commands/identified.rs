@@ -5,9 +5,10 @@ use crate::layout::table;
 use crate::tables;
 use piezoid::hammerstein::{FittedParameter, Identified, OperatorTrial};
 use piezoid::linear::ModalForm;
-use piezoid::{Identification, Model, System, Validated};
+use piezoid::{Identification, Model, System};
 use piezoid_models::linear::{Residuals, Root};
 use piezoid_numerics::number::{round, short as number};
+use piezoid_verbs::Validated;
 
 /// The results as text for the terminal.
 pub(super) fn summary(result: &Identification, console: &Console) -> String {
@@ -63,7 +64,7 @@ pub(super) fn summary(result: &Identification, console: &Console) -> String {
     text += &format!("\nHysteresis block: {}\n", found.model.hysteresis().operator().name);
     text += &beside(&found.model, console);
     if !found.loops.is_empty() {
-        let row = |l: &piezoid::hammerstein::HiddenLoop| {
+        let row = |l: &piezoid_models::hammerstein::HiddenLoop| {
             let (low, high) = l.found.branches.range();
             let side = if l.found.ascending_below { "below" } else { "above" };
             let width = number(100.0 * l.found.branches.width());

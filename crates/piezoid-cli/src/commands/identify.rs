@@ -10,13 +10,15 @@ use crate::tables::verdict;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::IdentifyAgain;
+use piezoid::IdentifyOptions;
 use piezoid::StatedVerdict;
 use piezoid::formats::ColumnSelection;
-use piezoid::{IdentifyOptions, Options, Source};
 use piezoid_export::ExportTarget;
 use piezoid_numerics::number::join;
+use piezoid_numerics::options::Options;
 use piezoid_report::report;
+use piezoid_verbs::IdentifyAgain;
+use piezoid_verbs::Source;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -126,14 +128,15 @@ impl Identify {
             }
         }
         let written = Results::default().json(self.json.as_deref(), &result.to_json());
-        let written = written.file(self.output.as_deref(), result.model.to_json());
+        let written = written.file(self.output.as_deref(), result.found.model.to_json());
         written.file(self.report.as_deref(), report::identification(&result).html()).write(console)?;
         let files = [self.output.as_deref(), self.report.as_deref()].into_iter().flatten();
         let named: Vec<String> = files.filter(|path| *path != stdout).map(|path| path.display().to_string()).collect();
         let wrote = if named.is_empty() { String::new() } else { format!("; wrote {}", join(&named)) };
-        let same = before.filter(|before| *before == result.model);
+        let same = before.filter(|before| *before == result.found.model);
         let same = same.and(self.again).map(|path| format!("Equal to {} to the bit", path.display()));
-        let text = [result.model.to_string(), capitalised(&verdict(result.model.verdict().as_ref())) + &wrote];
+        let text =
+            [result.found.model.to_string(), capitalised(&verdict(result.found.model.verdict().as_ref())) + &wrote];
         for line in text.into_iter().chain(same) {
             match is_free {
                 true => console.print(&console.paragraph(&format!("{line}."), ""))?,

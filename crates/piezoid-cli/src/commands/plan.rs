@@ -8,9 +8,9 @@ use crate::values::Ended::Misused;
 use crate::values::apart;
 use anyhow::{Result, bail};
 use clap::Args;
-use piezoid::PlanOptions;
 use piezoid_host::files::FileSet;
 use piezoid_numerics::number::round;
+use piezoid_verbs::PlanOptions;
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
@@ -59,7 +59,7 @@ impl Plan {
         for note in &plan.notes {
             console.remark(note);
         }
-        let row = |drive: &piezoid::PlannedDrive| {
+        let row = |drive: &piezoid_verbs::PlannedDrive| {
             let [low, high] = [&drive.usage.lowest, &drive.usage.highest].map(|peak| round(peak.value));
             let percent = drive.percent().map_or("-".into(), |percent| format!("{percent:.0}"));
             vec![drive.file(), drive.purpose.into(), round(plan.duration(drive)), format!("{low} to {high}"), percent]

@@ -7,7 +7,8 @@ use crate::flags::{Flags, failed};
 use crate::values::{apart, record};
 use anyhow::Result;
 use clap::Args;
-use piezoid::{PrepareOptions, Source, Step};
+use piezoid::PrepareOptions;
+use piezoid_verbs::{Source, Step};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -8,8 +8,8 @@ use crate::flags::{Flags, failed};
 use crate::values::{apart, record};
 use anyhow::{Result, bail};
 use clap::Args;
-use piezoid::SimulateOptions;
 use piezoid::hammerstein::InitialCondition;
+use piezoid_verbs::SimulateOptions;
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -9,9 +9,10 @@ use crate::tables;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::ValidateRecords;
+use piezoid::Model;
 use piezoid::validation::ValidateOptions;
-use piezoid::{Model, Source, Validated};
+use piezoid_verbs::ValidateRecords;
+use piezoid_verbs::{Source, Validated};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -1,13 +1,14 @@
 //! C in fixed point by two compilers: the same integers as computed here, for any input, without floating point.
 
 use crate::{TS, WATCHED, exported, model, models, run, self_tested, there, together};
+use piezoid::Model;
 use piezoid::compensation::FeedForwardSettings;
 use piezoid::excitation::Limits;
 use piezoid::hysteresis::Operator;
 use piezoid::linear::Arx;
-use piezoid::{File, Model};
 use piezoid_control::feedback::Pi;
 use piezoid_export::{ExportRequest, ExportTarget, Exported};
+use piezoid_verbs::File;
 use std::sync::LazyLock;
 use tempfile::TempDir;
 

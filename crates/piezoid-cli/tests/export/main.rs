@@ -10,7 +10,6 @@ mod simulink;
 mod st;
 mod structured_text;
 
-use piezoid::File;
 use piezoid::creep::Creep;
 use piezoid::driver::DriverModel;
 use piezoid::hysteresis::{OPERATORS, Operator};
@@ -18,6 +17,7 @@ use piezoid::linear::Arx;
 use piezoid::{Error, Model};
 use piezoid_export::{ExportRequest, ExportTarget, Exported};
 use piezoid_testing::skipped;
+use piezoid_verbs::File;
 use std::path::Path;
 use std::process::{Command, Output};
 

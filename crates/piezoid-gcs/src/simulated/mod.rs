@@ -9,9 +9,10 @@ mod commands;
 mod waves;
 
 use axis::SimulatedAxis;
+use piezoid::Error;
 use piezoid::plant::{Plant, Preset, Spec};
-use piezoid::{Error, OptionKind, OptionRow};
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionKind, OptionRow};
 use std::io::{BufRead, BufReader, ErrorKind, Write};
 use std::net::{TcpListener, TcpStream};
 use waves::Waves;

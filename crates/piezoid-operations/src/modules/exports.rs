@@ -2,9 +2,10 @@
 
 use super::{MODEL, NAME, optional};
 use crate::{Inputs, Operation, Output};
-use piezoid::{Error, OptionRow, Options};
+use piezoid::Error;
 use piezoid_export::ExportOptions;
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionRow, Options};
 
 pub(super) const OPERATIONS: &[Operation] = &[Operation {
     name: "export",

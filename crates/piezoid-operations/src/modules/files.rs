@@ -2,12 +2,14 @@
 
 use super::{NAME, named, one, optional};
 use crate::{Inputs, Operation, Output};
-use piezoid::InspectTable;
 use piezoid::excitation::Excitation;
 use piezoid::formats::{ColumnSelection, Format, Table};
-use piezoid::{Error, ExciteOptions, File, OptionRow, Options, PlanOptions, PrepareOptions, Source, Step};
+use piezoid::{Error, PrepareOptions};
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_records::waveform::spectrum;
+use piezoid_verbs::InspectTable;
+use piezoid_verbs::{ExciteOptions, File, PlanOptions, Source, Step};
 use serde_json::{Value, json};
 
 pub(super) const OPERATIONS: &[Operation] = &[

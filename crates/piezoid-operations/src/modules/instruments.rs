@@ -2,9 +2,11 @@
 
 use super::{named, one};
 use crate::{Inputs, Operation, Output};
+use piezoid::Error;
 use piezoid::progress::Progress;
-use piezoid::{Error, File, Options};
 use piezoid_gcs::{AcquireOptions, ConnectOptions};
+use piezoid_numerics::options::Options;
+use piezoid_verbs::File;
 
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {

@@ -3,15 +3,18 @@
 use super::{DATA, MODEL, NAME, named, one, optional, several};
 use crate::{Inputs, Operation, Output};
 use piezoid::StatedVerdict;
-use piezoid::ValidateRecords;
-use piezoid::hammerstein::{HiddenLoop, Model};
-use piezoid::hysteresis::LoopOptions;
+use piezoid::hammerstein::Model;
 use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
-use piezoid::{CompensateOptions, Error, File, IdentifyOptions, OptionRow, Options, SimulateOptions};
+use piezoid::{Error, IdentifyOptions};
+use piezoid_models::hammerstein::HiddenLoop;
+use piezoid_models::hysteresis::LoopOptions;
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_records::waveform::{REVERSAL, reversals};
+use piezoid_verbs::ValidateRecords;
+use piezoid_verbs::{CompensateOptions, File, SimulateOptions};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -103,10 +106,10 @@ fn identify(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let (small, large) = (inputs.sources("small_signal")?, inputs.sources("large_signal")?);
     let outcome = inputs.options::<IdentifyOptions>()?.run((&small, &large), FRONT_END, progress)?;
     let result = json!({
-        "model": outcome.model.to_string(), "verdict": outcome.model.verdict(), "sentence": sentence(&outcome.model),
+        "model": outcome.found.model.to_string(), "verdict": outcome.found.model.verdict(), "sentence": sentence(&outcome.found.model),
         "notes": outcome.found.notes, "reasons": outcome.found.reasons, "found": outcome.to_json(),
     });
-    Ok(Output { result, files: vec![File::new("model.json", outcome.model.to_json())], ..Output::default() })
+    Ok(Output { result, files: vec![File::new("model.json", outcome.found.model.to_json())], ..Output::default() })
 }
 
 /// The verdict on a model in words.

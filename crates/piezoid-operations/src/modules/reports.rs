@@ -2,15 +2,17 @@
 
 use super::{DATA, MODEL, NAME, several};
 use crate::{Inputs, Operation, Output};
-use piezoid::ComparisonReport;
-use piezoid::ValidateRecords;
+use piezoid::Error;
 use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
-use piezoid::{CompareOptions, ControlOptions, Error, File, OptionRow, Options};
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::report::{comparison, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
+use piezoid_verbs::ComparisonReport;
+use piezoid_verbs::ValidateRecords;
+use piezoid_verbs::{CompareOptions, ControlOptions, File};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[

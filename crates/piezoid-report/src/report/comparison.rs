@@ -4,9 +4,9 @@ use super::loops::{self, FreeRun};
 use crate::page::{Cell, Fact, Page, PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::validation::Bin;
-use piezoid::{Compared, ComparedModel, ModelComparison};
 use piezoid_numerics::number::short;
 use piezoid_validation::Source;
+use piezoid_verbs::{Compared, ComparedModel, ModelComparison};
 
 /// Number of colours.
 const COLOURS: usize = 5;
@@ -178,7 +178,8 @@ mod tests {
     use super::*;
     use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
-    use piezoid::{CompareOptions, File, Model, System};
+    use piezoid::{Model, System};
+    use piezoid_verbs::{CompareOptions, File};
 
     fn compared() -> ModelComparison {
         let model = |name: &str, gain| {
@@ -196,7 +197,7 @@ mod tests {
         let models = [("dahl", 2.1), ("proportional", 1.5), ("dahl", 1.0)];
         let file = |(k, (name, gain)): (usize, &(&str, f64))| File::new(format!("m&{k}"), model(name, *gain).to_json());
         let models: Vec<File> = models.iter().enumerate().map(file).collect();
-        let data = piezoid::Source::all(vec![record(1.0), record(3.0)], &Default::default());
+        let data = piezoid_verbs::Source::all(vec![record(1.0), record(3.0)], &Default::default());
         CompareOptions::default().run(&models, &data).unwrap()
     }
 

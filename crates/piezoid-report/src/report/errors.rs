@@ -2,10 +2,10 @@
 
 use crate::page::{PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
-use piezoid::Compared;
 use piezoid::validation::Bin;
 use piezoid_numerics::number::short;
 use piezoid_validation::Source;
+use piezoid_verbs::Compared;
 
 /// Adds figures and tables of the bins of all records, if there are several bins.
 pub(super) fn by_all(section: Section, records: &[Compared]) -> Section {

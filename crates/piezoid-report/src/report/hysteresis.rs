@@ -2,11 +2,11 @@
 
 use crate::page::{Cell, PageTable, Section, Text};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
-use piezoid::Compared;
 use piezoid::hammerstein::Model;
 use piezoid::hysteresis::Hysteresis;
 use piezoid_numerics::number::{round, short};
 use piezoid_numerics::series::ends;
+use piezoid_verbs::Compared;
 use serde_json::Value;
 use std::f64::consts::PI;
 

@@ -57,7 +57,8 @@ mod tests {
             IdentifyOptions { method: Method::Paper, operator: "proportional".into(), ..IdentifyOptions::default() };
         let (records, names) = (std::slice::from_ref(&record), ["small <1>", "large"]);
         let records = Records { small_signal: records, large_signal: records };
-        let result = swarm.prove(records, &names, ("piezoid identify", &[]), &mut Stage::ignore).unwrap();
+        let result =
+            swarm.identify_and_validate(records, &names, ("piezoid identify", &[]), &mut Stage::ignore).unwrap();
         let html = identification(&result).html();
         for text in ["Training records", "The identification", "Convergence", "piezoid identify", " large</h2>"] {
             assert!(html.contains(text), "{text}");

@@ -3,7 +3,8 @@
 use super::cycles::{self, Drawn};
 use crate::hysteresis_part::StraightLine;
 use crate::plot::{Axes, Axis, Figure, Role, Series};
-use piezoid::{Compared, Record};
+use piezoid::Record;
+use piezoid_verbs::Compared;
 use std::ops::Range;
 
 /// A free run to draw: its name, its samples, and the style of its lines.

@@ -22,8 +22,9 @@ use crate::page::{Fact, Page, PageTable, Section, sentence};
 use piezoid::hammerstein::Model;
 use piezoid::system::System;
 use piezoid::validation::{Floor, Metrics};
-use piezoid::{Compared, Identification, Validated, Verdict};
+use piezoid::{Identification, Verdict};
 use piezoid_numerics::number::short;
+use piezoid_verbs::{Compared, Validated};
 
 /// The report on a model: one self-contained file.
 pub fn report(model: &Model, validated: &Validated) -> Page {
@@ -34,7 +35,7 @@ pub fn report(model: &Model, validated: &Validated) -> Page {
 pub fn identification(result: &Identification) -> Page {
     let training = Validated { files: result.training.clone() };
     let section = identification::section(result);
-    page(&result.model, "Training records", result.model.verdict().as_ref(), &training, section)
+    page(&result.found.model, "Training records", result.found.model.verdict().as_ref(), &training, section)
 }
 
 fn page(model: &Model, title: &str, verdict: Option<&Verdict>, validated: &Validated, more: Option<Section>) -> Page {

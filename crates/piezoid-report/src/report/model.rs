@@ -2,10 +2,10 @@
 
 use super::{creep, hysteresis, linear};
 use crate::page::Section;
-use piezoid::Compared;
 use piezoid::driver::DriverModel;
 use piezoid::hammerstein::{Domain, Model};
 use piezoid_numerics::number::{round, short};
+use piezoid_verbs::Compared;
 use std::f64::consts::TAU;
 
 /// The section on the model.

@@ -4,10 +4,10 @@ use super::loops::{self, FreeRun, worst};
 use super::{cycles, residuals};
 use crate::page::{PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
-use piezoid::Compared;
 use piezoid::validation::Offset;
 use piezoid_numerics::number::{round, short};
 use piezoid_validation::LoopShape;
+use piezoid_verbs::Compared;
 use std::ops::Range;
 
 pub(super) fn section(trial: &Compared) -> Section {

@@ -2,9 +2,9 @@
 
 use crate::page::{Section, sentence};
 use crate::plot::{Axes, Figure, Role, Series};
-use piezoid::Compared;
 use piezoid::validation::Whiteness;
 use piezoid_numerics::number::short;
+use piezoid_verbs::Compared;
 
 /// Adds the noise floor, and the correlations of the residuals with their bounds.
 pub(super) fn residuals(section: Section, trial: &Compared) -> Section {

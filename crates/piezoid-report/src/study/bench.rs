@@ -6,14 +6,16 @@ use super::{
 };
 use piezoid::error::Error;
 use piezoid::excitation::{RisingSine, Sine, SteppedSine};
-use piezoid::hammerstein::{HiddenLoop, Model};
-use piezoid::hysteresis::{Branches, Hysteresis, LoopOptions, MeasuredLoop, Proportional, TwoBranch};
+use piezoid::hammerstein::Model;
+use piezoid::hysteresis::{Hysteresis, Proportional};
 use piezoid::linear::Arx;
 use piezoid::plant::{Plant, Saturation, Spec};
 use piezoid::record::{Record, Units};
 use piezoid::system::System;
 use piezoid::validation::Metrics;
 use piezoid_identification::large_signal::proportional;
+use piezoid_models::hammerstein::HiddenLoop;
+use piezoid_models::hysteresis::{Branches, LoopOptions, MeasuredLoop, TwoBranch};
 use std::sync::Arc;
 
 /// A drive signal [V] by its amplitude [V].

@@ -4,8 +4,8 @@ use super::words;
 use super::{Frequency, METHODS, Study, TS, TestSignal};
 use crate::hysteresis_part::StraightLine;
 use crate::plot::{Axes, Axis, Figure, Role, Series};
-use piezoid::hysteresis::Branches;
 use piezoid::linear::Arx;
+use piezoid_models::hysteresis::Branches;
 
 /// Labelled frequencies on axes [Hz]: not all would fit.
 const TICKS: [f64; 7] = [5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 250.0];

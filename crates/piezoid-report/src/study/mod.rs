@@ -22,7 +22,7 @@ use crate::plot::Figure;
 use bench::Bench;
 use piezoid::error::Error;
 use piezoid::excitation::Prbs;
-use piezoid::hammerstein::{HiddenLoop, Identified, Model};
+use piezoid::hammerstein::{Identified, Model};
 use piezoid::hysteresis::HeldInput;
 use piezoid::linear::{self, Arx, Fit, Orders};
 use piezoid::optimize::swarm::{GlobalBest, SwarmSettings};
@@ -30,8 +30,11 @@ use piezoid::plant::Preset;
 use piezoid::progress::{Progress, Stage};
 use piezoid::record::Record;
 use piezoid::validation::Metrics;
-use piezoid::{File, IdentifyOptions, OptionKind, OptionRow, Records};
+use piezoid::{IdentifyOptions, Records};
+use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_numerics::options::options;
+use piezoid_numerics::options::{OptionKind, OptionRow};
+use piezoid_verbs::File;
 use serde::Serialize;
 
 /// Sampling period [s], the paper's.

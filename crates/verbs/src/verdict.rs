@@ -39,7 +39,7 @@ const LONG: f64 = 60.0;
 /// let y = u.iter().map(|u| 30.0 * u + 5.0).collect();
 /// let options = IdentifyOptions { operator: "proportional".into(), order: Some(0), ..IdentifyOptions::default() };
 /// let records = [Record::new(1e-3, u, y)?];
-/// let model = options.prove(Records::from(&records), &["sine"], ("", &[]), &mut Stage::ignore)?.model;
+/// let model = options.identify_and_validate(Records::from(&records), &["sine"], ("", &[]), &mut Stage::ignore)?.found.model;
 /// let said = model.verdict().unwrap().to_string();
 /// assert!(said.contains("+-10 V") && said.contains("unproven: "), "{said}");
 /// # Ok::<(), piezoid::Error>(())
@@ -391,8 +391,9 @@ mod tests {
             let y = u.iter().zip(noise(5, u.len())).map(|(u, e)| 0.1 * u + 0.001 * e).collect();
             let records = [Record::new(0.02, u, y).unwrap()];
             let options = IdentifyOptions { operator: operator.into(), order: Some(0), ..IdentifyOptions::default() };
-            let result = options.prove(Records::from(&records), &["r"], ("", &[]), &mut Stage::ignore).unwrap();
-            result.model.verdict().unwrap().unproven
+            let result =
+                options.identify_and_validate(Records::from(&records), &["r"], ("", &[]), &mut Stage::ignore).unwrap();
+            result.found.model.verdict().unwrap().unproven
         };
         let step = |from: f64, to: f64| (0..1500).map(|t| if t < 100 { from } else { to }).collect::<Vec<f64>>();
         for (u, expected) in [

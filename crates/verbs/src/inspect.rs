@@ -16,7 +16,8 @@ impl File {
     /// hundred of each. The record itself is beside it, or the error in its place.
     ///
     /// ```
-    /// use piezoid::{File, formats::ColumnSelection};
+    /// use piezoid::formats::ColumnSelection;
+    /// use piezoid_verbs::File;
     /// let file = File::new("log.csv", "Time (ms),Drive (V),Position (um)\n0,0,0.1\n1,1,5.2\n2,0,0.3\n");
     /// let (seen, record) = file.inspect(&ColumnSelection::default())?;
     /// assert_eq!(seen["channels"][2]["role"], "output");

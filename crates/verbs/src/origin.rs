@@ -147,8 +147,8 @@ impl IdentifyAgain for Model {
         let sources = sources(&origins, files)?;
         let [small, large] = [Role::SmallSignal, Role::LargeSignal].map(|role| of(role, &sources));
         let mut again = options.run((&small, &large), &command, progress)?;
-        if again.model != *self {
-            let mut apart = sources.iter().map(|source| apart(self, &again.model, &source.record()?));
+        if again.found.model != *self {
+            let mut apart = sources.iter().map(|source| apart(self, &again.found.model, &source.record()?));
             let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;
             let this = env!("CARGO_PKG_VERSION");
             let versions = format!("it is of version {version}, and this is {this}");
@@ -239,7 +239,7 @@ mod tests {
         let source = |file, columns| Source::new(file, columns, vec![Step::Prepare(decimate.clone())]);
         let data = [source(file("lab/a.csv", 0.5), scale), source(file("b.csv", 0.25), ColumnSelection::default())];
         let options = IdentifyOptions { operator: "proportional".into(), order: Some(1), ..IdentifyOptions::default() };
-        options.run((&[], &data), "a program", &mut Stage::ignore).unwrap().model
+        options.run((&[], &data), "a program", &mut Stage::ignore).unwrap().found.model
     }
 
     fn again(model: &Model, files: &[File]) -> Result<Identification, String> {
@@ -265,7 +265,7 @@ mod tests {
     fn a_model_is_identified_again_to_the_bit() {
         let model = identified();
         let result = again(&model, &[file("renamed.csv", 0.25), file("a.csv", 0.5)]).unwrap();
-        assert_eq!(result.model.to_json(), model.to_json());
+        assert_eq!(result.found.model.to_json(), model.to_json());
         assert!(result.found.notes.iter().all(|note| !note.contains("to the bit")), "{:?}", result.found.notes);
     }
 

@@ -11,7 +11,7 @@
 //! Reference: Ljung, System Identification: Theory for the User, 1999, chapter 13, DOI 10.1002/047134608X.W1046.
 
 use super::Plan;
-use crate::verbs::verdict::StatedVerdict;
+use crate::verdict::StatedVerdict;
 use libm::{cos, exp};
 use nalgebra::DMatrix;
 use piezoid_models::creep::{Creep, Lag};

@@ -5,6 +5,7 @@ mod compare;
 mod compensate;
 mod control;
 mod excite;
+mod identification;
 mod identify;
 mod inspect;
 mod origin;
@@ -19,6 +20,7 @@ pub use compare::{CompareOptions, ComparedModel, ModelComparison};
 pub use compensate::{CompensateOptions, Compensation};
 pub use control::{ComparisonReport, ControlOptions, TuneOptions};
 pub use excite::{ExciteOptions, Excited};
+pub use identification::{IdentifyOptions, Method, Records, identify};
 pub use identify::Identification;
 pub use inspect::InspectTable;
 pub use origin::{IdentifyAgain, Origin};
@@ -58,7 +60,7 @@ impl File {
     /// A zip archive of these files, stored, without dates: the same files give the same bytes.
     ///
     /// ```
-    /// let archive = piezoid::File::archive(&[piezoid::File::new("a/b.txt", "c")])?;
+    /// let archive = piezoid_verbs::File::archive(&[piezoid_verbs::File::new("a/b.txt", "c")])?;
     /// assert!(archive.starts_with(b"PK"));
     /// # Ok::<(), piezoid::Error>(())
     /// ```

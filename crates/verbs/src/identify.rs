@@ -3,9 +3,9 @@
 use super::origin::{Origin, Training};
 use super::verdict::StatedVerdict;
 use super::{Compared, Source, Verdict};
-use crate::identification::{IdentifyOptions, Method, Records};
+use crate::identification::{IdentifyOptions, Method, Records, Settings};
 use piezoid_identification::Identified;
-use piezoid_models::hammerstein::{HiddenLoop, Model};
+use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::linear::{Arx, PoleShare};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::options::Options;
@@ -18,10 +18,8 @@ use serde_json::{Value, json};
 /// A model, the other results of its identification, and its errors on the training data.
 #[derive(Debug, Clone)]
 pub struct Identification {
-    /// The results of the identification.
+    /// The results of the identification; the model has its provenance.
     pub found: Identified,
-    /// The model with its provenance.
-    pub model: Model,
     /// Its free runs on the large-signal records.
     pub training: Vec<Compared>,
     /// Linearity of each small-signal record; `None` if the record does not determine it.
@@ -40,14 +38,14 @@ impl IdentifyOptions {
         command: &str,
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
-        self.check()?;
+        let settings = self.settings()?;
         let read = |sources: &[Source]| sources.iter().map(Source::record).collect::<Result<Vec<_>, _>>();
         let (small_signal, large_signal) = (read(small)?, read(large)?);
         let sources = || small.iter().chain(large);
         let origins: Vec<_> = sources().map(Source::origin).collect();
         let names: Vec<&str> = sources().map(|source| &*source.file.name).collect();
         let records = Records { small_signal: &small_signal, large_signal: &large_signal };
-        let mut result = self.prove(records, &names, (command, &origins), progress)?;
+        let mut result = self.validated(settings, records, &names, (command, &origins), progress)?;
         let histories = names.iter().zip(small_signal.iter().chain(&large_signal));
         let steps =
             histories.flat_map(|(name, record)| record.history().iter().map(move |step| format!("{name}: {step}")));
@@ -60,14 +58,25 @@ impl IdentifyOptions {
     ///
     /// # Errors
     /// The errors of [`identify`](crate::identify).
-    pub fn prove(
+    pub fn identify_and_validate(
         &self,
+        records: Records,
+        names: &[&str],
+        provenance: (&str, &[Origin]),
+        progress: &mut Progress,
+    ) -> Result<Identification, Error> {
+        self.validated(self.settings()?, records, names, provenance, progress)
+    }
+
+    fn validated(
+        &self,
+        settings: Settings,
         records: Records,
         names: &[&str],
         (command, origins): (&str, &[Origin]),
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
-        let found = records.identify(self, progress).map_err(|error| named(error, records, names))?;
+        let mut found = settings.identify(records, progress).map_err(|error| named(error, records, names))?;
         // The joint method fits a separate offset for each record.
         let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
         let options = ValidateOptions { offset, ..ValidateOptions::default() };
@@ -89,8 +98,8 @@ impl IdentifyOptions {
         };
         let linearity = small_signal.iter().map(|record| Linearity::of(record).ok()).collect();
         let fit = self.fit(&found, command, &Training::all(records, origins), verdict.as_ref());
-        let model = found.model.clone().with_provenance(fit);
-        Ok(Identification { found, model, training, linearity })
+        found.model = found.model.with_provenance(fit);
+        Ok(Identification { found, training, linearity })
     }
 
     /// How a model was identified, for its file: what repeats it (see [`Model::again`]), the operators that were tried,
@@ -140,7 +149,7 @@ impl Identification {
             "training": self.training.iter().map(Compared::to_json).collect::<Vec<_>>(),
             "notes": found.remarks(),
             "linearity": self.linearity,
-            "verdict": self.model.verdict(),
+            "verdict": self.found.model.verdict(),
         })
     }
 }

@@ -117,11 +117,22 @@ impl Records<'_> {
     /// # Errors
     /// The errors of [`identify`], and [`Error::Cancelled`].
     pub fn identify(self, options: &IdentifyOptions, progress: &mut Progress) -> Result<Identified, Error> {
-        let Records { small_signal, large_signal } = self;
-        options.check()?;
-        match options.method {
-            Method::Joint => identify_joint(small_signal, large_signal, &options.joint()?, progress),
-            Method::Paper => identify_paper(small_signal, large_signal, &options.paper()?, progress),
+        options.settings()?.identify(self, progress)
+    }
+}
+
+/// The settings of the method: options that were checked.
+pub(crate) enum Settings {
+    Joint(JointOptions),
+    Paper(PaperOptions),
+}
+
+impl Settings {
+    pub(crate) fn identify(&self, records: Records, progress: &mut Progress) -> Result<Identified, Error> {
+        let Records { small_signal, large_signal } = records;
+        match self {
+            Settings::Joint(settings) => identify_joint(small_signal, large_signal, settings, progress),
+            Settings::Paper(settings) => identify_paper(small_signal, large_signal, settings, progress),
         }
     }
 }
@@ -167,11 +178,15 @@ impl IdentifyOptions {
     /// # Errors
     /// [`Error::Parameter`] and [`Error::Unknown`], with the option.
     pub fn check(&self) -> Result<(), Error> {
+        self.settings().map(drop)
+    }
+
+    pub(crate) fn settings(&self) -> Result<Settings, Error> {
         piezoid_models::hysteresis::Operator::list(&self.operator)?;
         self.check_method()?;
         match self.method {
-            Method::Joint => self.joint().map(drop),
-            Method::Paper => self.paper().map(drop),
+            Method::Joint => self.joint().map(Settings::Joint),
+            Method::Paper => self.paper().map(Settings::Paper),
         }
     }
 

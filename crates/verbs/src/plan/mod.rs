@@ -37,7 +37,8 @@ options! {
     /// What is to be identified, and with which driver.
     ///
     /// ```
-    /// use piezoid::{Options, PlanOptions};
+    /// use piezoid_numerics::options::Options;
+    /// use piezoid_verbs::PlanOptions;
     /// let options = serde_json::json!({"range": [0, 100], "bandwidth": 20, "driver": "e-610", "capacitance": 1.5e-6});
     /// let plan = PlanOptions::from_json(options)?.run(None)?;
     /// let names: Vec<&str> = plan.drives.iter().map(|drive| drive.name).collect();
