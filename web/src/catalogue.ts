@@ -116,10 +116,10 @@ export interface Lists {
 
 /** The options of each call by name. */
 export interface CallOptions {
-  /** What a file holds, how it is read, and what seems wrong with it. */
+  /** Show what data files hold, how they are read and what seems wrong; write a profile of a rig. */
   inspect: {
   };
-  /** A record as it is to be identified, from one as it was measured. */
+  /** Prepare a record: cut, filter, decimate, resample, average periods, align, repair, calibrate. */
   prepare: {
     /** Add this to the input, after its scale, in its unit */
     input_offset?: number | string;
@@ -140,7 +140,7 @@ export interface CallOptions {
     /** New sampling period, by band-limited interpolation; uneven times of a file are made even first [s] */
     resample?: number | string;
   };
-  /** A drive signal within the limits of a driver. */
+  /** Make a drive signal: PRBS, sines, chirps, steps. */
   excite: {
     /** The kind of signal */
     kind?: string;
@@ -165,7 +165,7 @@ export interface CallOptions {
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
   };
-  /** The drives of an identification, within the limits of a driver. */
+  /** Plan the records of an identification: the drives within a driver's limits, and what each is for. */
   plan: {
     /** Lowest and highest voltage of the application [V] */
     range?: [number, number];
@@ -188,7 +188,7 @@ export interface CallOptions {
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
   };
-  /** The response of a plant or a model to an input. */
+  /** Run a plant or a model on a drive signal. */
   simulate: {
     /** The plant to simulate, unless a model is given */
     plant?: string;
@@ -197,7 +197,7 @@ export interface CallOptions {
     /** Seed of the plant's noise */
     seed?: number;
   };
-  /** The loop of a record, its separating line, and the branches of the paper. */
+  /** Show the hysteresis loop of a record: its reversals, separating line and branches. */
   loops: {
     /** How the points are divided between the ascending and the descending branch */
     split?: "line" | "direction";
@@ -206,7 +206,7 @@ export interface CallOptions {
     /** The separating line: its z at the lowest and at the highest input */
     line?: [number, number];
   };
-  /** A model from measured records. */
+  /** Find a model that predicts measured records. */
   identify: {
     /** How to identify */
     method?: "joint" | "paper";
@@ -243,14 +243,14 @@ export interface CallOptions {
     /** The position that attracts all particles, g_best in equation (2) of the paper */
     global_best?: "ever" | "current";
   };
-  /** Free runs of a model against records. */
+  /** Validate a model on records that were not used to identify it. */
   validate: {
     /** Time at the start of each record that the error figures leave out [s] */
     skip?: number | string;
     /** Offset of the model */
     offset?: "kept" | "free" | "drift";
   };
-  /** The voltage for a requested displacement. */
+  /** Compute the voltage for a requested displacement. */
   compensate: {
     /** Clip the voltage to the limits, instead of refusing a reference that exceeds them */
     clip?: boolean;
@@ -275,7 +275,7 @@ export interface CallOptions {
     /** Shape the reference (ZVD) so that the resonance is not excited */
     zvd?: boolean;
   };
-  /** Controllers along references, on a simulated plant. */
+  /** Close the loop on a simulated actuator and compare controllers. */
   control: {
     /** The plant that is controlled */
     plant?: string;
@@ -316,14 +316,14 @@ export interface CallOptions {
     /** Phase margin to tune to [degrees] [degrees] */
     phase_margin?: number | string;
   };
-  /** A page on a model and how well it predicts records. */
+  /** Write a self-contained HTML report on a model and how well it predicts records. */
   report: {
     /** Time at the start of each record that the error figures leave out [s] */
     skip?: number | string;
     /** Offset of the model */
     offset?: "kept" | "free" | "drift";
   };
-  /** Free runs of several models against the same records. */
+  /** Compare models on the same records. */
   compare: {
     /** The record whose loops and residuals are drawn; the first without it */
     record?: string;
@@ -332,14 +332,14 @@ export interface CallOptions {
     /** Offset of the model */
     offset?: "kept" | "free" | "drift";
   };
-  /** The comparison of the paper, on a simulated actuator. */
+  /** Repeat the paper's experiment from end to end, as tables and a report. */
   study: {
     /** The plant to study (see {list}) */
     plant?: string;
     /** Seed of the swarm and of the plant's noise */
     seed?: number;
   };
-  /** The model, its inverse and its controller for another machine. */
+  /** Export a model and its inverse as code or tables: C, FMU, Simulink, structured text, Rust, waveforms. */
   export: {
     /** The target language or format */
     target?: string;
@@ -376,7 +376,7 @@ export interface CallOptions {
     /** Phase margin to tune to [degrees] [degrees] */
     phase_margin?: number | string;
   };
-  /** What a controller is, and the limits it reports; nothing moves. */
+  /** Show what a controller is, and the limits it reports; nothing moves. */
   controller: {
     /** Address or name of the controller in the network */
     host?: string;
@@ -385,7 +385,7 @@ export interface CallOptions {
     /** Time to wait for an answer [s] */
     timeout?: number | string;
   };
-  /** A drive played and recorded by a controller. */
+  /** Play a drive on a controller with PI's GCS 2.0, and record what the actuator does. */
   acquire: {
     /** Axis to drive */
     axis?: string;

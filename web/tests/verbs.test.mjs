@@ -23,7 +23,7 @@ function identified(operator) {
   const files = { small_signal: [small.name], large_signal: [record.name] };
   const request = { call: "identify", options: { operator, order: 2 }, files };
   const answer = call(request, [small, record], (stage) => stages.push(stage));
-  assert.match(answer.result.message, /good to /);
+  assert.match(answer.result.sentence, /good to /);
   assert.equal(JSON.parse(new TextDecoder().decode(answer.files[0].bytes)).hysteresis.operator, operator);
   assert.ok(stages.length > 0 && stages.every(({ what, done, total }) => what !== "" && done <= total));
   return renamed("model.json", answer.files[0]);
@@ -76,7 +76,7 @@ test("drives are planned", () => {
 test("a model is proven and reported", () => {
   const request = { files: { model: [model.name], data: [other.name] } };
   const { result } = call({ call: "validate", ...request }, [model, other]);
-  assert.match(result.message, /good to/);
+  assert.match(result.sentence, /good to/);
   const page = new TextDecoder().decode(call({ call: "report", ...request }, [model, other]).files[0].bytes);
   assert.match(page, /^<!DOCTYPE html>/);
 });

@@ -1,6 +1,9 @@
 //! Verbs: from options and named bytes to a result, and from the result to bytes. Front ends only read files, call a
 //! verb, and write files.
 
+// Tests compare with the C library.
+#![cfg_attr(test, allow(clippy::disallowed_methods))]
+
 mod compare;
 mod compensate;
 mod control;

@@ -39,9 +39,10 @@ const LONG: f64 = 60.0;
 /// let y = u.iter().map(|u| 30.0 * u + 5.0).collect();
 /// let options = IdentifyOptions { operator: "proportional".into(), order: Some(0), ..IdentifyOptions::default() };
 /// let records = [Record::new(1e-3, u, y)?];
-/// let model = options.identify_and_validate(Records::from(&records), &["sine"], ("", &[]), &mut Stage::ignore)?.found.model;
-/// let said = model.verdict().unwrap().to_string();
-/// assert!(said.contains("+-10 V") && said.contains("unproven: "), "{said}");
+/// let records = Records::from(&records);
+/// let result = options.identify_and_validate(records, &["sine"], ("", &[]), &mut Stage::ignore)?;
+/// let verdict = result.found.model.verdict().unwrap().to_string();
+/// assert!(verdict.contains("+-10 V") && verdict.contains("unproven: "), "{verdict}");
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

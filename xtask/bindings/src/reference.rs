@@ -1,10 +1,11 @@
 //! The tables of options in docs/reference.md.
 
-use crate::verbs::VERBS;
 use crate::words::Reference;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
+use piezoid_gcs::Simulation;
 use piezoid_numerics::options::{OptionKind, OptionRow, Options};
+use piezoid_operations::catalogue;
 
 /// Tables that several verbs share: title, and rows.
 type Shared = [(&'static str, Vec<OptionRow>); 2];
@@ -17,10 +18,12 @@ pub(crate) fn options() -> String {
     for (title, rows) in &shared {
         text += &table(title, rows, "");
     }
-    for (verb, rows) in VERBS {
+    let operations = catalogue().operations.into_iter().map(|operation| (operation.name, (operation.options)()));
+    // A server, which is no operation.
+    let all = operations.chain([("instrument", Simulation::rows())]).filter(|(_, rows)| !rows.is_empty());
+    for (verb, rows) in all {
         let is_of =
             |row: &OptionRow, others: &[OptionRow]| others.iter().any(|o| (o.name, o.help) == (row.name, row.help));
-        let rows = rows();
         let (limits, own): (Vec<OptionRow>, Vec<OptionRow>) =
             rows.into_iter().partition(|row| is_of(row, &shared[1].1));
         let also = if limits.is_empty() { "" } else { "And the [limits of a voltage](#limits-of-a-voltage).\n\n" };

@@ -1,33 +1,15 @@
-//! The verbs, with the rows of their options.
+//! The classes of keywords of Python, with their options.
 
 use piezoid::formats::ColumnSelection;
 use piezoid::validation::ValidateOptions;
 use piezoid::{IdentifyOptions, PrepareOptions};
 use piezoid_export::ExportOptions;
-use piezoid_gcs::{AcquireOptions, Simulation};
 use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::study::StudyOptions;
-use piezoid_verbs::{CompareOptions, CompensateOptions, ControlOptions, ExciteOptions, PlanOptions, SimulateOptions};
+use piezoid_verbs::{CompensateOptions, ControlOptions, PlanOptions, SimulateOptions};
 
 /// The rows of a table.
 pub(crate) type Rows = fn() -> Vec<OptionRow>;
-
-/// The verbs of the reference, in the order of work, each with its options.
-pub(crate) const VERBS: [(&str, Rows); 13] = [
-    ("plan", PlanOptions::rows),
-    ("prepare", PrepareOptions::rows),
-    ("excite", ExciteOptions::rows),
-    ("simulate", SimulateOptions::rows),
-    ("identify", IdentifyOptions::rows),
-    ("validate", ValidateOptions::rows),
-    ("compare", CompareOptions::rows),
-    ("compensate", CompensateOptions::rows),
-    ("control", ControlOptions::rows),
-    ("export", ExportOptions::rows),
-    ("acquire", AcquireOptions::rows),
-    ("instrument", Simulation::rows),
-    ("study", StudyOptions::rows),
-];
 
 /// The classes of keywords in Python. Left out are options that its functions take in another form: references as
 /// arrays, tolerances as fractions, `from` and `to`, of which one is a word of the language, as `start` and `stop`.

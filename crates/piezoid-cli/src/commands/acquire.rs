@@ -1,5 +1,6 @@
 //! `piezoid acquire`: a drive played and recorded by a controller.
 
+use super::Run;
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
@@ -43,8 +44,8 @@ pub(crate) struct Acquire {
     columns: Columns,
 }
 
-impl Acquire {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Acquire {
+    fn run(self, console: &Console) -> Result<()> {
         let results = [self.output.as_deref(), self.json.as_deref()];
         apart(&results, &self.drive.iter().collect::<Vec<_>>())?;
         files::ready(&results)?;

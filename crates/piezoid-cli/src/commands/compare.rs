@@ -1,5 +1,6 @@
 //! `piezoid compare`: several models on the same records.
 
+use super::Run;
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
@@ -45,8 +46,8 @@ pub(crate) struct Compare {
     columns: Columns,
 }
 
-impl Compare {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Compare {
+    fn run(self, console: &Console) -> Result<()> {
         let results = [self.output.as_deref(), self.json.as_deref()];
         apart(&results, &self.models.iter().chain(&self.data).collect::<Vec<_>>())?;
         files::ready(&results)?;

@@ -1,5 +1,6 @@
 //! `piezoid compensate`: the voltage for a requested displacement, by feed-forward.
 
+use super::Run;
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
@@ -49,8 +50,8 @@ pub(crate) struct Compensate {
     columns: Columns,
 }
 
-impl Compensate {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Compensate {
+    fn run(self, console: &Console) -> Result<()> {
         let Some(reference) = self.file.or(self.reference) else {
             bail!("name the file of the requested displacement")
         };

@@ -1,5 +1,6 @@
 //! `piezoid control`: the closed loop on a simulated actuator, several schemes side by side.
 
+use super::Run;
 use super::lists;
 use crate::columns::Columns;
 use crate::console::Console;
@@ -60,8 +61,8 @@ pub(crate) struct Control {
     columns: Columns,
 }
 
-impl Control {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Control {
+    fn run(self, console: &Console) -> Result<()> {
         let options = &self.options.0;
         let results = [self.output.as_deref(), self.report.as_deref(), self.json.as_deref()];
         let paths: Vec<PathBuf> = options.files().map(PathBuf::from).collect();

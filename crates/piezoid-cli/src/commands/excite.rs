@@ -1,6 +1,7 @@
 //! `piezoid excite KIND`: writes a drive signal or a reference. Each row of the library's list is a subcommand, each of
 //! its parameters a flag.
 
+use super::Run;
 use crate::console::Console;
 use crate::files::{self, Results};
 use crate::flags::{Flags, argument, failed, placeholder, values};
@@ -87,8 +88,8 @@ impl FromArgMatches for Excite {
     }
 }
 
-impl Excite {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Excite {
+    fn run(self, console: &Console) -> Result<()> {
         let Common { options: Flags(options), output } = self.common;
         files::ready(&[Some(&output)])?;
         let result: Excited = options.run(self.kind, self.parameters).map_err(failed)?;

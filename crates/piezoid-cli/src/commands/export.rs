@@ -1,5 +1,6 @@
 //! `piezoid export`: the model, its inverse and its controller for other machines.
 
+use super::Run;
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
@@ -53,8 +54,8 @@ pub(crate) struct Export {
     json: Option<PathBuf>,
 }
 
-impl Export {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Export {
+    fn run(self, console: &Console) -> Result<()> {
         let (options, columns) = (self.options.0, self.columns.read()?);
         if self.reference.is_none() && columns != ColumnSelection::default() {
             bail!(Misused("options of data files are for a --reference".into()));

@@ -1,5 +1,6 @@
 //! `piezoid identify`: from measured records to a model.
 
+use super::Run;
 use super::identified::summary;
 use crate::columns::Columns;
 use crate::console::Console;
@@ -87,8 +88,8 @@ fn fixed_by_a_model() -> Vec<&'static str> {
     rows.map(|row| row.name).chain(["small_signal", "target", "profile"]).collect()
 }
 
-impl Identify {
-    pub(crate) fn run(mut self, console: &Console) -> Result<()> {
+impl Run for Identify {
+    fn run(mut self, console: &Console) -> Result<()> {
         let large_signal = [self.large_signal, self.files, self.data].concat();
         let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&large_signal).collect();
         let results = [self.output.as_deref(), self.report.as_deref(), self.json.as_deref()];

@@ -1,5 +1,6 @@
 //! `piezoid inspect`: what files hold, how they are read, and what seems wrong with them.
 
+use super::Run;
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
@@ -39,8 +40,8 @@ pub(crate) struct Inspect {
     columns: Columns,
 }
 
-impl Inspect {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Inspect {
+    fn run(self, console: &Console) -> Result<()> {
         let inputs: Vec<&PathBuf> = self.data.iter().collect();
         let results = [self.output.as_deref(), self.json.as_deref()];
         apart(&results, &inputs)?;

@@ -1,5 +1,6 @@
 //! `piezoid instrument`: a simulated controller on this machine.
 
+use super::Run;
 use super::lists;
 use crate::console::Console;
 use crate::flags::{Flags, failed};
@@ -27,8 +28,8 @@ pub(crate) struct Instrument {
     simulation: Flags<Simulation>,
 }
 
-impl Instrument {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Instrument {
+    fn run(self, console: &Console) -> Result<()> {
         let simulation = self.simulation.0;
         let plant = lists::plant(&simulation.plant)?;
         let mut controller = simulation.around(&plant, &simulation.plant).map_err(failed)?;

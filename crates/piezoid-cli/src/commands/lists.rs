@@ -1,5 +1,6 @@
 //! The lists of operators, plants, drive signals and other members, each row with its one-line summary.
 
+use super::Run;
 use crate::console::Console;
 use crate::files::{self, Results};
 use crate::flags::failed;
@@ -59,8 +60,8 @@ pub(crate) struct Plants {
     list: List,
 }
 
-impl Plants {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Plants {
+    fn run(self, console: &Console) -> Result<()> {
         match self.show {
             Some(name) => console.print(&(plant(&name)?.to_json()? + "\n")),
             None => self.list.run("plants", console),
@@ -77,8 +78,8 @@ pub(crate) struct Targets {
     list: List,
 }
 
-impl Targets {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Targets {
+    fn run(self, console: &Console) -> Result<()> {
         let mut rows = rows("targets");
         if self.operators {
             for row in &mut rows {

@@ -1,9 +1,11 @@
-//! One file per verb: arguments -> library call -> output.
+//! The verbs: one row each, and one file for what it prints. An operation of the library without a file of its own
+//! becomes a verb by its row alone ([`derived`]).
 
 mod acquire;
 mod compare;
 mod compensate;
 mod control;
+mod derived;
 mod excite;
 mod export;
 mod identified;
@@ -22,94 +24,108 @@ mod validate;
 
 use crate::console::Console;
 use anyhow::Result;
-use clap::Subcommand;
+use clap::{ArgMatches, Args, Command};
+use piezoid_operations::catalogue;
 
-/// What can be done.
-#[derive(Subcommand)]
-pub(crate) enum Verb {
-    /// Repeat the paper's experiment from end to end, as tables and a report.
-    Study(study::Study),
-    /// Plan the records of an identification: the drives within a driver's limits, and what each is for.
-    Plan(plan::Plan),
-    /// Show what data files hold, how they are read and what seems wrong; write a profile of a rig.
-    Inspect(inspect::Inspect),
-    /// Prepare a record: cut, filter, decimate, resample, average periods, align, repair, calibrate.
-    Prepare(prepare::Prepare),
-    /// Make a drive signal: PRBS, sines, chirps, steps.
-    Excite(excite::Excite),
-    /// Run a plant or a model on a drive signal.
-    Simulate(simulate::Simulate),
-    /// Play a drive on a controller with PI's GCS 2.0, and record what the actuator does.
-    Acquire(acquire::Acquire),
-    /// Simulate such a controller on this machine, around a plant.
-    Instrument(instrument::Instrument),
-    /// Find a model that predicts measured records.
-    Identify(Box<identify::Identify>),
-    /// Validate a model on records that were not used to identify it.
-    Validate(validate::Validate),
-    /// Compare models on the same records.
-    Compare(compare::Compare),
-    /// Compute the voltage for a requested displacement.
-    Compensate(compensate::Compensate),
-    /// Close the loop on a simulated actuator and compare controllers.
-    Control(Box<control::Control>),
-    /// Export a model and its inverse as code or tables: C, FMU, Simulink, structured text, Rust, waveforms.
-    Export(export::Export),
-    /// Write a self-contained HTML report on a model and how well it predicts records.
-    Report(report::Report),
-    /// Serve the page of piezoid on this machine: all of this in a browser, with a project folder.
-    Serve(serve::Serve),
-    /// List the hysteresis operators.
-    Operators(lists::List),
-    /// List the simulated actuators, or show the parameters of one.
-    Plants(lists::Plants),
-    /// List the drive signals.
-    Excitations(lists::List),
-    /// List the estimators of the linear block.
-    Estimators(lists::List),
-    /// List the drivers whose limits are known.
-    Drivers(lists::List),
-    /// List the actuators whose data sheets are known.
-    Actuators(lists::List),
-    /// List the controllers, feed-forwards first.
-    Controllers(lists::List),
-    /// List the export targets, and the operators that each serves.
-    Targets(lists::Targets),
-    /// Print a completion script for a shell.
-    Completions(shell::Completions),
-    /// Print the manual page.
-    Man(shell::Manual),
+/// A verb of the command line.
+pub(crate) struct Verb {
+    pub(crate) name: &'static str,
+    about: &'static str,
+    arguments: fn(&'static str, Command) -> Command,
+    parse: fn(&'static str, &ArgMatches) -> Result<Task, clap::Error>,
+}
+
+/// What a verb does once its arguments are read.
+pub(crate) type Task = Box<dyn FnOnce(&Console) -> Result<()>>;
+
+/// The arguments of a verb.
+pub(crate) trait Run: Args + 'static {
+    /// Does it.
+    fn run(self, console: &Console) -> Result<()>;
+}
+
+/// A verb of the command line alone.
+const fn own<V: Run>(name: &'static str, about: &'static str) -> Verb {
+    let parse = |_, matches: &ArgMatches| -> Result<Task, clap::Error> {
+        let verb = V::from_arg_matches(matches)?;
+        Ok(Box::new(move |console| verb.run(console)))
+    };
+    Verb { name, about, arguments: |_, command| V::augment_args(command), parse }
+}
+
+/// An operation of the library with output of its own; its row says what it does.
+const fn operation<V: Run>(name: &'static str) -> Verb {
+    own::<V>(name, "")
+}
+
+/// An operation without output of its own.
+const fn derived(name: &'static str) -> Verb {
+    Verb { name, about: "", arguments: derived::arguments, parse: derived::parse }
+}
+
+/// A list of the catalogue.
+const fn list(name: &'static str, about: &'static str) -> Verb {
+    let parse = |name, matches: &ArgMatches| -> Result<Task, clap::Error> {
+        let list = <lists::List as clap::FromArgMatches>::from_arg_matches(matches)?;
+        Ok(Box::new(move |console| list.run(name, console)))
+    };
+    Verb { name, about, arguments: |_, command| lists::List::augment_args(command), parse }
+}
+
+const VERBS: [Verb; 26] = [
+    operation::<study::Study>("study"),
+    operation::<plan::Plan>("plan"),
+    operation::<inspect::Inspect>("inspect"),
+    operation::<prepare::Prepare>("prepare"),
+    operation::<excite::Excite>("excite"),
+    operation::<simulate::Simulate>("simulate"),
+    operation::<acquire::Acquire>("acquire"),
+    own::<instrument::Instrument>("instrument", "Simulate such a controller on this machine, around a plant"),
+    operation::<identify::Identify>("identify"),
+    operation::<validate::Validate>("validate"),
+    operation::<compare::Compare>("compare"),
+    operation::<compensate::Compensate>("compensate"),
+    operation::<control::Control>("control"),
+    operation::<export::Export>("export"),
+    operation::<report::Report>("report"),
+    own::<serve::Serve>(
+        "serve",
+        "Serve the page of piezoid on this machine: all of this in a browser, with a project folder",
+    ),
+    list("operators", "List the hysteresis operators"),
+    own::<lists::Plants>("plants", "List the simulated actuators, or show the parameters of one"),
+    list("excitations", "List the drive signals"),
+    list("estimators", "List the estimators of the linear block"),
+    list("drivers", "List the drivers whose limits are known"),
+    list("actuators", "List the actuators whose data sheets are known"),
+    list("controllers", "List the controllers, feed-forwards first"),
+    own::<lists::Targets>("targets", "List the export targets, and the operators that each serves"),
+    own::<shell::Completions>("completions", "Print a completion script for a shell"),
+    own::<shell::Manual>("man", "Print the manual page"),
+];
+
+/// All verbs: the rows above, and the operations that they leave out. `acquire` does what `controller` does.
+pub(crate) fn all() -> Vec<Verb> {
+    let names = catalogue().operations.into_iter().map(|operation| operation.name).filter(|name| *name != "controller");
+    let others = names.filter(|name| VERBS.iter().all(|verb| verb.name != *name)).map(derived);
+    VERBS.into_iter().chain(others).collect()
 }
 
 impl Verb {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
-        match self {
-            Verb::Study(verb) => verb.run(console),
-            Verb::Plan(verb) => verb.run(console),
-            Verb::Inspect(verb) => verb.run(console),
-            Verb::Prepare(verb) => verb.run(console),
-            Verb::Excite(verb) => verb.run(console),
-            Verb::Simulate(verb) => verb.run(console),
-            Verb::Acquire(verb) => verb.run(console),
-            Verb::Instrument(verb) => verb.run(console),
-            Verb::Identify(verb) => verb.run(console),
-            Verb::Validate(verb) => verb.run(console),
-            Verb::Compare(verb) => verb.run(console),
-            Verb::Compensate(verb) => verb.run(console),
-            Verb::Control(verb) => verb.run(console),
-            Verb::Export(verb) => verb.run(console),
-            Verb::Report(verb) => verb.run(console),
-            Verb::Serve(verb) => verb.run(console),
-            Verb::Operators(verb) => verb.run("operators", console),
-            Verb::Plants(verb) => verb.run(console),
-            Verb::Excitations(verb) => verb.run("excitations", console),
-            Verb::Estimators(verb) => verb.run("estimators", console),
-            Verb::Drivers(verb) => verb.run("drivers", console),
-            Verb::Actuators(verb) => verb.run("actuators", console),
-            Verb::Controllers(verb) => verb.run("controllers", console),
-            Verb::Targets(verb) => verb.run(console),
-            Verb::Completions(verb) => verb.run(console),
-            Verb::Man(verb) => verb.run(console),
-        }
+    /// The subcommand.
+    pub(crate) fn command(&self) -> Command {
+        let operations = catalogue().operations;
+        let summary =
+            operations.iter().find(|operation| operation.name == self.name).map(|operation| operation.summary);
+        let about = if self.about.is_empty() { summary.unwrap_or_default() } else { self.about };
+        (self.arguments)(self.name, Command::new(self.name)).about(about)
+    }
+
+    /// What it does with these arguments.
+    ///
+    /// # Errors
+    /// Returns an error for arguments that make no sense together.
+    pub(crate) fn task(&self, matches: &ArgMatches) -> Result<Task, clap::Error> {
+        (self.parse)(self.name, matches)
     }
 }

@@ -1,5 +1,6 @@
 //! `piezoid plan`: the drives that identify an actuator, and a page on them.
 
+use super::Run;
 use crate::console::Console;
 use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
@@ -45,8 +46,8 @@ pub(crate) struct Plan {
     json: Option<PathBuf>,
 }
 
-impl Plan {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Plan {
+    fn run(self, console: &Console) -> Result<()> {
         if self.output == Path::new("-") {
             bail!(Misused("-o must be a folder, because several files are written".into()));
         }

@@ -1,5 +1,6 @@
 //! `piezoid prepare`: a record as it is to be identified, from one as it was measured.
 
+use super::Run;
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
@@ -45,8 +46,8 @@ pub(crate) struct Prepare {
     columns: Columns,
 }
 
-impl Prepare {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Prepare {
+    fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output)], &[&self.file])?;
         files::ready(&[Some(&self.output)])?;
         let (columns, file) = (self.columns.read()?, files::read(&self.file)?);

@@ -1,5 +1,6 @@
 //! `piezoid report`: a self-contained page on a model and how well it predicts records.
 
+use super::Run;
 use super::validate::ValidationFlags;
 use crate::console::Console;
 use crate::files::{self, Results};
@@ -26,8 +27,8 @@ pub(crate) struct Report {
     output: PathBuf,
 }
 
-impl Report {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Report {
+    fn run(self, console: &Console) -> Result<()> {
         apart(&[Some(&self.output)], &self.flags.inputs())?;
         files::ready(&[Some(&self.output)])?;
         let (model, validated) = self.flags.run()?;

@@ -1,5 +1,6 @@
 //! `piezoid serve`: the page on this machine, with a project folder.
 
+use super::Run;
 use crate::console::Console;
 use crate::flags::failed;
 use anyhow::Result;
@@ -39,8 +40,8 @@ pub(crate) struct Serve {
     answer: bool,
 }
 
-impl Serve {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Serve {
+    fn run(self, console: &Console) -> Result<()> {
         if self.answer {
             return Ok(piezoid_serve::answer()?);
         }

@@ -1,10 +1,10 @@
 //! `piezoid completions` and `piezoid man`: completion scripts and manual pages.
 
-use crate::Cli;
+use super::Run;
 use crate::console::Console;
 use crate::values::Ended::Misused;
 use anyhow::Result;
-use clap::{Args, CommandFactory};
+use clap::Args;
 
 const COMPLETE: &str = "\
 Examples:
@@ -18,10 +18,10 @@ pub(crate) struct Completions {
     shell: clap_complete::Shell,
 }
 
-impl Completions {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Completions {
+    fn run(self, console: &Console) -> Result<()> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "piezoid", &mut script);
+        clap_complete::generate(self.shell, &mut crate::cli(), "piezoid", &mut script);
         console.print(&script)
     }
 }
@@ -38,9 +38,9 @@ pub(crate) struct Manual {
     verb: Option<String>,
 }
 
-impl Manual {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
-        let mut cli = Cli::command();
+impl Run for Manual {
+    fn run(self, console: &Console) -> Result<()> {
+        let mut cli = crate::cli();
         cli.build();
         let page = match &self.verb {
             None => &cli,

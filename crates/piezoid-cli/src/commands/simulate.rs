@@ -1,5 +1,6 @@
 //! `piezoid simulate`: the response of a plant or a model to a drive signal.
 
+use super::Run;
 use super::lists;
 use crate::columns::Columns;
 use crate::console::Console;
@@ -53,8 +54,8 @@ pub(crate) struct Simulate {
     columns: Columns,
 }
 
-impl Simulate {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Simulate {
+    fn run(self, console: &Console) -> Result<()> {
         let Some(input) = self.file.or(self.input) else { bail!("name the file of the drive signal") };
         apart(&[Some(&self.output)], &[&input])?;
         files::ready(&[Some(&self.output)])?;

@@ -1,5 +1,6 @@
 //! `piezoid study`: the paper's experiment from end to end.
 
+use super::Run;
 use crate::console::Console;
 use crate::files::{self, Results};
 use crate::flags::{Flags, failed};
@@ -31,8 +32,8 @@ pub(crate) struct Study {
     json: Option<PathBuf>,
 }
 
-impl Study {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Study {
+    fn run(self, console: &Console) -> Result<()> {
         if self.out.exists() && !self.out.is_dir() {
             bail!("{}: this is a file, not a folder: name a folder with --out", self.out.display());
         }

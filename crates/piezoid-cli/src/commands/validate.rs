@@ -1,5 +1,6 @@
 //! `piezoid validate`: free runs of a model against validation records.
 
+use super::Run;
 use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
@@ -80,8 +81,8 @@ impl ValidationFlags {
     }
 }
 
-impl Validate {
-    pub(crate) fn run(self, console: &Console) -> Result<()> {
+impl Run for Validate {
+    fn run(self, console: &Console) -> Result<()> {
         apart(&[self.json.as_deref()], &self.flags.inputs())?;
         files::ready(&[self.json.as_deref()])?;
         let (model, validated) = self.flags.run()?;

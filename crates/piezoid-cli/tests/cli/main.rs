@@ -3,7 +3,7 @@
 // Helpers of tests may panic like the tests.
 #![allow(clippy::unwrap_used, clippy::panic)]
 
-mod bad_files;
+mod bad_input;
 mod bench;
 mod bytes;
 mod compare;
@@ -20,14 +20,10 @@ mod joint;
 mod kills;
 mod lists;
 mod measured;
-mod misfits;
-mod mistaken;
 mod plan;
-mod poor_records;
 mod prepare;
 mod process;
 mod proof;
-mod quality;
 mod serve;
 mod study;
 mod tour;

@@ -9,7 +9,7 @@ use piezoid_numerics::options::{OptionRow, Options};
 
 pub(super) const OPERATIONS: &[Operation] = &[Operation {
     name: "export",
-    summary: "the model, its inverse and its controller for another machine",
+    summary: "Export a model and its inverse as code or tables: C, FMU, Simulink, structured text, Rust, waveforms",
     module: "exports",
     roles: &[MODEL, optional("reference")],
     options: ExportCall::rows,

@@ -15,7 +15,7 @@ use serde_json::{Value, json};
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {
         name: "inspect",
-        summary: "what a file holds, how it is read, and what seems wrong with it",
+        summary: "Show what data files hold, how they are read and what seems wrong; write a profile of a rig",
         module: "files",
         roles: &[one("data")],
         options: Vec::new,
@@ -23,7 +23,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "prepare",
-        summary: "a record as it is to be identified, from one as it was measured",
+        summary: "Prepare a record: cut, filter, decimate, resample, average periods, align, repair, calibrate",
         module: "files",
         roles: &[one("data")],
         options: PrepareOptions::rows,
@@ -31,7 +31,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "excite",
-        summary: "a drive signal within the limits of a driver",
+        summary: "Make a drive signal: PRBS, sines, chirps, steps",
         module: "files",
         roles: &[],
         options: ExciteCall::rows,
@@ -39,7 +39,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "plan",
-        summary: "the drives of an identification, within the limits of a driver",
+        summary: "Plan the records of an identification: the drives within a driver's limits, and what each is for",
         module: "files",
         roles: &[optional("model")],
         options: PlanOptions::rows,

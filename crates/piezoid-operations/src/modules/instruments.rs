@@ -11,7 +11,7 @@ use piezoid_verbs::File;
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {
         name: "controller",
-        summary: "what a controller is, and the limits it reports; nothing moves",
+        summary: "Show what a controller is, and the limits it reports; nothing moves",
         module: "instruments",
         roles: &[],
         options: ConnectOptions::rows,
@@ -22,7 +22,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "acquire",
-        summary: "a drive played and recorded by a controller",
+        summary: "Play a drive on a controller with PI's GCS 2.0, and record what the actuator does",
         module: "instruments",
         roles: &[one("drive")],
         options: AcquireOptions::rows,

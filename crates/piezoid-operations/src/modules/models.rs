@@ -20,7 +20,7 @@ use serde_json::json;
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {
         name: "simulate",
-        summary: "the response of a plant or a model to an input",
+        summary: "Run a plant or a model on a drive signal",
         module: "models",
         roles: &[one("input"), optional("model")],
         options: SimulateCall::rows,
@@ -28,7 +28,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "loops",
-        summary: "the loop of a record, its separating line, and the branches of the paper",
+        summary: "Show the hysteresis loop of a record: its reversals, separating line and branches",
         module: "models",
         roles: &[one("data"), optional("model")],
         options: LoopOptions::rows,
@@ -36,7 +36,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "identify",
-        summary: "a model from measured records",
+        summary: "Find a model that predicts measured records",
         module: "models",
         roles: &[several("small_signal", 0), several("large_signal", 0)],
         options: IdentifyOptions::rows,
@@ -44,7 +44,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "validate",
-        summary: "free runs of a model against records",
+        summary: "Validate a model on records that were not used to identify it",
         module: "models",
         roles: &[MODEL, DATA],
         options: ValidateOptions::rows,
@@ -52,7 +52,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "compensate",
-        summary: "the voltage for a requested displacement",
+        summary: "Compute the voltage for a requested displacement",
         module: "models",
         roles: &[MODEL, one("reference")],
         options: CompensateOptions::rows,

@@ -18,7 +18,7 @@ use serde_json::json;
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {
         name: "control",
-        summary: "controllers along references, on a simulated plant",
+        summary: "Close the loop on a simulated actuator and compare controllers",
         module: "reports",
         roles: &[MODEL, several("reference", 0)],
         options: ControlCall::rows,
@@ -26,7 +26,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "report",
-        summary: "a page on a model and how well it predicts records",
+        summary: "Write a self-contained HTML report on a model and how well it predicts records",
         module: "reports",
         roles: &[MODEL, DATA],
         options: ValidateOptions::rows,
@@ -34,7 +34,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "compare",
-        summary: "free runs of several models against the same records",
+        summary: "Compare models on the same records",
         module: "reports",
         roles: &[several("model", 1), DATA],
         options: CompareOptions::rows,
@@ -42,7 +42,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "study",
-        summary: "the comparison of the paper, on a simulated actuator",
+        summary: "Repeat the paper's experiment from end to end, as tables and a report",
         module: "reports",
         roles: &[],
         options: StudyOptions::rows,

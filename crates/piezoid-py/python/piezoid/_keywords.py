@@ -32,12 +32,12 @@ def takes(options: type[Any]) -> Callable[[F], F]:
     return described
 
 
-def known(function: Callable[..., Any], options: Mapping[str, object]) -> dict[str, Any]:
+def known(function: Callable[..., Any], values: Mapping[str, object]) -> dict[str, Any]:
     """The options that were given to a function; any other keyword is a `TypeError` that names all."""
     options: list[str] = getattr(function, "__options__")
-    for name in options:
+    for name in values:
         if name not in options:
             own = [p.name for p in signature(function).parameters.values() if p.kind is Parameter.KEYWORD_ONLY]
             names = [*options, *(keyword for keyword in own if keyword not in options)]
             raise TypeError(f"unexpected keyword {name!r}: options are {', '.join(names)}")
-    return dict(options)
+    return dict(values)

@@ -1,0 +1,89 @@
+//! A verb from the row of its operation: files by their roles, options as flags, the result as JSON.
+
+use super::Task;
+use crate::columns::Columns;
+use crate::console::Console;
+use crate::files::{self, Results};
+use crate::flags::{argument, failed, values};
+use crate::words::flag;
+use anyhow::Result;
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use piezoid_host::files::FileSet;
+use piezoid_numerics::options::Options;
+use piezoid_operations::{Operation, Request, catalogue};
+use serde_json::{Value, json};
+use std::path::PathBuf;
+
+// Flags of every such verb. This is no doc comment, because that would become the help of each verb.
+#[derive(Args)]
+struct Common {
+    /// The folder for the files that it writes, if it writes any.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
+    /// Write the result as JSON; - is stdout [default: -].
+    #[arg(long, value_name = "FILE")]
+    json: Option<PathBuf>,
+    #[command(flatten)]
+    columns: Columns,
+}
+
+fn find(name: &str) -> Option<&'static Operation> {
+    catalogue().operations.into_iter().find(|operation| operation.name == name)
+}
+
+/// The arguments of the operation `name`.
+pub(super) fn arguments(name: &'static str, command: Command) -> Command {
+    let Some(operation) = find(name) else { return command };
+    let files = operation.roles.iter().map(|role| {
+        let most = if role.many { usize::MAX } else { 1 };
+        let help = format!("The {} {}", role.name.replace('_', " "), if role.many { "files" } else { "file" });
+        Arg::new(role.name)
+            .long(flag(role.name))
+            .value_name("FILE")
+            .help(help)
+            .num_args(1..=most)
+            .required(role.least > 0)
+    });
+    Common::augment_args(command.args(files).args((operation.options)().iter().map(argument)))
+}
+
+/// Reads the arguments.
+pub(super) fn parse(name: &'static str, matches: &ArgMatches) -> Result<Task, clap::Error> {
+    let unknown = || clap::Error::raw(clap::error::ErrorKind::InvalidSubcommand, format!("unknown verb `{name}`"));
+    let operation = find(name).ok_or_else(unknown)?;
+    let of_role = |role: &str| matches.get_many::<String>(role).into_iter().flatten().cloned().collect::<Vec<_>>();
+    let roles: Vec<(&str, Vec<String>)> = operation.roles.iter().map(|role| (role.name, of_role(role.name))).collect();
+    let (options, common) = (values(&(operation.options)(), matches), Common::from_arg_matches(matches)?);
+    Ok(Box::new(move |console| run(operation, &roles, &options, &common, console)))
+}
+
+fn run(
+    operation: &Operation,
+    roles: &[(&str, Vec<String>)],
+    options: &Value,
+    common: &Common,
+    console: &Console,
+) -> Result<()> {
+    let paths: Vec<PathBuf> = roles.iter().flat_map(|(_, names)| names).map(PathBuf::from).collect();
+    files::ready(&[common.json.as_deref()])?;
+    let (files, columns) = (files::read_all(&paths)?, common.columns.read()?.to_json());
+    let named: serde_json::Map<String, Value> = roles
+        .iter()
+        .filter(|(_, names)| !names.is_empty())
+        .map(|(role, names)| ((*role).into(), json!(names)))
+        .collect();
+    let request = json!({"call": operation.name, "options": options, "columns": columns, "files": named});
+    let mut progress = console.progress();
+    let outcome = piezoid_operations::run(&Request::of(request).map_err(failed)?, &files, &mut progress);
+    drop(progress);
+    let output = console.done(outcome)?;
+    let results = match &common.output {
+        Some(folder) => output
+            .files
+            .into_iter()
+            .fold(FileSet::default(), |set, file| set.with(&folder.join(&file.name), file.bytes)),
+        None => FileSet::default(),
+    };
+    let stdout = PathBuf::from("-");
+    Results::of(results).json(Some(common.json.as_ref().unwrap_or(&stdout)), &output.result).write(console)
+}
