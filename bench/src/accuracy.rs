@@ -101,7 +101,7 @@ fn outcomes(name: &'static str) -> Result<Vec<Outcome>, Error> {
 fn drawn(seed: u64) -> Result<Spec, Box<dyn std::error::Error>> {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut between = |low: f64, high: f64| random.random_range(low..high);
-    let mut spec: serde_json::Value = serde_json::from_str(&(Preset::find("pl140")?.spec)().to_json()?)?;
+    let mut spec: serde_json::Value = serde_json::from_str(&Preset::find("pl140")?.spec().to_json()?)?;
     spec["creep_per_decade"] = between(0.01, 0.02).into();
     spec["creep_from_s"] = between(0.03f64.ln(), 0.3f64.ln()).exp().into();
     spec["driver"]["lag_s"] = between(3e-5f64.ln(), 3e-4f64.ln()).exp().into();

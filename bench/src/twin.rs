@@ -75,7 +75,7 @@ pub struct Twin {
 impl Twin {
     /// The twin called `name`.
     pub fn new(name: &str) -> Result<Self, Error> {
-        Twin::of(&(Preset::find(name)?.spec)())
+        Twin::of(&Preset::find(name)?.spec())
     }
 
     /// The twin of these parameters.

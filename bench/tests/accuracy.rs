@@ -78,7 +78,7 @@ fn the_readme_has_the_larger_figures_of_the_twins() {
 
 #[test]
 fn the_error_at_the_slew_limit_of_the_driver_is_not_hysteresis() {
-    let spec = (Preset::find(TWINS[1]).expect("a twin").spec)().to_json().expect("a specification");
+    let spec = Preset::find(TWINS[1]).expect("a twin").spec().to_json().expect("a specification");
     let mut spec: serde_json::Value = serde_json::from_str(&spec).expect("JSON");
     spec["hysteresis"]["bouc_wen"]["width"] = 0.0.into();
     let spec = Spec::from_json(&spec.to_string()).expect("a specification");

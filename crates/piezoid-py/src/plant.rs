@@ -24,7 +24,7 @@ impl Plant {
     /// The plant called `name`.
     #[staticmethod]
     fn named(name: &str) -> PyResult<Self> {
-        plant::Preset::find(name).map(|preset| Plant { spec: (preset.spec)() }).map_err(raised)
+        plant::Preset::find(name).map(|preset| Plant { spec: preset.spec() }).map_err(raised)
     }
 
     #[staticmethod]

@@ -121,7 +121,7 @@ mod tests {
 
     /// The plant without noise, converter and lag of its sensor, and without creep.
     fn quiet(name: &str, ts: f64) -> Plant {
-        let spec = (Preset::find(name).unwrap().spec)();
+        let spec = Preset::find(name).unwrap().spec();
         let sensor = SensorSpec::default();
         Plant::new(&Spec { sensor, creep_per_decade: 0.0, logged: Logged::After, ..spec }, ts).unwrap()
     }
@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn the_twins_are_those_of_the_catalogue() {
         for (plant, name) in [("pl140", "pl140"), ("p885", "p-885.51"), ("p611", "p-611.1s"), ("tb3507", "tb3507")] {
-            let (spec, actuator) = ((Preset::find(plant).unwrap().spec)(), Actuator::find(name).unwrap());
+            let (spec, actuator) = (Preset::find(plant).unwrap().spec(), Actuator::find(name).unwrap());
             assert_eq!(Some(spec.driver.capacitance_f), actuator.capacitance, "{plant}");
             assert!(actuator.low <= spec.driver.min_v && spec.driver.max_v <= actuator.high, "{plant}");
         }
@@ -207,7 +207,7 @@ mod tests {
     #[test]
     fn creep_and_noise_are_those_of_the_specification() {
         for (name, v, noise) in [("p885", 100.0, 1e-9), ("p611", 100.0, 4e-9), ("tb3507", 250.0, 2e-9)] {
-            let spec = (Preset::find(name).unwrap().spec)();
+            let spec = Preset::find(name).unwrap().spec();
             let plant = Plant::new(&Spec { sensor: SensorSpec::default(), ..spec.clone() }, 0.05).unwrap();
             // From 1 to 10 s after the step, relative to the displacement after 0.1 s.
             let y = plant.run(&[v; 201]).y;

@@ -9,7 +9,7 @@ impl Spec {
     /// Plant `i` of those drawn with `seed` around this one. Its parameters differ by up to `share` of their values.
     ///
     /// ```
-    /// let bender = (piezoid::plant::Preset::find("pl140")?.spec)();
+    /// let bender = piezoid::plant::Preset::find("pl140")?.spec();
     /// let [one, other] = [0, 1].map(|i| bender.drawn(0.2, 7, i));
     /// assert_ne!(one?, other?);
     /// # Ok::<(), piezoid::Error>(())

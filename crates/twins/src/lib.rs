@@ -107,7 +107,7 @@ impl Plant {
     /// # Errors
     /// Returns an error if there is no such plant or `ts` is not positive.
     pub fn named(name: &str, ts: f64) -> Result<Self, Error> {
-        Plant::new(&(Preset::find(name)?.spec)(), ts)
+        Plant::new(&Preset::find(name)?.spec(), ts)
     }
 
     /// The plant sampled every `ts` [s], with noise of seed 0.
@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn every_settled_plant_stays_settled() {
         for preset in PLANTS {
-            let quiet = Spec { sensor: SensorSpec::default(), ..(preset.spec)() };
+            let quiet = Spec { sensor: SensorSpec::default(), ..preset.spec() };
             let plant = Plant::new(&quiet, TS).unwrap();
             for u in [20.0, -7.0, 45.0] {
                 let y = plant.resume(&mut plant.settled(u), &[u; 400]);
@@ -279,7 +279,7 @@ mod tests {
     }
 
     fn spec(name: &str) -> Spec {
-        (Preset::find(name).unwrap().spec)()
+        Preset::find(name).unwrap().spec()
     }
 
     fn plant(spec: &Spec) -> Plant {
@@ -390,7 +390,7 @@ mod tests {
     #[test]
     fn a_split_run_is_bit_identical_to_the_whole() {
         for preset in PLANTS {
-            let plant = plant(&(preset.spec)()).with_seed(3);
+            let plant = plant(&preset.spec()).with_seed(3);
             let u = sine(31.0, 37.0, 600);
             let mut x = plant.initial();
             let mut y = plant.resume(&mut x, &u[..251]);
@@ -438,7 +438,7 @@ mod tests {
     #[test]
     fn a_nan_cannot_panic() {
         for preset in PLANTS {
-            let y = plant(&(preset.spec)()).run(&[1.0, f64::NAN, 2.0, f64::INFINITY, -1.0, f64::NEG_INFINITY]).y;
+            let y = plant(&preset.spec()).run(&[1.0, f64::NAN, 2.0, f64::INFINITY, -1.0, f64::NEG_INFINITY]).y;
             assert_eq!(y.len(), 6);
             assert!(y[5].is_nan(), "{}: NaN stays in the state", preset.name);
         }

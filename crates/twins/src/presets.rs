@@ -17,7 +17,14 @@ pub struct Preset {
     pub reference: &'static str,
     /// Its parameters.
     #[serde(skip)]
-    pub spec: fn() -> Spec,
+    spec: fn() -> Spec,
+}
+
+impl Preset {
+    /// Its parameters.
+    pub fn spec(&self) -> Spec {
+        (self.spec)()
+    }
 }
 
 const SHEET: &str = "PI datasheet PL112-PL140, 31.07.2020; Mayergoyz 1991, DOI 10.1007/978-1-4612-3028-1";
@@ -202,7 +209,7 @@ mod tests {
     #[test]
     fn every_plant_is_bit_identical_after_json() {
         for plant in PLANTS {
-            let spec = (plant.spec)();
+            let spec = plant.spec();
             assert_eq!(Spec::from_json(&spec.to_json().unwrap()).unwrap(), spec, "{}", plant.name);
         }
     }
@@ -210,12 +217,12 @@ mod tests {
     #[test]
     fn every_plant_stays_bounded_and_comes_to_rest() {
         for preset in PLANTS {
-            let plant = Plant::new(&(preset.spec)(), 5e-4).unwrap();
+            let plant = Plant::new(&preset.spec(), 5e-4).unwrap();
             // Hard switching, then 1 s of rest.
             let mut u: Vec<f64> = (0..2000).map(|i| if i / 7 % 2 == 0 { 30.0 } else { -30.0 }).collect();
             u.extend([0.0; 2000]);
             let y = plant.run(&u).y;
-            let stroke = match (preset.spec)().hysteresis {
+            let stroke = match preset.spec().hysteresis {
                 HysteresisSpec::BoucWen { displacement_m, .. } | HysteresisSpec::Preisach { displacement_m, .. } => {
                     displacement_m
                 }

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 /// ```
 /// use piezoid::plant::{Plant, Spec, Preset};
 ///
-/// let text = (Preset::find("pl140")?.spec)().to_json()?; // a starting point for a bender of your own
+/// let text = Preset::find("pl140")?.spec().to_json()?; // a starting point for a bender of your own
 /// let plant = Plant::new(&Spec::from_json(&text)?, 5e-4)?;
 /// # Ok::<(), piezoid::Error>(())
 /// ```

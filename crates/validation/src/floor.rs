@@ -212,7 +212,7 @@ mod tests {
 
     #[test]
     fn the_noise_floor_of_a_twin_is_its_sensor_noise_with_or_without_periods_and_drift() {
-        let spec = (Preset::find("pl140").unwrap().spec)();
+        let spec = Preset::find("pl140").unwrap().spec();
         let sine = Sine { amplitude: 28.0, frequency: 5.0, ..Sine::default() }.samples(TS, 8000).unwrap();
         let periodic = Prbs { order: 9, ..Prbs::default() }.samples(TS, 511 * 5).unwrap();
         let once = Prbs { order: 12, ..Prbs::default() }.samples(TS, 4095).unwrap();

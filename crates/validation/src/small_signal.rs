@@ -292,7 +292,7 @@ mod tests {
             let is_linear = plant.name != "pl140-nonlinear";
             assert_eq!(small.is_linear, Some(is_linear), "{}: {small:?}", plant.name);
             assert_eq!(small.verdict.contains("is linear"), is_linear, "{}: {small:?}", plant.name);
-            let amplitude = 0.93 * (plant.spec)().driver.max_v;
+            let amplitude = 0.93 * plant.spec().driver.max_v;
             let sine = Sine { amplitude, frequency: 5.0, ..Sine::default() }.samples(TS, 4000).unwrap();
             let large = Linearity::of(&measured(plant.name, sine)).unwrap();
             assert!(large.is_linear == Some(false) && large.odd_percent.unwrap() > 1.0, "{}: {large:?}", plant.name);

@@ -358,7 +358,7 @@ mod tests {
     }
 
     fn compared(plant: &str, model: &File) -> Comparison {
-        let spec = (Preset::find(plant).unwrap().spec)();
+        let spec = Preset::find(plant).unwrap().spec();
         let options = ControlOptions {
             controller: vec!["gain".into()],
             reference: vec!["sine:5".into()],

@@ -326,7 +326,7 @@ mod tests {
     #[test]
     fn the_driver_of_a_twin_is_known_unless_it_is_ideal() {
         let of = |name: &str| {
-            let options = IdentifyOptions::default().with_driver_of(&(Preset::find(name).unwrap().spec)());
+            let options = IdentifyOptions::default().with_driver_of(&Preset::find(name).unwrap().spec());
             options.driver().unwrap()
         };
         assert_eq!(of("paper"), None);

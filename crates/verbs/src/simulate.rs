@@ -160,7 +160,7 @@ mod tests {
         let reached = |volts: f64, ts: f64| {
             let u: Vec<f64> = (0..200).map(|t| volts * (0.314_159 * f64::from(t)).sin()).collect();
             let input = File::new("u.csv", Table::write("u.csv", ts, &[("u_V", &u)]).unwrap());
-            let spec = (Preset::find("pl140").unwrap().spec)();
+            let spec = Preset::find("pl140").unwrap().spec();
             SimulateOptions::default().plant(&spec, &input, &ColumnSelection::default()).unwrap().reached
         };
         let (slow, fast) = (reached(28.0, 1e-3), reached(28.0, 5e-5));

@@ -162,7 +162,7 @@ mod tests {
         let r = Sine { amplitude: 500.0, frequency: 5.0, ..Default::default() }.samples(5e-4, 400).unwrap();
         let tolerance = Tolerance { draws: 4, ..Default::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let spec = (Preset::find("pl140").unwrap().spec)();
+        let spec = Preset::find("pl140").unwrap().spec();
         pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut Stage::ignore)).unwrap()
     }
 
@@ -182,7 +182,7 @@ mod tests {
 
     #[test]
     fn a_draw_stays_within_the_tolerance() {
-        let spec = (Preset::find("pl140").unwrap().spec)();
+        let spec = Preset::find("pl140").unwrap().spec();
         let lag = |i| spec.drawn(0.2, 0, i).unwrap().driver.lag_s / spec.driver.lag_s;
         let lags: Vec<f64> = (0..200).map(lag).collect();
         let (low, high) = ends(lags);

@@ -192,7 +192,7 @@ mod tests {
     #[test]
     fn it_equals_the_hysteresis_of_the_twin() {
         // Only the ceramic of the twin: driver, beam and sensor are ideal, and there is no creep.
-        let twin = (Preset::find("pl140-bouc-wen").unwrap().spec)();
+        let twin = Preset::find("pl140-bouc-wen").unwrap().spec();
         let ceramic =
             Spec { driver: DriverSpec::default(), creep_per_decade: 0.0, beam: BeamSpec::Modes(vec![]), ..twin };
         let plant =

@@ -120,5 +120,5 @@ pub(crate) fn plant(name: &str) -> Result<Spec> {
     }
     let own = "a plant of your own goes into a .json file: see `piezoid plants --show`";
     let unknown = |e| Misused(format!("{e} ({own})"));
-    Ok((plant::Preset::find(name).map_err(unknown)?.spec)())
+    Ok(plant::Preset::find(name).map_err(unknown)?.spec())
 }

@@ -35,7 +35,7 @@ impl Simulation {
     /// # Errors
     /// Returns an error if there is no such plant.
     pub fn controller(&self) -> Result<Simulated, Error> {
-        self.around(&(Preset::find(&self.plant)?.spec)(), &self.plant)
+        self.around(&Preset::find(&self.plant)?.spec(), &self.plant)
     }
 
     /// The controller with a plant of this name.

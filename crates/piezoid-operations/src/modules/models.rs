@@ -72,7 +72,7 @@ fn simulate(inputs: &Inputs) -> Result<Output, Error> {
     let (options, input, columns) = (inputs.options::<SimulateCall>()?, inputs.one("input")?, inputs.columns()?);
     let outcome = match inputs.some("model")? {
         Some(model) => options.simulation.model(&model, &input, &columns),
-        None => options.simulation.plant(&(Preset::find(&options.plant)?.spec)(), &input, &columns),
+        None => options.simulation.plant(&Preset::find(&options.plant)?.spec(), &input, &columns),
     }?;
     let result = json!({"ts": outcome.ts, "units": outcome.units, "reached": outcome.reached});
     let file = File::new("simulated.csv", outcome.written("simulated.csv")?);

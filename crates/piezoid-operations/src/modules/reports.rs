@@ -62,7 +62,7 @@ fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let ControlCall { plant, mut control } = inputs.options()?;
     let files = inputs.all("reference")?;
     control.reference.extend(files.iter().map(|file| file.name.clone()));
-    let spec = (Preset::find(&plant)?.spec)();
+    let spec = Preset::find(&plant)?.spec();
     let outcome = control.run((&plant, &spec), &inputs.one("model")?, &files, &inputs.columns()?, progress)?;
     let mut series = Vec::new();
     for (k, with_driver) in outcome.results.iter().enumerate() {

@@ -277,7 +277,7 @@ impl Study {
     /// # Errors
     /// The errors of the identification, and [`Error::Cancelled`].
     pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result<Study, Error> {
-        let bench = Bench::new(&(plant.spec)(), seed)?;
+        let bench = Bench::new(&plant.spec(), seed)?;
         let (mut notes, mut limits) = (Vec::new(), Vec::new());
 
         let period = (1 << 12) - 1;
@@ -325,7 +325,7 @@ impl Study {
         };
         let options =
             IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..Default::default() }
-                .with_driver_of(&(plant.spec)());
+                .with_driver_of(&plant.spec());
         let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
         let joint = records.identify(&options, &mut of_joint)?;
 

@@ -55,7 +55,7 @@ fn only_a_clipped_sensor_is_reported_for_all_excitations_and_plants() {
     for plant in PLANTS {
         // Unipolar actuators are driven about their middle, and have been before: creep after the first step is drift.
         // They are sampled so that their resonance, of up to 1120 Hz, does not look like spikes.
-        let middle = (plant.spec)().middle_v;
+        let middle = plant.spec().middle_v;
         let (ts, times) = if middle == 0.0 { (TS, 1) } else { (2e-4, 2) };
         let actuator = Plant::named(plant.name, ts).unwrap();
         for excitation in EXCITATIONS {

@@ -62,7 +62,7 @@ proptest! {
     #[test]
     fn plants_keep_the_contract(u in drive(20..60), seed: u64, cuts in cuts()) {
         for preset in PLANTS {
-            let plant = Plant::new(&(preset.spec)(), TS).expect("a plant").with_seed(seed);
+            let plant = Plant::new(&preset.spec(), TS).expect("a plant").with_seed(seed);
             assert_contract(&plant, &u, cuts);
             prop_assert_eq!(plant.run(&u).y, plant.simulate(&u));
         }
