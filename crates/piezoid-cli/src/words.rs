@@ -1,7 +1,9 @@
 //! The words of the command line: options of the library as flags, its lists as commands.
 
 use crate::flags::placeholder;
-use piezoid_numerics::options::OptionRow;
+use piezoid::PrepareOptions;
+use piezoid::formats::ColumnSelection;
+use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_numerics::words::Words;
 use piezoid_operations::catalogue;
 use serde_json::Value;
@@ -43,9 +45,7 @@ pub(crate) fn flag(name: &str) -> String {
 
 /// The placeholder for a value that only the user knows: of columns and of the steps that repair a record.
 fn unknown(name: &str) -> String {
-    let catalogue = catalogue();
-    let prepare = catalogue.operations.iter().filter(|operation| operation.name == "prepare");
-    let mut rows = catalogue.columns.into_iter().chain(prepare.flat_map(|operation| (operation.options)()));
+    let mut rows = ColumnSelection::rows().into_iter().chain(PrepareOptions::rows());
     let row = rows.find(|row| row.name == name);
     row.map(|row| format!(" {}", placeholder(&row))).unwrap_or_default()
 }

@@ -61,6 +61,22 @@ pub struct Operation {
     pub run: fn(&Inputs, &mut Progress) -> Result<Output, Error>,
 }
 
+impl Operation {
+    /// All operations that are built in.
+    pub fn all() -> impl Iterator<Item = &'static Operation> {
+        modules::all()
+    }
+
+    /// The operation of this name.
+    ///
+    /// # Errors
+    /// Returns an error for an unknown name.
+    pub fn find(name: &str) -> Result<&'static Operation, Error> {
+        let known = || Error::unknown("call", name, Operation::all().map(|operation| operation.name));
+        Operation::all().find(|operation| operation.name == name).ok_or_else(known)
+    }
+}
+
 /// The files that an operation takes for one purpose.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Role {
@@ -100,8 +116,7 @@ fn file_lengths<S: Serializer>(files: &[File], to: S) -> Result<S::Ok, S::Error>
 /// # Errors
 /// Returns an error for an unknown operation, and the errors of [`Operation::run`].
 pub fn run(request: &Request, files: &[File], progress: &mut Progress) -> Result<Output, Error> {
-    let known = || Error::unknown("call", &request.call, modules::all().map(|operation| operation.name));
-    let operation = modules::all().find(|operation| operation.name == request.call).ok_or_else(known)?;
+    let operation = Operation::find(&request.call)?;
     request.fit(operation.roles)?;
     (operation.run)(&Inputs { request, files }, progress)
 }

@@ -6,10 +6,9 @@
 //! height: with the straight line from displacement to voltage that a data sheet suggests (5 %), and with the inverse
 //! of the model (0.1 %).
 
-use piezoid::Compensate;
 use piezoid::excitation::{Prbs, RisingSine, Triangle};
 use piezoid::plant::Plant;
-use piezoid::{Error, IdentifyOptions, Record, Records, identify};
+use piezoid::{Compensate, Error, IdentifyOptions, Record, Records, identify};
 
 /// Sampling period [s], and half the height of the path [um].
 const TS: f64 = 5e-4;

@@ -5,11 +5,9 @@
 //! The records come from a simulated bender. The program prints the error of the model on a record that was not used to
 //! identify it (0.12 % of peak-to-peak), the largest voltage along a path, and the files of the exported model.
 
-use piezoid::Compensate;
-use piezoid::Validate;
 use piezoid::excitation::{Prbs, RisingSine, Sine, Staircase};
 use piezoid::plant::Plant;
-use piezoid::{Error, IdentifyOptions, Record, Records, identify};
+use piezoid::{Compensate, Error, IdentifyOptions, Record, Records, Validate, identify};
 use piezoid_export::Export;
 
 /// Sampling period [s].

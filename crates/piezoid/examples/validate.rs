@@ -7,11 +7,10 @@
 //! and compares them with the noise floor, which is the scatter of the error between repetitions of the input. A model
 //! that describes everything has an error of one noise floor; this one has 3.4.
 
-use piezoid::Validate;
 use piezoid::excitation::{Prbs, RisingSine, Triangle};
 use piezoid::formats::ColumnSelection;
 use piezoid::plant::Plant;
-use piezoid::{Error, IdentifyOptions, Model, Record, Records, identify};
+use piezoid::{Error, IdentifyOptions, Model, Record, Records, Validate, identify};
 
 /// Sampling period of the simulated records [s].
 const TS: f64 = 5e-4;

@@ -99,8 +99,8 @@ fn control_step(s: control_state, r, y, feed_forward) {{
     }
 
     fn law(&self) -> Option<Arx> {
-        let (poles, delay_samples) = (self.q.denominator(), [vec![0.0; self.delay], self.q.b().to_vec()].concat());
-        ratio(self.ts(), &times(self.q.b(), self.inverse.b()), &plus(&poles, -1.0, &delay_samples)).ok()
+        let (poles, delayed) = (self.q.denominator(), [vec![0.0; self.delay], self.q.b().to_vec()].concat());
+        ratio(self.ts(), &times(self.q.b(), self.inverse.b()), &plus(&poles, -1.0, &delayed)).ok()
     }
 }
 

@@ -40,7 +40,7 @@ impl IntegralNotch {
     pub(super) fn new(ts: f64, ki: f64, notches: &[(f64, f64, f64)], limits: (f64, f64)) -> Result<Self, Error> {
         positive("ts", ts, "seconds")?;
         check(&[("ki", ki)], limits)?;
-        let result = |&(hz, depth, width): &(f64, f64, f64)| {
+        let notch = |&(hz, depth, width): &(f64, f64, f64)| {
             positive("notch frequency", hz, "Hz")?;
             for d in [depth, width] {
                 if !(0.0..=1.0).contains(&d) {
@@ -49,7 +49,7 @@ impl IntegralNotch {
             }
             notch(ts, hz, depth, width)
         };
-        Ok(IntegralNotch { ts, ki, notches: notches.iter().map(result).collect::<Result<_, _>>()?, limits })
+        Ok(IntegralNotch { ts, ki, notches: notches.iter().map(notch).collect::<Result<_, _>>()?, limits })
     }
 }
 

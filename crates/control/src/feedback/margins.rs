@@ -200,7 +200,7 @@ pub(super) fn grid(blocks: &[&Arx], delay_samples: usize) -> Vec<f64> {
     grid
 }
 
-/// k G(q), delay_samples by `after` [s].
+/// k G(q), delayed by `after` [s].
 pub(super) fn open<'a>(
     grid: &'a [f64],
     linear: &'a Arx,

@@ -276,9 +276,9 @@ mod tests {
         assert!(pi(&bender(), &wrong).unwrap_err().to_string().starts_with("phase_deg = 0"));
         let unstable = path_of(Arx::new(TS, vec![1.01], vec![0.1]).unwrap(), (30.0, 40.0));
         assert!(pi(&unstable, &MarginTarget::default()).unwrap_err().to_string().contains("not stable"));
-        let delay_samples = ControlLoop { delay_samples: 21, ..bender() };
+        let too_long = ControlLoop { delay_samples: 21, ..bender() };
         assert!(
-            pi(&delay_samples, &MarginTarget::default())
+            pi(&too_long, &MarginTarget::default())
                 .unwrap_err()
                 .to_string()
                 .starts_with("delay_samples = 21: must be at most 20")

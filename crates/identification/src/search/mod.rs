@@ -140,7 +140,7 @@ impl<'a> Search<'a> {
 
     /// The held-out errors before and after the last move of this name; `None` if it was not made.
     fn errors_of(&self, name: &str) -> Option<(f64, f64)> {
-        self.history.iter().rfind(|(result, ..)| *result == name).map(|(_, before, after)| (*before, *after))
+        self.history.iter().rfind(|(move_name, ..)| *move_name == name).map(|(_, before, after)| (*before, *after))
     }
 
     /// How the basis of an operator is made for the driver of an estimate.

@@ -15,8 +15,7 @@ use piezoid::control::{
     ClosedLoopRun, Comparison, ControllerInput, NamedReference, Reference, ReferenceResult, TunedScheme,
 };
 use piezoid_numerics::number::{round, short as number};
-use piezoid_verbs::ComparisonReport;
-use piezoid_verbs::ControlOptions;
+use piezoid_verbs::{ComparisonReport, ControlOptions};
 use std::hint::black_box;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};

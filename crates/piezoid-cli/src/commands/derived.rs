@@ -5,12 +5,13 @@ use crate::columns::Columns;
 use crate::console::Console;
 use crate::files::{self, Results};
 use crate::flags::{argument, failed, values};
+use crate::values::apart;
 use crate::words::flag;
 use anyhow::Result;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use piezoid_host::files::FileSet;
 use piezoid_numerics::options::Options;
-use piezoid_operations::{Operation, Request, catalogue};
+use piezoid_operations::{Operation, Request};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
@@ -27,13 +28,9 @@ struct Common {
     columns: Columns,
 }
 
-fn find(name: &str) -> Option<&'static Operation> {
-    catalogue().operations.into_iter().find(|operation| operation.name == name)
-}
-
 /// The arguments of the operation `name`.
 pub(super) fn arguments(name: &'static str, command: Command) -> Command {
-    let Some(operation) = find(name) else { return command };
+    let Ok(operation) = Operation::find(name) else { return command };
     let files = operation.roles.iter().map(|role| {
         let most = if role.many { usize::MAX } else { 1 };
         let help = format!("The {} {}", role.name.replace('_', " "), if role.many { "files" } else { "file" });
@@ -49,8 +46,8 @@ pub(super) fn arguments(name: &'static str, command: Command) -> Command {
 
 /// Reads the arguments.
 pub(super) fn parse(name: &'static str, matches: &ArgMatches) -> Result<Task, clap::Error> {
-    let unknown = || clap::Error::raw(clap::error::ErrorKind::InvalidSubcommand, format!("unknown verb `{name}`"));
-    let operation = find(name).ok_or_else(unknown)?;
+    let unknown = |error| clap::Error::raw(clap::error::ErrorKind::InvalidSubcommand, error);
+    let operation = Operation::find(name).map_err(unknown)?;
     let of_role = |role: &str| matches.get_many::<String>(role).into_iter().flatten().cloned().collect::<Vec<_>>();
     let roles: Vec<(&str, Vec<String>)> = operation.roles.iter().map(|role| (role.name, of_role(role.name))).collect();
     let (options, common) = (values(&(operation.options)(), matches), Common::from_arg_matches(matches)?);
@@ -65,6 +62,7 @@ fn run(
     console: &Console,
 ) -> Result<()> {
     let paths: Vec<PathBuf> = roles.iter().flat_map(|(_, names)| names).map(PathBuf::from).collect();
+    apart(&[common.json.as_deref()], &paths.iter().collect::<Vec<_>>())?;
     files::ready(&[common.json.as_deref()])?;
     let (files, columns) = (files::read_all(&paths)?, common.columns.read()?.to_json());
     let named: serde_json::Map<String, Value> = roles
@@ -77,13 +75,10 @@ fn run(
     let outcome = piezoid_operations::run(&Request::of(request).map_err(failed)?, &files, &mut progress);
     drop(progress);
     let output = console.done(outcome)?;
-    let results = match &common.output {
-        Some(folder) => output
-            .files
-            .into_iter()
-            .fold(FileSet::default(), |set, file| set.with(&folder.join(&file.name), file.bytes)),
+    let files = match &common.output {
+        Some(folder) => FileSet::in_folder(folder, &output.files)?,
         None => FileSet::default(),
     };
     let stdout = PathBuf::from("-");
-    Results::of(results).json(Some(common.json.as_ref().unwrap_or(&stdout)), &output.result).write(console)
+    Results::of(files).json(Some(common.json.as_ref().unwrap_or(&stdout)), &output.result).write(console)
 }

@@ -11,15 +11,13 @@ use crate::tables::verdict;
 use crate::values::apart;
 use anyhow::Result;
 use clap::Args;
-use piezoid::IdentifyOptions;
-use piezoid::StatedVerdict;
 use piezoid::formats::ColumnSelection;
+use piezoid::{IdentifyOptions, StatedVerdict};
 use piezoid_export::ExportTarget;
 use piezoid_numerics::number::join;
 use piezoid_numerics::options::Options;
 use piezoid_report::report;
-use piezoid_verbs::IdentifyAgain;
-use piezoid_verbs::Source;
+use piezoid_verbs::{IdentifyAgain, Source};
 use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\

@@ -24,8 +24,8 @@ mod validate;
 
 use crate::console::Console;
 use anyhow::Result;
-use clap::{ArgMatches, Args, Command};
-use piezoid_operations::catalogue;
+use clap::{ArgMatches, Args, Command, FromArgMatches};
+use piezoid_operations::Operation;
 
 /// A verb of the command line.
 pub(crate) struct Verb {
@@ -66,7 +66,7 @@ const fn derived(name: &'static str) -> Verb {
 /// A list of the catalogue.
 const fn list(name: &'static str, about: &'static str) -> Verb {
     let parse = |name, matches: &ArgMatches| -> Result<Task, clap::Error> {
-        let list = <lists::List as clap::FromArgMatches>::from_arg_matches(matches)?;
+        let list = lists::List::from_arg_matches(matches)?;
         Ok(Box::new(move |console| list.run(name, console)))
     };
     Verb { name, about, arguments: |_, command| lists::List::augment_args(command), parse }
@@ -106,7 +106,7 @@ const VERBS: [Verb; 26] = [
 
 /// All verbs: the rows above, and the operations that they leave out. `acquire` does what `controller` does.
 pub(crate) fn all() -> Vec<Verb> {
-    let names = catalogue().operations.into_iter().map(|operation| operation.name).filter(|name| *name != "controller");
+    let names = Operation::all().map(|operation| operation.name).filter(|name| *name != "controller");
     let others = names.filter(|name| VERBS.iter().all(|verb| verb.name != *name)).map(derived);
     VERBS.into_iter().chain(others).collect()
 }
@@ -114,10 +114,7 @@ pub(crate) fn all() -> Vec<Verb> {
 impl Verb {
     /// The subcommand.
     pub(crate) fn command(&self) -> Command {
-        let operations = catalogue().operations;
-        let summary =
-            operations.iter().find(|operation| operation.name == self.name).map(|operation| operation.summary);
-        let about = if self.about.is_empty() { summary.unwrap_or_default() } else { self.about };
+        let about = Operation::find(self.name).map_or(self.about, |operation| operation.summary);
         (self.arguments)(self.name, Command::new(self.name)).about(about)
     }
 

@@ -12,8 +12,7 @@ use anyhow::Result;
 use clap::Args;
 use piezoid::Model;
 use piezoid::validation::ValidateOptions;
-use piezoid_verbs::ValidateRecords;
-use piezoid_verbs::{Source, Validated};
+use piezoid_verbs::{Source, ValidateRecords, Validated};
 use std::path::PathBuf;
 
 const EXAMPLES: &str = "\

@@ -47,6 +47,7 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
         ("simulate --plant paper --input drive5.csv -o drive5.csv", &["drive5.csv", "overwritten"]),
         ("report --model model.json --data sine5.csv -o model.json", &["model.json", "overwritten"]),
         ("validate --model model.json --data sine5.csv --json ./sine5.csv", &["sine5.csv", "overwritten"]),
+        ("loops --data sine5.csv --json sine5.csv", &["sine5.csv", "overwritten"]),
         ("validate --model model.json", &["<FILE>..."]),
         ("validate --model model.json --data sine5.csv --skip -5", &["'-5'", "--skip", "0 or more"]),
         ("validate --model model.json --data sine5.csv --skip nan", &["'nan'", "--skip"]),
@@ -64,6 +65,16 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
         assert!(run.err.starts_with("error: ") && run.out.is_empty(), "{run:?}");
     }
     assert!(before == bench.files(), "a wrong command line left {:?}", bench.names());
+}
+
+#[test]
+fn an_operation_without_output_of_its_own_is_a_verb_by_its_row() {
+    let bench = Bench::stocked();
+    let found = bench.run("loops --data sine5.csv --bins 8").ok().out_json();
+    assert_eq!(found["units"]["y"], "um");
+    // A quarter of 0.2 s, in samples of 0.5 ms.
+    assert_eq!((&found["loop"]["frequency_hz"], &found["reversals"][0]), (&5.0.into(), &100.into()));
+    bench.run("loops --data sine5.csv --bins 0").exits(2).says(&["'0'", "--bins"]);
 }
 
 #[test]

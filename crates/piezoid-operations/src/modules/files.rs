@@ -8,8 +8,7 @@ use piezoid::{Error, PrepareOptions};
 use piezoid_numerics::options::options;
 use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_records::waveform::spectrum;
-use piezoid_verbs::InspectTable;
-use piezoid_verbs::{ExciteOptions, File, PlanOptions, Source, Step};
+use piezoid_verbs::{ExciteOptions, File, InspectTable, PlanOptions, Source, Step};
 use serde_json::{Value, json};
 
 pub(super) const OPERATIONS: &[Operation] = &[

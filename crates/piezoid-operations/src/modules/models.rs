@@ -2,19 +2,17 @@
 
 use super::{DATA, MODEL, NAME, named, one, optional, several};
 use crate::{Inputs, Operation, Output};
-use piezoid::StatedVerdict;
 use piezoid::hammerstein::Model;
 use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
-use piezoid::{Error, IdentifyOptions};
+use piezoid::{Error, IdentifyOptions, StatedVerdict};
 use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::hysteresis::LoopOptions;
 use piezoid_numerics::options::options;
 use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_records::waveform::{REVERSAL, reversals};
-use piezoid_verbs::ValidateRecords;
-use piezoid_verbs::{CompensateOptions, File, SimulateOptions};
+use piezoid_verbs::{CompensateOptions, File, SimulateOptions, ValidateRecords};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[

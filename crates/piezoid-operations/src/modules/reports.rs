@@ -10,9 +10,7 @@ use piezoid_numerics::options::options;
 use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::report::{comparison, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
-use piezoid_verbs::ComparisonReport;
-use piezoid_verbs::ValidateRecords;
-use piezoid_verbs::{CompareOptions, ControlOptions, File};
+use piezoid_verbs::{CompareOptions, ComparisonReport, ControlOptions, File, ValidateRecords};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[

@@ -101,10 +101,9 @@ fn validation(title: &str, verdict: Option<&Verdict>, validated: &Validated) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use piezoid::Record;
-    use piezoid::Validate;
     use piezoid::hysteresis::OPERATORS;
     use piezoid::linear::Arx;
+    use piezoid::{Record, Validate};
     use serde_json::json;
 
     const NONE: Validated = Validated { files: Vec::new() };
