@@ -44,7 +44,7 @@ const SEED: u64 = 7;
 
 fn reference((kind, hz): (&str, f64)) -> Result<NamedReference, Error> {
     let n = (f64::max(1.0, 4.0 / hz) / TS) as usize;
-    Ok(NamedReference::new(format!("{kind} {hz}"), TS, (Reference::find(kind)?.samples)(TS, n, PEAK, hz)?))
+    Ok(NamedReference::new(format!("{kind} {hz}"), TS, Reference::find(kind)?.samples(TS, n, PEAK, hz)?))
 }
 
 /// A scheme tuned for a model; `ahead` samples of the reference are known in advance.

@@ -90,7 +90,7 @@ impl Twin {
         let mut amplitude = AMPLITUDE;
         loop {
             let u = drive(amplitude)?;
-            let y: Vec<f64> = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+            let y = plant.run(&u).y;
             let peak = y.iter().fold(0.0f64, |peak, y| peak.max(y.abs()));
             if peak <= REACH {
                 return Record::new(TS, u, y);

@@ -69,8 +69,8 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
       <main ref={main} tabIndex={-1} aria-label={view.title}>
         {workspace.unreadable && (
           <div class="fault" role="alert">
-            {workspace.unreadable}. It stays as it is, and changes are not stored until another project is begun.
-            <button type="button" onClick={() => workspace.begin()}>Begin beside it, as {workspace.beside}</button>
+            {workspace.unreadable}. The file is not changed. Your changes are not stored until you begin another project.
+            <button type="button" onClick={() => workspace.begin()}>Begin another project, {workspace.beside}</button>
           </div>
         )}
         {workspace.fault && (
@@ -78,8 +78,8 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
             {workspace.fault}
             {workspace.conflict && (
               <>
-                <button type="button" onClick={() => location.reload()}>Read it again; drop the last change here</button>
-                <button type="button" onClick={() => void workspace.overwrite().catch((error) => workspace.failed(error))}>Keep what is here</button>
+                <button type="button" onClick={() => location.reload()}>Load the other version; discard the last change here</button>
+                <button type="button" onClick={() => void workspace.overwrite().catch((error) => workspace.failed(error))}>Overwrite it with this version</button>
               </>
             )}
             <button type="button" onClick={() => { workspace.fault = ""; workspace.changed(); }}>Close</button>

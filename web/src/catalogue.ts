@@ -121,9 +121,9 @@ export interface CallOptions {
   };
   /** Prepare a record: cut, filter, decimate, resample, average periods, align, repair, calibrate. */
   prepare: {
-    /** Add this to the input, after its scale, in its unit */
+    /** Offset that is added to the input after scaling, in the unit of the input */
     input_offset?: number | string;
-    /** Add this to the output, after its scale, in its unit */
+    /** Offset that is added to the output after scaling, in the unit of the output */
     output_offset?: number | string;
     /** Replace single spikes of the output by interpolation */
     outliers?: boolean;
@@ -133,9 +133,9 @@ export interface CallOptions {
     average?: boolean;
     /** Period of the input [s] */
     period?: number | string;
-    /** Delay of the output: it is shifted earlier by this time against the input, later if it is negative [s] */
+    /** Delay of the output. The output is shifted earlier by this time; later if the value is negative [s] */
     delay?: number | string;
-    /** Keep one of this many samples, after an anti-alias filter */
+    /** Keep every N-th sample, after an anti-alias filter */
     decimate?: number;
     /** New sampling period, by band-limited interpolation; uneven times of a file are made even first [s] */
     resample?: number | string;
@@ -146,7 +146,7 @@ export interface CallOptions {
     kind?: string;
     /** Sampling period [s] */
     ts: number | string;
-    /** Length of the signal [s] */
+    /** Duration of the signal [s] */
     duration: number | string;
     /** Clip the signal to the limits, instead of refusing one that exceeds them */
     clip?: boolean;
@@ -192,7 +192,7 @@ export interface CallOptions {
   simulate: {
     /** The plant to simulate, unless a model is given */
     plant?: string;
-    /** Initial condition: rest; settled at the first input, without a past or after cycles over the whole range; or already in the motion of the record */
+    /** Initial condition: at rest; settled at the first input, directly or after cycles over the whole range; or in motion as in the record */
     begin?: "rest" | "settled" | "from-above" | "from-below" | "motion";
     /** Seed of the plant's noise */
     seed?: number;
@@ -206,11 +206,11 @@ export interface CallOptions {
     /** The separating line: its z at the lowest and at the highest input */
     line?: [number, number];
   };
-  /** Find a model that predicts measured records. */
+  /** Identify a model from measured records. */
   identify: {
-    /** How to identify */
+    /** Method of identification */
     method?: "joint" | "paper";
-    /** The hysteresis operator (see {list}), or several separated by commas; auto tries all, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The paper's method has its own branches */
+    /** The hysteresis operator (see {list}), or several separated by commas; auto tries all, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With the paper's method, auto selects two-branch or rate-scheduled */
     operator?: string;
     /** Order of the linear block */
     order?: number;
@@ -268,7 +268,7 @@ export interface CallOptions {
     slew?: number | string;
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
-    /** Smooth steps and corners to minimum-jerk moves of this length [s] */
+    /** Smooth steps and corners to minimum-jerk moves of this duration [s] */
     smooth?: number | string;
     /** Filter the reference with a notch at the model's resonance */
     notch?: boolean;
@@ -311,12 +311,12 @@ export interface CallOptions {
     current?: number | string;
     /** Sensor delay in samples; controllers are tuned for it */
     delay_samples?: number;
-    /** Gain margin to tune to [dB] [dB] */
+    /** Gain margin that controllers are tuned to [dB] */
     gain_margin?: number | string;
-    /** Phase margin to tune to [degrees] [degrees] */
+    /** Phase margin that controllers are tuned to [degrees] */
     phase_margin?: number | string;
   };
-  /** Write a self-contained HTML report on a model and how well it predicts records. */
+  /** Write a self-contained HTML report on a model and its free-run errors on records. */
   report: {
     /** Time at the start of each record that the error figures leave out [s] */
     skip?: number | string;
@@ -325,7 +325,7 @@ export interface CallOptions {
   };
   /** Compare models on the same records. */
   compare: {
-    /** The record whose loops and residuals are drawn; the first without it */
+    /** The record whose loops and residuals are drawn; by default the first */
     record?: string;
     /** Time at the start of each record that the error figures leave out [s] */
     skip?: number | string;
@@ -371,12 +371,12 @@ export interface CallOptions {
     current?: number | string;
     /** Sensor delay in samples; controllers are tuned for it */
     delay_samples?: number;
-    /** Gain margin to tune to [dB] [dB] */
+    /** Gain margin that controllers are tuned to [dB] */
     gain_margin?: number | string;
-    /** Phase margin to tune to [degrees] [degrees] */
+    /** Phase margin that controllers are tuned to [degrees] */
     phase_margin?: number | string;
   };
-  /** Show what a controller is, and the limits it reports; nothing moves. */
+  /** Show the identity of a controller, and the limits it reports; nothing moves. */
   controller: {
     /** Address or name of the controller in the network */
     host?: string;

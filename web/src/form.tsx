@@ -38,7 +38,7 @@ export function Form({ rows, values, change, names = {}, first }: Props) {
         const input = members.filter((row) => row.name in values).length;
         return (
           <details key={group}>
-            <summary>{group}{input > 0 && ` (${input} given)`}</summary>
+            <summary>{group}{input > 0 && ` (${input} set)`}</summary>
             <div class="form">{members.map(field)}</div>
           </details>
         );
@@ -64,7 +64,7 @@ function Field({ row, value, set, names }: FieldProps) {
   const chosen = names?.find(({ name }) => name === value);
   const help = (
     <p class="help" id={`${id}-help`}>
-      {helpOf(row)}{long && `; otherwise ${usual}`}{chosen && <b>{prose(chosen.summary)}</b>}
+      {helpOf(row)}{long && `; default: ${usual}`}{chosen && <b>{prose(chosen.summary)}</b>}
     </p>
   );
   const common = { id, "aria-describedby": `${id}-help`, name: row.name };

@@ -29,6 +29,6 @@ export function Outdated({ entry }: { entry: ModelEntry }) {
   const { project } = useShared().workspace;
   const files = changedSince(entry, project);
   return files.length > 0
-    ? <p class="stale" role="status">{files.join(", ")} {files.length > 1 ? "are" : "is"} read or prepared in another way since {entry.file} was identified: identify again.</p>
+    ? <p class="stale" role="status">{files.join(", ")} {files.length > 1 ? "are" : "is"} read or prepared in another way now than when {entry.file} was identified: identify again.</p>
     : null;
 }

@@ -7,7 +7,7 @@ import type { Store } from "./store.ts";
 
 const GONE = "piezoid serve does not answer: start it again in the same folder, then try again";
 
-const OTHER = "another server answers at this address than this page was opened with: open the address that " +
+const OTHER = "another server answers at this address, not the one that this page was opened with: open the address that " +
   "`piezoid serve` printed last; this page keeps what is not stored yet";
 
 /** How long a proof of the server holds, and how long it may take [ms]. */

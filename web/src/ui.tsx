@@ -252,7 +252,7 @@ export function useKept<T>(name: string, request: unknown): Outcome<T> & { stale
 
 /** Says that a form has changed since its results were made. */
 export const Stale = ({ stale }: { stale: boolean }) =>
-  stale ? <p class="stale" role="status">The form has changed since: these are the results of before.</p> : null;
+  stale ? <p class="stale" role="status">The form has changed since these results.</p> : null;
 
 /** The settings of a view, and how they are changed. */
 export function useSettings(view: string): [Options, (values: Options) => void] {

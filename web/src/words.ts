@@ -14,7 +14,7 @@ const LONG: Record<string, string> = {
   to: "end",
   low: "lowest voltage",
   high: "highest voltage",
-  delay_samples: "samples late",
+  delay_samples: "sensor delay in samples",
   zvd: "ZVD shaper",
 };
 

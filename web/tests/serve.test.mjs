@@ -127,10 +127,10 @@ test("drives of a plan are measured on a controller", { skip, timeout: 180_000 }
   const section = page.locator("section").filter({ has: page.getByRole("heading", { name: "Measure on a controller" }) });
   await section.waitFor();
   await section.getByLabel("Port").fill("1");
-  await section.getByRole("button", { name: "Ask the controller" }).click();
+  await section.getByRole("button", { name: "Query the controller" }).click();
   await section.getByRole("alert").getByText("no controller answers at 127.0.0.1:1").waitFor();
   await section.getByLabel("Port").fill(port);
-  await section.getByRole("button", { name: "Ask the controller" }).click();
+  await section.getByRole("button", { name: "Query the controller" }).click();
   await section.getByText(/simulated controller/).waitFor();
   await section.getByText("\u221230 to 30 V").waitFor();
 
@@ -167,7 +167,7 @@ for (const [what, text] of [
     await page.waitForTimeout(500);
     assert.ok(!existsSync(join(folder, "project-2.json")));
     if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT });
-    await page.getByRole("button", { name: "Begin beside it, as project-2.json" }).click();
+    await page.getByRole("button", { name: "Begin another project, project-2.json" }).click();
     await page.waitForTimeout(500);
     await page.reload();
     await page.getByRole("button", { name: "slow.csv", exact: true }).waitFor();

@@ -196,7 +196,7 @@ test("a model remembers its records; what cannot be read is not used", { skip },
   await page.getByRole("button", { name: training, exact: true }).click();
   await field("Input scale", "2");
   await page.goto(`${server.url}#compensate`);
-  await page.getByText(/prepared in another way since .* was identified/).waitFor();
+  await page.getByText(/prepared in another way now than when .* was identified/).waitFor();
   assert.deepEqual(faults, []);
   await close();
 });

@@ -73,11 +73,6 @@ pub(crate) fn generate() -> Result<(), String> {
     PARTS.iter().filter(chosen).try_for_each(|part| if flags.is_empty() { (part.run)() } else { check(part) })
 }
 
-/// Checks that the bindings are those of the rows.
-pub(crate) fn check_bindings() -> Result<(), String> {
-    step(&mut cargo(&["run", "--quiet", "--package", "piezoid-bindings", "--", "--check"]))
-}
-
 /// The error if a part would change a file; then all its files are as before.
 fn check(part: &Part) -> Result<(), String> {
     let before = contents(part.writes);

@@ -23,7 +23,7 @@ const HANDED_OUT: [&str; 1] = ["sizes"];
 /// Builds everything, and tests it.
 pub(super) fn web() -> Result<(), String> {
     scripts()?;
-    modules("page")?;
+    modules()?;
     run(&["test"])
 }
 
@@ -49,7 +49,7 @@ pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
     node.args(["--test", "--test-reporter", "spec"]);
     let has_modules = for_the_web(skipped, "the page without a server")?;
     if has_modules {
-        modules("page-test")?;
+        tested_modules()?;
     }
     let is_tried = |name: &str| if has_modules { !HANDED_OUT.contains(&name) } else { SERVED.contains(&name) };
     let folder = root().join("web/tests");
@@ -82,17 +82,30 @@ fn written(name: &str) -> PathBuf {
     root().join("web/dist").join(name)
 }
 
-/// The modules by this profile, and the lists.
-fn modules(profile: &str) -> Result<(), String> {
+/// The modules as they are handed out, and the lists.
+fn modules() -> Result<(), String> {
     for name in MODULES {
-        let mut build = cargo(&["build", "--profile", profile, "--package", "piezoid-wasm", "--target", WEB]);
-        step(build.args(["--features", name]).env("CARGO_ENCODED_RUSTFLAGS", flags().join("\x1f")))?;
-        let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |d| root().join(d));
-        let (built, module) =
-            (target.join(WEB).join(profile).join("piezoid_wasm.wasm"), written(&format!("{name}.wasm")));
-        std::fs::copy(&built, &module).map_err(|e| format!("{}: {e}", module.display()))?;
+        module("page", &[name], &[name])?;
     }
     lists()
+}
+
+/// The same for tests: one build has the features of every module, which takes half as long.
+fn tested_modules() -> Result<(), String> {
+    module("page-test", &MODULES, &MODULES)?;
+    lists()
+}
+
+/// One build of piezoid-wasm, by this profile and with these features, as the modules of these names.
+fn module(profile: &str, features: &[&str], names: &[&str]) -> Result<(), String> {
+    let mut build = cargo(&["build", "--profile", profile, "--package", "piezoid-wasm", "--target", WEB]);
+    let flags = flags().join("\x1f");
+    step(build.args(["--features", &features.join(",")]).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |d| root().join(d));
+    let built = target.join(WEB).join(profile).join("piezoid_wasm.wasm");
+    names.iter().map(|name| written(&format!("{name}.wasm"))).try_for_each(|module| {
+        std::fs::copy(&built, &module).map(drop).map_err(|e| format!("{}: {e}", module.display()))
+    })
 }
 
 /// Vector instructions, short addresses, and no paths of this machine, so that the same source gives the same bytes.

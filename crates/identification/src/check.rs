@@ -1,7 +1,7 @@
 //! Checks of the fit: model and records must explain each other.
 //!
-//! Errors are relative to the rms of y about its mean: at 1 a constant is as good. A model with such a held-out error
-//! is an error. A large error of one record gives a note: its cause may be noise.
+//! Errors are relative to the rms of y about its mean: at 1 a constant predicts as well, and a model with such a
+//! held-out error is refused. A large error of one record gives a note: its cause may be noise.
 
 use super::fit::{Fitted, TrainingRecord};
 use piezoid_models::linear::Arx;
@@ -31,8 +31,8 @@ pub(crate) fn long_delay(linear: &Arx) -> Option<String> {
     (samples > NOTED_DELAY).then(|| {
         format!(
             "the output follows the input {} samples ({} s) later than the poles of the linear block explain: the \
-             sensor has this delay, or a lag of driver or sensor is missing in the block, or the channels are shifted: \
-             if so, align them",
+             sensor has this delay, or a lag of driver or sensor is missing in the block, or the channels are shifted. \
+             If the channels are shifted, align them",
             round(samples),
             short(delay_s)
         )
@@ -62,8 +62,8 @@ pub(crate) fn check_fit(fitted: &Fitted, runs: &[TrainingRecord]) -> Result<Vec<
     for (run, share) in runs.iter().zip(&shares).filter(|(_, share)| **share > 100.0 * NOTED_RESIDUAL_SHARE) {
         let (name, share) = (&run.name, short(*share));
         notes.push(format!(
-            "{name}: the residual is {share} % of the output's rms: check for noise, missing rows, and the same sign, \
-             column and actuator as in the other records, or leave the record out"
+            "{name}: the residual is {share} % of the output's rms: check its noise, missing rows, sign, columns \
+             and actuator, or leave the record out"
         ));
     }
     let estimate = &fitted.estimate;

@@ -35,7 +35,7 @@ pub struct Identified {
     pub trials: Vec<OperatorTrial>,
     /// Physical parameters with standard errors; only the joint method has them.
     pub parameters: Vec<FittedParameter>,
-    /// Decrease of the sum of squared errors that another step of the search promises, if the fit is not at its minimum
+    /// Predicted decrease of the sum of squared errors by another step of the search, if the fit is not at its minimum
     /// [%]; only the joint method knows it.
     pub left_percent: Option<f64>,
     /// Why this linear block and this operator, and how the search ended.
@@ -45,13 +45,13 @@ pub struct Identified {
 }
 
 impl Identified {
-    /// All remarks on an identification: the reasons, then the remarks.
+    /// The reasons, then the notes.
     pub fn remarks(&self) -> Vec<String> {
         [&self.reasons[..], &self.notes].concat()
     }
 }
 
-/// The name of record `k` of `of` records of a kind.
+/// The name of record `k`, from 0, of `of` records of the kind `which`; the kind alone for a single one.
 pub fn called(which: &str, k: usize, of: usize) -> String {
     if of > 1 { format!("{which} {}", k + 1) } else { which.to_string() }
 }

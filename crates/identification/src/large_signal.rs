@@ -6,7 +6,7 @@
 use crate::LinearPart;
 use piezoid_models::linear::{self, Arx, Fit, Orders};
 use piezoid_numerics::error::Error;
-use piezoid_numerics::fourier::{LINE, power};
+use piezoid_numerics::fourier::{LINE_WIDTH_BINS, power};
 use piezoid_numerics::number::round;
 use piezoid_numerics::optimize::swarm;
 use piezoid_numerics::progress::Stage;
@@ -169,8 +169,8 @@ pub fn lines(records: &[Record]) -> Vec<f64> {
     })
 }
 
-/// The frequencies [Hz] at which the input has significant power. A line is [`LINE`] bins wide; consecutive bins count
-/// as one line per that many.
+/// The frequencies [Hz] at which the input has significant power. A line is [`LINE_WIDTH_BINS`] bins wide; consecutive
+/// bins count as one line per that many.
 fn excited(record: &Record) -> Vec<f64> {
     let n = record.len();
     let power = power(record.u());
@@ -183,7 +183,7 @@ fn excited(record: &Record) -> Vec<f64> {
         let (moment, sum) = bins.iter().fold((0.0, 0.0), |(m, s), &k| (m + k as f64 * power[k], s + power[k]));
         moment / sum
     };
-    runs.flat_map(|run| run.chunks(run.len() / (run.len() / LINE).max(1)).map(centre).collect::<Vec<_>>())
+    runs.flat_map(|run| run.chunks(run.len() / (run.len() / LINE_WIDTH_BINS).max(1)).map(centre).collect::<Vec<_>>())
         .map(hz)
         .collect()
 }

@@ -10,8 +10,8 @@
 //! parts determine the smoothness, the structure of G if there are no small-signal records, and the operator: the
 //! simplest that predicts as well as the best.
 //!
-//! Two rooms: `fit` is the mathematics, for a given structure, operator and initial conditions; `search` is the policy
-//! that selects these, a table of moves with their thresholds in one struct.
+//! Two modules: `fit` is the mathematics, for a given structure, operator and initial conditions; `search` is the
+//! policy that selects these, a table of moves with their thresholds in one struct.
 //!
 //! Separable least squares: Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201. Hammerstein models by
 //! over-parametrised and iterated least squares: Bai 1998, DOI 10.1016/S0005-1098(97)00198-2; Schoukens & Tiels 2017,

@@ -19,12 +19,12 @@ const LN_2: (f64, f64) = (0.693359375, -2.1219444005469058e-4);
 const COARSE: f64 = 65536.0;
 
 /// Arguments are clamped to this absolute value.
-const FAR: f64 = 800.0;
+const MAX_ARGUMENT: f64 = 800.0;
 
 /// e^r - 1 and 2^n of e^x = 2^n e^r.
 fn parts(x: f64) -> (f64, f64) {
-    let x = if x > FAR { FAR } else { x };
-    let x = if x < -FAR { -FAR } else { x };
+    let x = if x > MAX_ARGUMENT { MAX_ARGUMENT } else { x };
+    let x = if x < -MAX_ARGUMENT { -MAX_ARGUMENT } else { x };
     let size = if x < 0.0 { -x } else { x };
     // False for NaN.
     let n = if size > 0.34657359027997264 { (size * std::f64::consts::LOG2_E + 0.5) as usize } else { 0 };
@@ -113,7 +113,7 @@ pub(crate) fn growth(x: f64) -> f64 {
 /// The slope of [`growth`].
 pub(crate) fn growth_slope(x: f64) -> f64 {
     let near = 1.0 / 2.0 + x * (1.0 / 3.0 + x * (1.0 / 8.0 + x * (1.0 / 30.0 + x * (1.0 / 144.0))));
-    if x.abs() < SMALL { near } else { (exp(x) - growth(x)) / x }
+    if x.abs() < MIN_CLOSED_FORM_ARGUMENT { near } else { (exp(x) - growth(x)) / x }
 }
 
 /// ln(1 + x) / x, and 1 at 0.
@@ -124,12 +124,12 @@ pub(crate) fn log_growth(x: f64) -> f64 {
 /// The slope of [`log_growth`].
 pub(crate) fn log_growth_slope(x: f64) -> f64 {
     let near = -1.0 / 2.0 + x * (2.0 / 3.0 + x * (-3.0 / 4.0 + x * (4.0 / 5.0 + x * (-5.0 / 6.0))));
-    if x.abs() < SMALL { near } else { (1.0 / (1.0 + x) - log_growth(x)) / x }
+    if x.abs() < MIN_CLOSED_FORM_ARGUMENT { near } else { (1.0 / (1.0 + x) - log_growth(x)) / x }
 }
 
 /// For smaller arguments the slopes would suffer from cancellation; the first terms of their series are accurate to
 /// 1e-9.
-const SMALL: f64 = 0.01;
+const MIN_CLOSED_FORM_ARGUMENT: f64 = 0.01;
 
 impl Block {
     /// Exponential, logarithm and related functions, bit-identical in every language.

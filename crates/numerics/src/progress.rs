@@ -12,7 +12,7 @@ pub struct Stage<'a> {
     pub done: usize,
     /// Number of all steps.
     pub total: usize,
-    /// What was found last, by name: the errors of an operator, the cost of a search. Empty most of the time.
+    /// The latest results by name, such as the errors of an operator or the cost of a search; often empty.
     #[serde(serialize_with = "by_name")]
     pub figures: &'a [(&'a str, f64)],
 }

@@ -1,4 +1,4 @@
-//! The words of a front end: how it writes what the library names as data.
+//! How a front end writes the names of options and lists, which the library stores as data.
 //!
 //! The help of an option names other options as `{option}`, and the list that its names are from as `{list}`. An error
 //! holds the setting that it is about, and the options that resolve it, as names and values.
@@ -10,7 +10,7 @@ pub trait Words {
     /// The option of this name.
     fn option(&self, name: &str) -> String;
 
-    /// What is given to resolve an error: the option with its value, which is null if only the user knows it.
+    /// The text of an option that resolves an error, with its value, which is null if only the user knows it.
     fn remedy(&self, name: &str, value: &Value) -> String;
 
     /// The setting that an error is about, with its value. It may be no option of the front end.

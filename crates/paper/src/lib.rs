@@ -9,7 +9,7 @@
 
 use piezoid_identification::large_signal::{linear_from_large_signal, proportional, require_excitation};
 use piezoid_identification::{Identified, LinearPart, called, common_units, unexcited_resonance};
-use piezoid_models::hammerstein::{CLEAR, Domain, HiddenLoop, LoopPoints, Model, named, remarks};
+use piezoid_models::hammerstein::{Domain, HiddenLoop, LoopPoints, MIN_OPEN_AGREEMENT, Model, named, remarks};
 use piezoid_models::hysteresis::{
     HeldInput, Hysteresis, LoopOptions, Operator, Pair, Proportional, RateScheduled, Split, TwoBranch, is_auto,
 };
@@ -100,9 +100,9 @@ pub fn identify_paper(
     let mut loops = loops.split(&LoopOptions { bins: settings.bins, split: settings.split, line: None })?;
     notes.extend(remarks(&loops, settings.split));
     if is_auto(&settings.operator)
-        && let Some(which) = named(&loops, |found| found.agreement < CLEAR)
+        && let Some(which) = named(&loops, |found| found.agreement < MIN_OPEN_AGREEMENT)
     {
-        loops.retain(|l| l.found.agreement >= CLEAR);
+        loops.retain(|l| l.found.agreement >= MIN_OPEN_AGREEMENT);
         let without = if loops.is_empty() { ": the model has no hysteresis" } else { "" };
         notes.push(format!("hysteresis block: the points found {which} form no loop and are left out{without}"));
     }

@@ -122,8 +122,8 @@ impl ExportedProgram {
 
     /// Adds the inverse, or a note with the reason for its absence.
     fn feed_forward(&mut self, request: &ExportRequest, u: &Port, y: &Port) -> Result<(), Error> {
-        if request.options.preview > Causal::LATEST {
-            let rule = format!("must be at most {} samples", Causal::LATEST);
+        if request.options.preview > Causal::MAX_DELAY_SAMPLES {
+            let rule = format!("must be at most {} samples", Causal::MAX_DELAY_SAMPLES);
             return Err(Error::parameter("preview", request.options.preview, rule));
         }
         match Causal::new(request.model, request.settings, request.options.preview) {

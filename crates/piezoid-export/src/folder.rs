@@ -1,10 +1,11 @@
 //! Exports in a folder: what is written, what is removed, and what is refused, so that no export is mixed with another
 //! by mistake.
 //!
-//! The file [`LIST`] in the folder names each export with its files. The same export again replaces its files and
-//! removes those that it no longer has, so that the folder is as after a first export. Another export is refused unless
-//! every file of both stands for itself, as FMUs do. A file that is there and not in the list is never replaced
-//! unasked. It does not do: compare contents, so files changed by hand are replaced by the same export again.
+//! The file [`EXPORT_LIST_FILE`] in the folder names each export with its files. The same export again replaces its
+//! files and removes those that it no longer has, so that the folder is as after a first export. Another export is
+//! refused unless every file of both stands for itself, as FMUs do. An existing file that is not in the list is
+//! replaced only with `force`. It does not do: compare contents, so files changed by hand are replaced by the same
+//! export again.
 
 use super::{ExportTarget, Exported, File, TARGETS};
 use piezoid::error::Error;
@@ -13,7 +14,7 @@ use serde_json::Value;
 use std::fmt::Write;
 
 /// The file that lists the exports of a folder.
-pub const LIST: &str = "piezoid-export.json";
+pub const EXPORT_LIST_FILE: &str = "piezoid-export.json";
 
 /// How the list begins, and the number of its layout.
 #[derive(Serialize, Deserialize)]
@@ -40,8 +41,8 @@ pub struct Placement {
 }
 
 impl Exported {
-    /// What to change in a folder to have it hold this export of a target under a name. `list` is the content of
-    /// [`LIST`] in the folder, and `exists` is true if there is a file of a name.
+    /// The changes that place this export of a target in a folder, under a name. `list` is the content of
+    /// [`EXPORT_LIST_FILE`] in the folder; `exists` is true for the name of an existing file.
     ///
     /// # Errors
     /// If the folder holds another export, or files of the same names, unless `force` is given.
@@ -58,7 +59,7 @@ impl Exported {
             None => Vec::new(),
         };
         // Files may have been deleted or moved since. None is outside of the folder, and none is the list.
-        let is_name = |file: &str| !file.contains(['/', '\\']) && ![".", "..", LIST].contains(&file);
+        let is_name = |file: &str| !file.contains(['/', '\\']) && ![".", "..", EXPORT_LIST_FILE].contains(&file);
         rows.iter_mut().for_each(|row| row.files.retain(|file| is_name(file) && exists(file)));
         rows.retain(|row| !row.files.is_empty());
         let own = rows.iter().position(|row| row.target == target.name && row.name == name).map(|k| rows.remove(k));
@@ -78,7 +79,7 @@ impl Exported {
         let listing = serde_json::to_string_pretty(&Listing { piezoid_export: 1, exports: rows });
         let listing = listing.map_err(|error| Error::Content(error.to_string()))? + "\n";
         // The list is the first, so that what follows it is known to belong here.
-        Ok(Placement { write: [&[File::new(LIST, listing)], &self.files[..]].concat(), remove })
+        Ok(Placement { write: [&[File::new(EXPORT_LIST_FILE, listing)], &self.files[..]].concat(), remove })
     }
 }
 
@@ -86,11 +87,11 @@ fn read(list: &[u8]) -> Result<Vec<Row>, Error> {
     match serde_json::from_slice(list) {
         Ok(Listing { piezoid_export: 1, exports }) => Ok(exports),
         Ok(Listing { piezoid_export: other, .. }) => {
-            let what = format!("{LIST} has layout {other}, but only 1 is known: name another folder, or ");
+            let what = format!("{EXPORT_LIST_FILE} has layout {other}, but only 1 is known: name another folder, or ");
             Err(Error::Content(what).advised(vec![("force", Value::Bool(true))]))
         }
         Err(error) => {
-            let what = format!("{LIST} is no list of exports ({error}): name another folder, or ");
+            let what = format!("{EXPORT_LIST_FILE} is no list of exports ({error}): name another folder, or ");
             Err(Error::Content(what).advised(vec![("force", Value::Bool(true))]))
         }
     }
@@ -131,7 +132,7 @@ mod tests {
             let files = files.iter().map(|file| File::new(*file, format!("{target} {name}"))).collect();
             let result = Exported { files, ..Exported::default() };
             let target = ExportTarget::find(target).unwrap();
-            let list = self.0.get(LIST).map(Vec::as_slice);
+            let list = self.0.get(EXPORT_LIST_FILE).map(Vec::as_slice);
             let placed = result.placed((target, name), list, &|file| self.0.contains_key(file), force);
             let Placement { write, remove } = placed.map_err(|error| error.to_string())?;
             remove.iter().for_each(|file| drop(self.0.remove(file)));
@@ -140,7 +141,7 @@ mod tests {
         }
 
         fn names(&self) -> Vec<&str> {
-            self.0.keys().map(String::as_str).filter(|name| *name != LIST).collect()
+            self.0.keys().map(String::as_str).filter(|name| *name != EXPORT_LIST_FILE).collect()
         }
     }
 
@@ -152,7 +153,7 @@ mod tests {
         folder.take("simulink", "m", &["m.c"], false).unwrap();
         fresh.take("simulink", "m", &["m.c"], false).unwrap();
         assert_eq!(folder.names(), ["m.c", "notes.txt"]);
-        assert_eq!(folder.0[LIST], fresh.0[LIST]);
+        assert_eq!(folder.0[EXPORT_LIST_FILE], fresh.0[EXPORT_LIST_FILE]);
     }
 
     #[test]
@@ -201,7 +202,7 @@ mod tests {
         assert!(error.contains("the folder holds m.c, not from this target under this name"), "{error}");
         folder.take("c", "m", &["m.c", "m.h"], true).unwrap();
         // Once its files are gone, an export is forgotten.
-        folder.0.retain(|name, _| name == LIST);
+        folder.0.retain(|name, _| name == EXPORT_LIST_FILE);
         folder.take("rust", "n", &["n.rs"], false).unwrap();
     }
 
@@ -209,9 +210,9 @@ mod tests {
     fn a_list_that_is_none_is_refused_unless_forced() {
         let mut folder = Folder::default();
         for list in ["{}", "{\"piezoid_export\": 2, \"exports\": []}"] {
-            folder.0.insert(LIST.into(), list.into());
+            folder.0.insert(EXPORT_LIST_FILE.into(), list.into());
             let error = folder.take("c", "m", &["m.c"], false).unwrap_err();
-            assert!(error.contains(LIST) && error.ends_with("give `force` = true"), "{error}");
+            assert!(error.contains(EXPORT_LIST_FILE) && error.ends_with("give `force` = true"), "{error}");
         }
         folder.take("c", "m", &["m.c"], true).unwrap();
     }

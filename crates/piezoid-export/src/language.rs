@@ -179,7 +179,7 @@ impl Printer<'_> {
     fn divided(&self, expr: &Expr) -> Option<String> {
         match expr {
             Expr::Binary(op @ (Op::Divide | Op::Remainder), left, right) if left.whole() => {
-                self.language.divided(*op, &self.bound(left, op.binds()), &self.bound(right, TIGHT))
+                self.language.divided(*op, &self.bound(left, op.precedence()), &self.bound(right, TIGHT))
             }
             _ => None,
         }
@@ -210,7 +210,7 @@ impl Printer<'_> {
                     return text;
                 }
                 // Operands of comparisons and logical operators always get brackets.
-                let logical = op.binds() < Op::Add.binds();
+                let logical = op.precedence() < Op::Add.precedence();
                 let simple = |e: &Expr| !matches!(e, Expr::Binary(..) | Expr::Negative(_)) || self.divided(e).is_some();
                 let side = |e: &Expr, least: u8| match (logical, simple(e)) {
                     (true, false) => format!("({})", self.bound(e, 0)),
@@ -220,10 +220,10 @@ impl Printer<'_> {
                 // A sign before a product equals one before its first factor.
                 let first = match &**left {
                     Expr::Negative(_) | Expr::Real(_) if !logical => self.bound(left, 0),
-                    left => side(left, op.binds()),
+                    left => side(left, op.precedence()),
                 };
-                let text = format!("{first} {between} {}", side(right, op.binds() + 1));
-                if op.binds() < tightly { format!("({text})") } else { text }
+                let text = format!("{first} {between} {}", side(right, op.precedence() + 1));
+                if op.precedence() < tightly { format!("({text})") } else { text }
             }
         }
     }

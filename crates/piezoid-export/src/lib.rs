@@ -1,7 +1,7 @@
 //! Export: the model, its inverse and its controller in the languages of the machines that drive actuators.
 //!
-//! What is exported is put together once, as a [`Program`](piezoid_models::program::Program), and every target prints
-//! it: same arithmetic, same order, same bits. Nothing that is written holds a date or a path.
+//! The exported code is built once, as a [`Program`](piezoid_models::program::Program), and every target prints
+//! it: same arithmetic, same order, same bits. No exported file contains a date or a path.
 
 use piezoid::StatedVerdict;
 mod c;
@@ -21,7 +21,7 @@ mod waveform;
 #[doc(hidden)]
 pub use exported::{Entry, ExportedProgram, Port};
 #[doc(hidden)]
-pub use folder::{LIST, Placement};
+pub use folder::{EXPORT_LIST_FILE, Placement};
 #[doc(hidden)]
 pub use served::{FEED_FORWARD, MODEL};
 #[doc(hidden)]
@@ -42,7 +42,7 @@ use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
 options! {
-    /// How to export. A row of [`TARGETS`] names those that only some targets take.
+    /// How to export. [`ExportTarget::takes`] lists the options that only some targets have.
     pub struct ExportOptions {
         /// Name prefix of the exported functions, types and files.
         name: String = "piezo_model".into(), OptionRow::new(NAME);
@@ -66,11 +66,12 @@ const NAME: OptionKind = OptionKind::Text("NAME");
 const WAVEFORMS: &str = "Waveforms";
 
 impl ExportOptions {
-    /// The model for the target of this name. What is a table of voltages is one of `reference`, one period of the
+    /// Exports the model to the target of this name. A table of voltages is that for `reference`, one period of the
     /// requested displacement [output unit].
     ///
     /// # Errors
-    /// No such target, options that it does not take, a controller or a model that it cannot hold.
+    /// Returns an error for an unknown target, options without effect on it, and a controller or model without code for
+    /// it.
     pub fn of(
         &self,
         target: &str,
@@ -89,7 +90,7 @@ impl ExportOptions {
     /// The same from the model in a file, and the reference in another.
     ///
     /// # Errors
-    /// As [`ExportOptions::of`], and files that hold no model or no reference.
+    /// The errors of [`ExportOptions::of`], and an error for a file without a model or a reference.
     pub fn run(
         &self,
         target: &str,
@@ -107,7 +108,7 @@ impl ExportOptions {
         result.map_err(|e| e.about(&reference.map_or(file, |(reference, _)| reference).name))
     }
 
-    /// Refuses what would count for nothing.
+    /// Returns an error for options that have no effect.
     fn fit(&self, target: &ExportTarget, is_followed: bool) -> Result<(), Error> {
         let arguments = self.changed().into_iter().map(|(row, value)| (row.name, value));
         for (name, value) in arguments.chain(is_followed.then(|| ("reference", "true".into()))) {
@@ -147,20 +148,21 @@ impl ExportOptions {
 pub struct ExportRequest<'w> {
     /// The model.
     pub model: &'w Model,
-    /// How.
+    /// Options of the export.
     pub options: ExportOptions,
     /// Limits of the feed-forward.
     pub settings: FeedForwardSettings,
     /// The controller to go with it, if any.
     pub controller: Option<&'w dyn Controller>,
-    /// The wanted displacement, for targets that are a table of voltages [output unit]; others do without.
+    /// One period of the reference, for targets that write a table of voltages [output unit]; `None` for others.
     pub reference: Option<&'w [f64]>,
-    /// What compiles C for targets that take a library with them, if there is such a thing.
+    /// The C compiler for targets with a shared library (FMUs); `None` if there is none.
     pub compiler: Option<Compiler>,
 }
 
 impl<'w> ExportRequest<'w> {
-    /// The model under this name, in double precision, its feed-forward within the model's own limits and not late.
+    /// Exports `model` under this name in double precision, with a feed-forward within the model's own limits and
+    /// without delay.
     pub fn new(model: &'w Model, name: &str) -> Self {
         let options = ExportOptions { name: name.into(), ..Default::default() };
         ExportRequest {
@@ -173,13 +175,13 @@ impl<'w> ExportRequest<'w> {
         }
     }
 
-    /// The same in single precision, or not.
+    /// The same export in single precision if `single`, otherwise in double precision.
     pub fn single(mut self, single: bool) -> Self {
         self.options.float = single;
         self
     }
 
-    /// What things are called after.
+    /// Name prefix of the exported functions, types and files.
     fn name(&self) -> &str {
         &self.options.name
     }
@@ -188,21 +190,21 @@ impl<'w> ExportRequest<'w> {
 /// A C compiler, which only a front end can run.
 #[derive(Debug, Clone, Copy)]
 pub struct Compiler {
-    /// For which machines, as FMI 3.0 names them: `x86_64-linux`.
+    /// Platform of the library, as FMI 3.0 names it: `x86_64-linux`.
     pub platform: &'static str,
-    /// Makes a shared library of the sources among these files, which stand in one folder: the same bytes of the same
-    /// files.
+    /// Compiles the C sources among these files, all in one folder, to a shared library. The same files give the same
+    /// bytes.
     pub run: fn(&[File]) -> Result<Vec<u8>, Error>,
 }
 
-/// What a target made.
+/// The result of an export.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Exported {
     /// The files.
     pub files: Vec<File>,
     /// The functions to call, the model first; none in a table of voltages.
     pub functions: Vec<ExportedFunction>,
-    /// What is worth knowing, one sentence each.
+    /// Remarks, one sentence each.
     pub notes: Vec<String>,
 }
 
@@ -213,11 +215,11 @@ pub struct ExportedFunction {
     pub name: &'static str,
     /// One line.
     pub about: String,
-    /// The average over the samples of the self-test.
+    /// Mean number of operations per sample of the self-test.
     pub mean: Counts,
-    /// The largest number in one sample of the self-test.
+    /// Largest number of operations in one sample of the self-test.
     pub most_seen: usize,
-    /// The largest number in one sample, whatever the input and the state.
+    /// Upper bound of the operations in one sample, for any input and state.
     pub bound: usize,
 }
 
@@ -250,15 +252,16 @@ pub struct ExportTarget {
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    /// What the files follow.
+    /// Standard or manual that the files conform to.
     pub reference: &'static str,
-    /// Which it takes of the options that not all targets take; `reference` is what it follows.
+    /// Names of the options that only some targets have and this one has; `reference` if it exports the voltages for
+    /// one.
     pub takes: &'static [&'static str],
     /// True if every file stands for itself, so that a folder may hold several such exports.
     pub stands_alone: bool,
-    /// What it makes of a model: [`MODEL`], [`FEED_FORWARD`] or both.
+    /// The parts that it exports: [`MODEL`], [`FEED_FORWARD`] or both.
     pub makes: &'static [&'static str],
-    /// Operators that it does not serve.
+    /// Names of the hysteresis operators that it does not support.
     pub refuses: &'static [&'static str],
     /// Makes the files.
     pub make: fn(&ExportRequest) -> Result<Exported, Error>,
@@ -270,7 +273,7 @@ impl std::fmt::Debug for ExportTarget {
     }
 }
 
-/// With `operators`: what it makes for each operator.
+/// The row as a document, with the exported parts by operator as `operators`.
 impl Serialize for ExportTarget {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
         let operators: Map<String, Value> =
@@ -298,20 +301,20 @@ impl ExportTarget {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Unknown`] with the names there are.
+    /// [`Error::Unknown`] with the known names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         let known = || TARGETS.iter().map(|t| t.name);
         TARGETS.iter().find(|t| t.name == name).ok_or_else(|| Error::unknown("target", name, known()))
     }
 }
 
-/// What code makes.
+/// The exports of every target for code.
 const BOTH: &[&str] = &[MODEL, FEED_FORWARD];
 
-/// What code takes.
+/// The options of every target for code.
 const CODE: &[&str] = &["float", "preview", "controller", "delay_samples", "gain_margin", "phase_margin"];
 
-/// The targets there are.
+/// All targets.
 pub static TARGETS: &[ExportTarget] =
     &[c::TARGET, fmu::FMI2, fmu::FMI3, simulink::TARGET, st::TARGET, rust::TARGET, waveform::TARGET, fixed::TARGET];
 
@@ -329,7 +332,7 @@ pub trait Export {
     /// The model for the target of this name, in double precision; functions and files are called after `name`.
     ///
     /// # Errors
-    /// No such target, a name that its language has no room for, a model that it cannot hold.
+    /// Returns an error for an unknown target, a name that is too long or reserved, and a model without code for it.
     fn export(&self, target: &str, name: &str) -> Result<Exported, Error>;
 }
 
@@ -339,8 +342,8 @@ impl Export for Model {
     }
 }
 
-/// Refuses what is no name in the languages of the targets: a letter, then letters, digits and underscores, and none of
-/// their words.
+/// Returns an error unless `name` is a letter, then letters, digits and underscores, and no reserved word of the
+/// target.
 fn named(name: &str, reserved: &str) -> Result<(), Error> {
     let fits = name.starts_with(|c: char| c.is_ascii_alphabetic())
         && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')

@@ -1,16 +1,16 @@
 //! Which target serves which hysteresis operator. The rows of [`TARGETS`](super::TARGETS) state it, because trying
 //! takes seconds; a test tries every operator with every target.
 //!
-//! It does not do: the parameters of a model, which may exceed what a target holds, such as an offset of 1e5 strokes in
-//! fixed point.
+//! Not checked: parameters of a model that exceed the numbers of a target, such as an offset of 1e5 strokes in fixed
+//! point.
 
 use super::ExportTarget;
 use piezoid::error::Error;
 use piezoid::hysteresis::{OPERATORS, Operator};
 
-/// What a target makes of a model: code for it.
+/// Part of an export: the model as code.
 pub const MODEL: &str = "model";
-/// What a target makes of a model: its inverse as code, or the voltages for a reference.
+/// Part of an export: the inverse of the model as code, or the voltages for a reference.
 pub const FEED_FORWARD: &str = "feed-forward";
 
 impl ExportTarget {
@@ -19,10 +19,10 @@ impl ExportTarget {
         if self.refuses.contains(&operator.name) { &[] } else { self.makes }
     }
 
-    /// The operators of a list, as `identify` takes it, that the target serves: `auto` without the others.
+    /// The list, in the syntax of `identify`, without the operators that the target does not support.
     ///
     /// # Errors
-    /// If the list names an operator that the target does not serve, or leaves none; with those that it serves.
+    /// Returns an error with the supported operators if the list names an unsupported one, or leaves none.
     pub fn operators(&self, list: &str) -> Result<String, Error> {
         let refused: Vec<&str> =
             Operator::list(list)?.iter().map(|o| o.name).filter(|name| self.refuses.contains(name)).collect();

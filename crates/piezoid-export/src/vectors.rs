@@ -30,14 +30,14 @@ pub struct Vectors {
 /// Number of samples: a wandering part, one pass through the whole range, and jumps.
 pub(super) const SAMPLES: usize = 400;
 const WANDERING: usize = 280;
-const THROUGH: usize = 81;
+const RANGE_SAMPLES: usize = 81;
 
 /// Operations after which the vectors of an entry end early: seconds of interpretation. The default sizes of all
 /// operators take less than a fifth of it.
 const OPERATIONS: usize = 100_000_000;
 
 /// Samples until a feed-forward from rest has settled.
-const BEGUN: usize = 60;
+const SETTLING_SAMPLES: usize = 60;
 
 /// The vectors of each entry, for inputs in the range of the model, in the requested precision.
 pub(super) fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Vec<Vectors>, Error> {
@@ -99,7 +99,7 @@ fn answers(whole: &ExportedProgram, entry: &Entry, mut inputs: Vec<Vec<f64>>, si
     let (low, high) = ends(exact.iter().copied());
     let differs = found.outputs.iter().zip(&exact).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
     let off = if differs == 0.0 { 0.0 } else { differs / (high - low) };
-    if (off.is_nan() || off >= USELESS) && entry.step == "step" {
+    if (off.is_nan() || off >= MAX_SINGLE_ERROR_SHARE) && entry.step == "step" {
         let because = format!(
             "its error would be {off:.1e} of the stroke, because large numbers such as the offset leave too few \
              digits: use double precision, or remove the offset of the output"
@@ -110,13 +110,13 @@ fn answers(whole: &ExportedProgram, entry: &Entry, mut inputs: Vec<Vec<f64>>, si
 }
 
 /// Error of single precision, as a share of the stroke, from which it is an error.
-const USELESS: f64 = 1e-2;
+const MAX_SINGLE_ERROR_SHARE: f64 = 1e-2;
 
 /// Rms error of feed-forward and model along the wandering part of `r`, over its height.
 fn missed(request: &ExportRequest, r: &[f64]) -> Option<f64> {
     let causal = Causal::new(request.model, request.settings, request.options.preview).ok()?;
     let y = request.model.simulate(&causal.simulate(r));
-    let pairs = || r.iter().zip(y.iter().skip(request.options.preview)).take(WANDERING).skip(BEGUN);
+    let pairs = || r.iter().zip(y.iter().skip(request.options.preview)).take(WANDERING).skip(SETTLING_SAMPLES);
     let (low, high) = ends(pairs().map(|(r, _)| *r));
     let mean = pairs().map(|(r, y)| (r - y) * (r - y)).sum::<f64>() / pairs().count() as f64;
     Some(mean.sqrt() / (high - low))
@@ -145,12 +145,12 @@ pub(super) fn turned((c, s): (f64, f64), (x, y): (f64, f64)) -> (f64, f64) {
 fn inputs((low, high): (f64, f64)) -> Vec<f64> {
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     // From the lower end to the upper one and back.
-    let through = (0..THROUGH).map(|t| {
-        let way = 2.0 * t as f64 / (THROUGH - 1) as f64;
+    let through = (0..RANGE_SAMPLES).map(|t| {
+        let way = 2.0 * t as f64 / (RANGE_SAMPLES - 1) as f64;
         middle + half * if way <= 1.0 { 2.0 * way - 1.0 } else { 3.0 - 2.0 * way }
     });
     let mut drawn = 1u32;
-    let jumps = (WANDERING + THROUGH..SAMPLES).map(|_| {
+    let jumps = (WANDERING + RANGE_SAMPLES..SAMPLES).map(|_| {
         drawn = drawn.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
         middle + half * (f64::from(drawn >> 8) / f64::from(1 << 23) - 1.0)
     });

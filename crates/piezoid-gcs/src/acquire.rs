@@ -1,6 +1,6 @@
 //! A drive played by the wave generator of a controller in open loop, while its recorder measures.
 //!
-//! What can be checked is checked before anything moves: [`Run`] then moves.
+//! All checks come before the first move. [`Run`] makes the moves.
 
 use crate::controller::{Axis, ConnectOptions, Controller};
 use crate::recording::{Sources, points, record};
@@ -51,7 +51,7 @@ pub struct Acquired {
 const DIFFERENCE: f64 = 0.05;
 
 impl AcquireOptions {
-    /// The options for a controller there.
+    /// The default options for the controller at this address.
     pub fn at(host: &str, port: u16) -> Self {
         let connection = ConnectOptions { host: host.into(), port, ..ConnectOptions::default() };
         AcquireOptions { connection, ..AcquireOptions::default() }
@@ -63,8 +63,8 @@ impl AcquireOptions {
     ///
     /// # Errors
     /// Returns an error for a file without a drive, a drive that the controller cannot play or record or that leaves
-    /// the range, a gain that is not the one of the controller, a controller that does not answer or refuses, and a
-    /// cancelled measurement.
+    /// the range, a `gain` that differs from that of the controller, a controller that does not answer or refuses, and
+    /// a cancelled measurement.
     pub fn run(&self, drive: &File, columns: &ColumnSelection, progress: &mut Progress) -> Result<Acquired, Error> {
         let signal = drive.input(columns)?;
         let factor = Units::factor(&signal.unit, "V").ok_or_else(|| {
@@ -118,7 +118,7 @@ impl AcquireOptions {
         let record = record(answer?, u.len(), &axis.unit, &identity)?;
         if (record.ts() / signal.ts - 1.0).abs() > 1e-3 {
             let (target, found) = (signal.ts, record.ts());
-            notes.push(format!("the controller says that it recorded every {found} s, not every {target} s as asked"));
+            notes.push(format!("the controller reports a sampling period of {found} s, not {target} s as requested"));
         }
         notes.extend(difference(&u, record.u()));
         Ok(Acquired { record, identity, notes })
@@ -182,8 +182,8 @@ fn cycles(ts: f64, cycle: f64) -> Result<u64, Error> {
     }
     let nearest = cycles * cycle;
     Err(Error::Content(format!(
-        "the drive is sampled every {ts} s, but the controller plays multiples of its servo cycle of {cycle} s: make \
-         the drive with {nearest} s"
+        "the drive is sampled every {ts} s, but the controller plays multiples of its servo cycle of {cycle} s: sample \
+         the drive every {nearest} s"
     )))
 }
 
@@ -192,12 +192,12 @@ fn difference(requested: &[f64], measured: &[f64]) -> Option<String> {
     let largest = requested.iter().zip(measured).map(|(a, m)| (a - m).abs()).fold(0.0, f64::max);
     let peak = requested.iter().fold(0.0, |peak: f64, u| peak.max(u.abs()));
     (largest > DIFFERENCE * peak).then(|| {
-        format!("the recorded voltage differs from the drive by up to {largest:.3} V: the record has the recorded one")
+        format!("the recorded voltage, which the record contains, differs from the drive by up to {largest:.3} V")
     })
 }
 
 impl Acquired {
-    /// What the controller said, and what the user should know, as a document.
+    /// The result as a document, with the number of samples in place of the record.
     pub fn to_json(&self) -> Value {
         let record = &self.record;
         json!({

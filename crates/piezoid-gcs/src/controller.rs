@@ -1,4 +1,4 @@
-//! A controller, and what it says of itself.
+//! A controller, and what it reports about itself.
 
 use crate::line::Line;
 use piezoid::Error;
@@ -18,7 +18,7 @@ const RECORDER_POINTS_PER_TABLE: u32 = 0x1600_0201;
 const RECORDER_TABLES: u32 = 0x1600_0300;
 
 options! {
-    /// Where a controller is.
+    /// How to connect to a controller.
     pub struct ConnectOptions {
         /// Address or name of the controller in the network.
         host: String = "127.0.0.1".into(), OptionRow::new(OptionKind::Text("HOST"));
@@ -81,7 +81,7 @@ pub struct Axis {
     pub unit: String,
     /// True in closed loop.
     pub servo: Option<bool>,
-    /// Its position.
+    /// Its position [`unit`](Self::unit).
     pub position: Option<f64>,
     /// Voltage of the output channel with the number of the axis, if it is reported [V].
     pub voltage: Option<f64>,
@@ -90,7 +90,7 @@ pub struct Axis {
 }
 
 impl Controller {
-    /// What it said, as a document.
+    /// What the controller reported, as a document.
     pub fn to_json(&self) -> Value {
         json!({
             "identity": self.identity, "cycle": self.cycle, "table": self.table, "recorder": self.recorder,

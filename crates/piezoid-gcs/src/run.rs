@@ -85,7 +85,7 @@ impl Run<'_, '_> {
         let ((low, high), name) = (self.range, &self.axis.name);
         if !(low - NOISE..=high + NOISE).contains(&start) {
             return Err(Error::Content(format!(
-                "axis {name} is at {start:.3} V, outside {low} to {high} V: move it into the range first, or give another"
+                "axis {name} is at {start:.3} V, outside {low} to {high} V: move it there first, or give another range"
             )));
         }
         Ok(start)
@@ -95,7 +95,7 @@ impl Run<'_, '_> {
     pub(crate) fn upload(&mut self, play: &Play) -> Result<(), Error> {
         let lines = play.u.len().div_ceil(POINTS);
         for (k, points) in play.u.chunks(POINTS).enumerate() {
-            self.tell("the drive to the controller", k, lines)?;
+            self.tell("upload of the drive", k, lines)?;
             let (mode, first, count) = (if k == 0 { 'X' } else { '&' }, k * POINTS + 1, points.len());
             let points: Vec<String> = points.iter().map(|u| format!("{:.6}", u / self.gain())).collect();
             self.command(&format!("WAV 1 {mode} PNT {first} {count} {}", points.join(" ")))?;
@@ -112,7 +112,7 @@ impl Run<'_, '_> {
     pub(crate) fn ramp(&mut self, from: f64, to: f64, time: f64) -> Result<(), Error> {
         let steps = (time / STEP).ceil() as usize;
         for k in 1..=steps {
-            self.tell("slowly to the voltage", k, steps)?;
+            self.tell("ramp to the voltage", k, steps)?;
             self.set(from + (0.5 - 0.5 * (PI * k as f64 / steps as f64).cos()) * (to - from))?;
             sleep(Duration::from_secs_f64(time / steps as f64));
         }
@@ -150,7 +150,7 @@ impl Run<'_, '_> {
         let (name, channel) = (&self.axis.name, self.channel);
         let gain = self.gain() * (voltage - first) / moved;
         if moved == 0.0 || (first - start).abs() > NOISE + GAIN_ERROR * start.abs() {
-            let rule = "is not this, or the output has an offset: give the gain, and set the offset to 0";
+            let rule = "is wrong, or the output has an offset: correct the gain, or set the offset to 0";
             return Error::parameter(
                 "gain",
                 self.gain(),

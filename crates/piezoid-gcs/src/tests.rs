@@ -76,8 +76,8 @@ fn a_record_is_the_drive_and_what_the_plant_makes_of_it() {
     let plant = Plant::named("paper", 5e-5).unwrap();
     let held: Vec<f64> = u.iter().flat_map(|u| [*u; 20]).collect();
     let y = plant.resume(&mut plant.initial(), &held);
-    let stroke = 2e6 * y.iter().fold(0.0, |peak: f64, y| peak.max(y.abs()));
-    let error = record.y().iter().zip(y.iter().step_by(20)).map(|(had, y)| (had - 1e6 * y).abs()).fold(0.0, f64::max);
+    let stroke = 2.0 * y.iter().fold(0.0, |peak: f64, y| peak.max(y.abs()));
+    let error = record.y().iter().zip(y.iter().step_by(20)).map(|(had, y)| (had - y).abs()).fold(0.0, f64::max);
     assert!(error < 0.02 * stroke, "{error} um of {stroke} um");
 }
 
@@ -144,7 +144,7 @@ fn drives_that_a_controller_cannot_play_are_refused_with_what_to_do() {
     for (options, ts, u, message) in [
         (at(port), 1e-3, vec![0.0, 31.0], "the drive is 31.0000 V at 0.001000 s, outside -30 to 30 V: make it smaller"),
         (AcquireOptions { range: Some((0.0, 5.0)), ..at(port) }, 1e-3, vec![0.0, -1.0], "outside 0 to 5 V"),
-        (at(port), 3.3e-4, vec![0.0, 1.0], "multiples of its servo cycle of 0.00005 s: make the drive with 0.00035 s"),
+        (at(port), 3.3e-4, vec![0.0, 1.0], "servo cycle of 0.00005 s: sample the drive every 0.00035 s"),
         (at(port), 1e-3, vec![0.0; 40_000], "a table of the recorder of the controller holds 32768: make it 32.768 s"),
         (
             AcquireOptions { axis: Some("X".into()), ..at(port) },

@@ -2,7 +2,7 @@
 
 use crate::temporary::{Own, beside, folder_of, forsake, make, own, sweep_files};
 use piezoid::Error;
-use piezoid_export::{ExportTarget, Exported, LIST, Placement};
+use piezoid_export::{EXPORT_LIST_FILE, ExportTarget, Exported, Placement};
 use piezoid_verbs::File;
 use std::collections::BTreeSet;
 use std::fs::TryLockError;
@@ -93,7 +93,7 @@ impl FileSet {
     /// # Errors
     /// The errors of [`FileSet::in_folder`], and if the folder holds another export, unless `force` is given.
     pub fn export(folder: &Path, (target, name): (&str, &str), result: &Exported, force: bool) -> Result<Self, Error> {
-        let list = std::fs::read(folder.join(LIST)).ok();
+        let list = std::fs::read(folder.join(EXPORT_LIST_FILE)).ok();
         let exists = |file: &str| folder.join(file).exists();
         let placed = result.placed((ExportTarget::find(target)?, name), list.as_deref(), &exists, force);
         let Placement { write, remove } = placed.map_err(|error| error.of(&folder.display().to_string()))?;

@@ -53,7 +53,7 @@ pub struct Operation {
     /// Its options.
     #[serde(serialize_with = "piezoid_numerics::options::rows_of")]
     pub options: fn() -> Vec<OptionRow>,
-    /// Does it.
+    /// Runs the operation.
     ///
     /// # Errors
     /// Returns an error for missing or unknown files and options, and for what the operation cannot do.
@@ -88,7 +88,7 @@ pub struct Role {
     pub many: bool,
 }
 
-/// What an operation gives. As a document it has the names and lengths of series and files, not their contents.
+/// Result of an operation. As a document it has the names and lengths of series and files, not their contents.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Output {
     /// The result as a document.

@@ -16,7 +16,7 @@ use piezoid_numerics::words::Words;
 use piezoid_verbs::File;
 use serde_json::{Value, json};
 
-/// What everything begins at a multiple of: a browser reads doubles only there.
+/// Alignment of each part [bytes]: a browser reads doubles only at multiples of it.
 const ALIGN: usize = 8;
 
 /// The answer to a request, both as bytes. An error is an answer too.

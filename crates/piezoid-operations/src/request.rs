@@ -18,11 +18,11 @@ pub struct Request {
     /// Its options by name.
     #[serde(default)]
     pub options: Map<String, Value>,
-    /// What is said of the columns of data files: a [`ColumnSelection`] by the names of its fields.
+    /// Options of the columns of data files: a [`ColumnSelection`] by the names of its fields.
     #[serde(default)]
     pub columns: Map<String, Value>,
-    /// How records are made of files, by the names of the files. Of those that are not named here, the columns are read
-    /// as `columns` says.
+    /// How the records of files are read and prepared, by the names of the files. For a file that is not named here,
+    /// `columns` applies.
     #[serde(default)]
     pub records: BTreeMap<String, Reading>,
     /// Names of files, by their roles.
@@ -30,15 +30,15 @@ pub struct Request {
     pub files: BTreeMap<String, Vec<String>>,
 }
 
-/// How a record is made of its file.
+/// How the record of a file is read and prepared.
 #[derive(Debug, Clone, PartialEq, Default, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Reading {
     /// A [`ColumnSelection`] by the names of its fields.
     pub columns: Map<String, Value>,
-    /// What is done to the record.
+    /// Steps of its preparation, in their order.
     pub preparation: Vec<Step>,
-    /// Where the record comes from, if the file was made of another one.
+    /// Origin of the record, if the file was derived from another one.
     pub origin: Option<Origin>,
 }
 
@@ -46,7 +46,7 @@ impl Request {
     /// The request in a document.
     ///
     /// # Errors
-    /// Returns an error if it is none.
+    /// Returns an error if the document is not a request.
     pub fn of(document: Value) -> Result<Request, Error> {
         let example = "{\"call\": \"inspect\", \"files\": {\"data\": [\"log.csv\"]}}";
         let refused = |e| Error::Content(format!("this is not a request: {e}; a request is such as {example}"));
@@ -77,7 +77,7 @@ impl Request {
     }
 }
 
-/// What an operation is run on: a request with its files.
+/// The input of an operation: a request with its files.
 #[derive(Debug)]
 pub struct Inputs<'a> {
     pub(crate) request: &'a Request,

@@ -25,7 +25,7 @@ pub(crate) fn follow(
     hz: f64,
 ) -> PyResult<Py<numpy::PyArray1<f64>>> {
     let kind = Reference::find(name).map_err(raised)?;
-    (kind.samples)(ts, n, peak, hz).map(|r| array(py, r).unbind()).map_err(raised)
+    kind.samples(ts, n, peak, hz).map(|r| array(py, r).unbind()).map_err(raised)
 }
 
 /// Runs each scheme along each reference on a plant. Returns a document of figures, the runs, and a page.

@@ -143,7 +143,7 @@ impl Model {
     fn hidden(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
         let settings = samples("u", u)?;
         let u = finite("u", slice(&settings)?)?;
-        let z = py.detach(|| self.model.crept(u));
+        let z = py.detach(|| self.model.simulate_before_linear(u));
         Ok(array(py, z).unbind())
     }
 

@@ -54,7 +54,7 @@ impl Plant {
         let u = finite("u", slice(&read)?)?;
         let plant = plant::Plant::new(&self.spec, ts).map_err(raised)?.with_seed(options.seed);
         let mut x = options.before(&plant, u);
-        let y = in_pieces(py, u, |u| plant.resume(&mut x, u).iter().map(|y| y * 1e6).collect())?;
+        let y = in_pieces(py, u, |u| plant.resume(&mut x, u))?;
         let saturation = plant.saturation(&x);
         Ok((array(py, y).unbind(), saturation.any().then(|| saturation.to_string())))
     }

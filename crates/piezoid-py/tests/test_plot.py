@@ -183,12 +183,12 @@ def test_the_response_is_that_of_the_model_with_its_resonance_marked(model):
 def test_tracking_shows_wanted_reached_and_error(comparison):
     path, left = pz.plot.tracking(comparison)
     run = comparison.run("feed-forward")
-    assert np.array_equal(line(path, "wanted").get_ydata(), run["r"])
+    assert np.array_equal(line(path, "reference").get_ydata(), run["r"])
     assert np.array_equal(line(path, "feed-forward").get_ydata(), run["y"])
     assert np.array_equal(line(left, "feed-forward").get_ydata(), run["r"] - run["y"])
-    assert line(path, "wanted").get_xdata()[1] == TS
+    assert line(path, "reference").get_xdata()[1] == TS
     only, _ = pz.plot.tracking(comparison, controllers=["gain"])
-    assert [found.get_label() for found in only.get_lines()] == ["wanted", "gain"]
+    assert [found.get_label() for found in only.get_lines()] == ["reference", "gain"]
 
 
 def test_what_cannot_be_drawn_is_refused_before_a_figure_is_made(model, record, validation):

@@ -259,7 +259,7 @@ fn a_study_can_be_cancelled_at_any_stage() {
 fn swarm_meets_the_optimum(plant: &str) {
     let u = Prbs { order: 12, amplitude: 1.0, ..Default::default() }.samples(TS, 4095).expect("a PRBS");
     let y = Plant::named(plant, TS).expect("a plant").run(&u).y;
-    let record = [Record::new(TS, u, y.iter().map(|y| 1e3 * y).collect()).expect("a record")];
+    let record = [Record::new(TS, u, y.iter().map(|y| 1e-3 * y).collect()).expect("a record")];
     let cost = |estimator, seed, global_best| {
         let settings = swarm::SwarmSettings { seed, global_best, ..swarm::SwarmSettings::default() };
         let estimator = linear::Estimator::find(estimator).expect("an estimator");

@@ -138,8 +138,8 @@ async fn relay(child: &mut Child, pieces: &mpsc::Sender<std::io::Result<Bytes>>)
     let last = match head {
         Head::Line { begins: true } => {
             let message = format!(
-                "the work ended without an answer ({why}): either the memory did not suffice, or this is a fault of \
-                 piezoid, and the terminal of `piezoid serve` says more; files are unchanged"
+                "the work ended without an answer ({why}): there was not enough memory, or this is a bug in \
+                 piezoid. The terminal of `piezoid serve` shows more. No file was changed"
             );
             Ok([b"\n", &*piezoid_operations::refused(&message)].concat().into())
         }

@@ -87,7 +87,7 @@ fn permitted(path: &Path, name: &str, headers: &HeaderMap) -> Result<bool, Failu
     let present = opened(path, name)?.map(|(.., tag)| tag);
     if !tags::permits(headers, present.as_deref()) {
         let why = match present {
-            Some(_) => format!("the project folder has another version of {name}: it stays; read it again first"),
+            Some(_) => format!("the project folder has another version of {name}, not overwritten: read it again"),
             None => format!("{name} was deleted elsewhere: write it as a new file"),
         };
         return Err(Failure::new(StatusCode::PRECONDITION_FAILED, why));

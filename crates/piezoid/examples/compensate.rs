@@ -17,7 +17,7 @@ const PEAK: f64 = 500.0;
 /// The record of a voltage [V]: the displacement [um] that the sensor of the bender reads.
 fn measure(u: Vec<f64>) -> Result<Record, Error> {
     let y = Plant::named("pl140", TS)?.run(&u).y;
-    Record::new(TS, u, y.iter().map(|y| 1e6 * y).collect())
+    Record::new(TS, u, y)
 }
 
 /// The rms error of the bender along `path` [% of its height], after the first period.

@@ -16,7 +16,7 @@ const TS: f64 = 5e-4;
 /// The record of a voltage [V]: the displacement [um] that the sensor of the bender reads.
 fn measure(u: Vec<f64>) -> Result<Record, Error> {
     let y = Plant::named("pl140", TS)?.run(&u).y;
-    Record::new(TS, u, y.iter().map(|y| 1e6 * y).collect())
+    Record::new(TS, u, y)
 }
 
 fn main() -> Result<(), Error> {

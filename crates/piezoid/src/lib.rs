@@ -1,5 +1,5 @@
-//! From measured records of a piezo actuator to a model that predicts it, a voltage that makes it follow a path, and
-//! code for the machine that drives it.
+//! Identifies a model of a piezo actuator from measured records, validates it, computes the voltage for a reference,
+//! and exports code for controllers.
 //!
 //! ```
 //! use piezoid::{IdentifyOptions, Record, Validate, compensation::Compensate, formats::ColumnSelection, identify};
@@ -8,7 +8,7 @@
 //! # let plant = Plant::named("pl140", 1e-3)?;
 //! # let csv = |frequency, n| -> Result<Vec<u8>, piezoid::Error> {
 //! #     let u = RisingSine { amplitude: 28.0, frequency, ..RisingSine::default() }.samples(1e-3, n)?;
-//! #     let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+//! #     let y = plant.run(&u).y;
 //! #     Record::new(1e-3, u, y)?.written("record.csv")
 //! # };
 //! # let (train, test) = (csv(4.0, 2000)?, csv(7.0, 1000)?);
@@ -26,9 +26,9 @@
 //! ```
 //!
 //! Both features are on by default. Without `clarabel` there is no estimator `least-absolute` and no
-//! `Solver::InteriorPoint`; without `foreign` the only formats of files are text.
+//! `Solver::InteriorPoint`; without `foreign` only text files are read and written.
 //!
-//! The library does no input or output: no files, clock, printing or threads it was not asked for. Seeds are
+//! The library does no input or output: no files, no clock, no printing, and threads only on request. Seeds are
 //! parameters, and the same input gives the same bytes.
 
 // Tests compare with the C library.
@@ -40,7 +40,7 @@ mod tests;
 pub use piezoid_models::{creep, driver};
 pub use piezoid_numerics::{progress, system};
 
-/// The inverse of a model: whole references, sample by sample, shaping, learning.
+/// The inverse of a model, for a whole reference or sample by sample; shaping of references; iterative learning.
 pub mod compensation {
     pub use piezoid_control::compensation::{
         Causal, Compensate, Compensated, FeedForward, FeedForwardSettings, Learned, Learning,
@@ -79,7 +79,7 @@ pub mod formats {
     pub use piezoid_records::formats::{Channel, ColumnSelection, FORMATS, Format, Signal, Table};
 }
 
-/// The Hammerstein model, and what its identification found.
+/// The Hammerstein model, and the results of its identification.
 pub mod hammerstein {
     pub use piezoid_identification::{FittedParameter, Identified, LinearPart, OperatorTrial};
     pub use piezoid_models::hammerstein::{Domain, InitialCondition, Model};

@@ -1,4 +1,4 @@
-//! Plants drawn around one: its parameters differ by up to a share of their values.
+//! Random plants around a nominal one: each parameter differs by up to a share of its nominal value.
 
 use crate::spec::{BeamSpec, HysteresisSpec, Spec};
 use piezoid_numerics::error::Error;

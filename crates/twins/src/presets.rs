@@ -56,7 +56,7 @@ pub static PLANTS: &[Preset] = &[
     Preset {
         name: "pl140-nonlinear",
         summary: "PL140.10 like `pl140`, outside every model here: a sensor curved by 1 % at full stroke, a first mode \
-                  that rings 3 % lower at half the stroke, hysteresis partly inside its loop (coupling 0.1)",
+                  that rings 3 % lower at half the stroke, mechanics fed back into the hysteresis (coupling 0.1)",
         reference: "PI datasheet PL112-PL140, 31.07.2020; M. Goldfarb, N. Celanovic 1997, DOI 10.1109/37.588158",
         spec: nonlinear,
     },
@@ -224,7 +224,7 @@ mod tests {
             let y = plant.run(&u).y;
             let stroke = match preset.spec().hysteresis {
                 HysteresisSpec::BoucWen { displacement_m, .. } | HysteresisSpec::Preisach { displacement_m, .. } => {
-                    displacement_m
+                    1e6 * displacement_m
                 }
             };
             assert!(y.iter().all(|y| y.is_finite() && y.abs() < 20.0 * stroke), "{}", preset.name);

@@ -161,7 +161,7 @@ pub struct SensorSpec {
     pub(crate) range_m: Option<f64>,
     /// Bits of the converter over the range; `None` (`null`) is no quantisation.
     pub(crate) bits: Option<u32>,
-    /// Reading at rest, which is added after the range: the zero of a position sensor is anywhere [m].
+    /// Reading at rest, added after clipping to the range: a position sensor may have any zero [m].
     pub zero_m: f64,
 }
 

@@ -222,12 +222,12 @@ mod tests {
             let mut quiet = spec.clone();
             quiet.sensor.noise_rms_m = 0.0;
             // A model with a wrong gain, and an offset.
-            let model: Vec<f64> = Plant::new(&quiet, TS).unwrap().run(&u).y.iter().map(|y| 1.03 * y + 1e-5).collect();
-            let drifting: Vec<f64> = y.iter().enumerate().map(|(t, y)| y + 3e-9 * t as f64).collect();
+            let model: Vec<f64> = Plant::new(&quiet, TS).unwrap().run(&u).y.iter().map(|y| 1.03 * y + 10.0).collect();
+            let drifting: Vec<f64> = y.iter().enumerate().map(|(t, y)| y + 3e-3 * t as f64).collect();
             for y in [y, drifting] {
                 let floor = floor(u.clone(), y, &model).unwrap();
                 assert_eq!(floor.source, source);
-                assert_close(&[floor.rms], &[spec.sensor.noise_rms_m], 0.12, 0.0);
+                assert_close(&[floor.rms], &[1e6 * spec.sensor.noise_rms_m], 0.12, 0.0);
             }
         }
     }

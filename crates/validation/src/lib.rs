@@ -80,11 +80,11 @@ options! {
 /// A free run compared with its record.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Validation {
-    /// Error figures of the whole record.
+    /// Error figures of the record from sample `start` on.
     pub metrics: Metrics,
     /// The free run over the whole record, with the removed mean error and drift added [record's unit].
     pub simulated: Vec<f64>,
-    /// First sample of the figures.
+    /// First sample that the error figures include.
     pub start: usize,
     /// Initial condition of the free run.
     pub initial_condition: InitialCondition,

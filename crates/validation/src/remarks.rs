@@ -90,8 +90,8 @@ static ERROR_DRIFT: Remark = Remark {
         let percent = |rms: f64| rough(100.0 * rms / c.metrics.std);
         c.drift.is_named.then(|| {
             format!(
-                "a drift of {} {}/s makes {} of the {} % NRMSE: of the sensor or the temperature, or creep that the \
-                 model lacks. Set the offset to drift to see the rest",
+                "a drift of {} {}/s makes {} of the {} % NRMSE: the sensor or the temperature drifts, or the \
+                 model lacks creep. Set the offset to drift to see the rest of the error",
                 rough(c.drift.slope / c.record.ts()),
                 c.record.units().y,
                 percent(c.drift.rms),

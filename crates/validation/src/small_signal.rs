@@ -90,7 +90,7 @@ impl Linearity {
     /// and the input is not periodic.
     pub fn of(record: &Record) -> Result<Self, Error> {
         let inspection = inspect(record);
-        inspection.sound()?;
+        inspection.require_usable()?;
         let y = bridged(record.y(), &inspection.usable);
         let record = &Record::new(record.ts(), record.u().to_vec(), y)?.with_units(record.units().clone());
         let std = (scatter(record.y()) / record.len() as f64).sqrt();
@@ -183,7 +183,7 @@ impl Linearity {
         match (self.residual_percent, self.noise_percent) {
             (Some(left), Some(noise)) if repeats => {
                 text += &format!(
-                    " (residual of the best linear block: {} % of the mean period; noise: {} % per sample)",
+                    " (residual of the best linear block: {} % rms of the averaged period; noise: {} % per sample)",
                     short(left),
                     short(noise)
                 );
@@ -281,7 +281,7 @@ mod tests {
 
     fn measured(plant: &str, u: Vec<f64>) -> Record {
         let y = Plant::named(plant, TS).unwrap().run(&u).y;
-        Record::new(TS, u, y.iter().map(|y| 1e6 * y).collect()).unwrap()
+        Record::new(TS, u, y).unwrap()
     }
 
     #[test]

@@ -21,7 +21,7 @@
 
 use libm::{log, pow};
 use nalgebra::Complex;
-use piezoid_numerics::fourier::{LINE, spectrum};
+use piezoid_numerics::fourier::{LINE_WIDTH_BINS, spectrum};
 use piezoid_records::record::Record;
 use piezoid_records::waveform::dominant_frequency;
 use std::f64::consts::LN_2;
@@ -194,7 +194,7 @@ fn hum(e: &[Complex<f64>], s: &[Complex<f64>], hz: f64, drive: Option<f64>) -> O
     // The power of the line at a frequency, over the median and over the largest of its surroundings, if it is no
     // response to the input.
     let line = |at: f64| {
-        let half = LINE / 2 + (MAINS_UNCERTAINTY * at / hz).ceil() as usize;
+        let half = LINE_WIDTH_BINS / 2 + (MAINS_UNCERTAINTY * at / hz).ceil() as usize;
         let (centre, width) = ((at / hz).round() as usize, 2 * half + 1);
         let first = centre.checked_sub(half + 5 * width)?;
         let sums = |x: &[Complex<f64>]| {

@@ -112,8 +112,8 @@ impl Whiteness {
             true => format!("residuals are white (Ljung-Box Q {q} over {lags} lags, p {p})"),
             false => format!(
                 "a part of the residuals is regular, not noise: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} \
-                 lags, p {p}). In a long record this test finds parts that are far too small to matter; how large they \
-                 are is shown by the error beside the noise floor",
+                 lags, p {p}). In a long record this test finds parts that are far too small to matter: compare the \
+                 error with the noise floor",
                 short(self.autocorrelation[0])
             ),
         }
@@ -125,9 +125,9 @@ impl Whiteness {
         match (self.correlates_with_input(), k) {
             (false, _) if self.cross_correlation_bound > MAX_USEFUL_BOUND => format!(
                 "the correlation of the residuals with the input says nothing here: it is {c} at most, and only values \
-                 above {bound} would be significant, because input and residuals change slowly, or there are few \
-                 samples. A record with a PRBS or a multisine as input makes this test sharp; until then, judge the \
-                 error by its size, beside the noise floor"
+                 above {bound} would be significant. Input and residuals change slowly, or there are few samples. \
+                 A record with a PRBS or a multisine as input makes the test sensitive. Without one, compare the \
+                 error with the noise floor"
             ),
             (false, _) => format!(
                 "residuals are uncorrelated with the input (at most {c}, bound {bound}): the model covers the linear \
@@ -135,7 +135,7 @@ impl Whiteness {
             ),
             (true, 0..) => format!(
                 "a part of the residuals follows the input at a lag of {k} samples (correlation {c}, bound {bound}): \
-                 it is of the dynamics, the gain or the hysteresis, and a more detailed model could hold it"
+                 the dynamics, the gain or the hysteresis of the model are incomplete"
             ),
             (true, _) => format!(
                 "a part of the residuals precedes the input by {} samples (correlation {c}, bound {bound}): the delay \

@@ -14,7 +14,7 @@ use serde_json::{Value, json};
 options! {
     /// How to compare models.
     pub struct CompareOptions {
-        /// The record whose loops and residuals are drawn; the first without it.
+        /// The record whose loops and residuals are drawn; by default the first.
         record: Option<String> = None, OptionRow::new(OptionKind::Text("FILE"));
     } with validation: ValidateOptions
 }

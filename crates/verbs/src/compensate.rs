@@ -32,13 +32,13 @@ pub struct Compensation {
     pub ts: f64,
     /// Units of voltage and displacement.
     pub units: Units,
-    /// The requested reference.
+    /// The reference as requested [output unit].
     pub requested: Vec<f64>,
-    /// The shaped reference.
+    /// The reference after shaping [output unit].
     pub shaped: Vec<f64>,
     /// The voltage, and the displacement that the model predicts.
     pub compensated: Compensated,
-    /// The lowest and the highest displacement that can be held.
+    /// The lowest and the highest displacement that can be held [output unit].
     pub reach: (f64, f64),
     /// How good the model was at its identification, if its file says so.
     pub verdict: Option<Verdict>,
@@ -92,9 +92,9 @@ impl Compensation {
     }
 
     /// The rms error to expect of the actuator [output unit]: that of the model on held-out records, over the same
-    /// peak-to-peak, and that which the inverse leaves. The error of the model is not below its noise, nor below that
-    /// over a tenth of the stroke: smaller loops have not been measured. `None` if the file of the model does not say
-    /// how good it is.
+    /// peak-to-peak, and that which the inverse leaves. The error of the model is at least its noise, and at least its
+    /// error at a tenth of the stroke, because smaller loops have not been measured. `None` if the file of the model
+    /// does not say how good it is.
     pub fn expected_rms(&self) -> Option<f64> {
         const LEAST: f64 = 0.1;
         let (metrics, _) = self.metrics();

@@ -56,14 +56,14 @@ const COUNT: OptionKind = OptionKind::Integer(0, u64::MAX);
 const PERCENT: OptionKind = OptionKind::Number { least: 0.0, open: false, below: 100.0 };
 
 options! {
-    /// What controllers are tuned to.
+    /// Targets of the tuning of controllers.
     #[derive(Copy)]
     pub struct TuneOptions {
         /// Sensor delay in samples; controllers are tuned for it.
-        delay_samples: usize = 0, OptionRow::new(OptionKind::Integer(0, ControlLoop::LATEST as u64));
-        /// Gain margin to tune to [dB].
+        delay_samples: usize = 0, OptionRow::new(OptionKind::Integer(0, ControlLoop::MAX_DELAY_SAMPLES as u64));
+        /// Gain margin that controllers are tuned to.
         gain_margin: f64 = MarginTarget::default().gain_db, OptionRow::positive("dB");
-        /// Phase margin to tune to [degrees].
+        /// Phase margin that controllers are tuned to.
         phase_margin: f64 = MarginTarget::default().phase_deg, OptionRow::positive("degrees");
     }
 }
@@ -81,7 +81,7 @@ impl TuneOptions {
 }
 
 options! {
-    /// What to compare, along what.
+    /// How to compare control schemes.
     pub struct ControlOptions {
         /// Controllers to compare, such as feed-forward+pi.
         controller: Vec<String> = Vec::new(), OptionRow::new(OptionKind::Texts("NAME")).absent("six schemes");
@@ -90,7 +90,7 @@ options! {
                                                                                references");
         /// Peak of named references, in the model's output unit.
         amplitude: Option<f64> = None, OptionRow::positive("").absent("0.8 of the displacement that the model can \
-                                                            hold on both sides of 0, or of its middle if it can hold \
+                                                            hold on both sides of 0, or of half its range if it holds \
                                                             (nearly) none on one side");
         /// Number of future samples of the reference that controllers may use.
         preview: Option<usize> = None, OptionRow::new(COUNT).absent("all");
@@ -114,7 +114,8 @@ impl ControlOptions {
         self.reference.iter().map(String::as_str).filter(|name| named(name).is_none())
     }
 
-    /// Runs each scheme along each reference on a plant. A reference that is not in the list is one of the `files`.
+    /// Runs each scheme along each reference on a plant. A name that is not in the list of references is that of one of
+    /// the `files`.
     ///
     /// # Errors
     /// Returns an error for an unknown name, and for a file that is missing or contains no reference. The errors of
@@ -226,8 +227,8 @@ impl ControlOptions {
             (Ok(Held { middle, half, .. }), peak) => {
                 let [low, high, at] = [middle - half, middle + half, middle].map(short);
                 *about = Some(format!(
-                    "The model can hold {low} to {high} {unit}: named references run about {at} {unit}, the middle, and \
-                     not about 0"
+                    "The model can hold {low} to {high} {unit}: named references are centred on {at} {unit}, the \
+                     middle, not on 0"
                 ));
                 (middle, peak.unwrap_or(SHARE * half))
             }
@@ -241,7 +242,7 @@ impl ControlOptions {
             let rule = format!("four periods are {n} samples, more than 1000000: choose {least} Hz or more");
             return Err(Error::parameter("reference", name, rule));
         }
-        let mut r = (kind.samples)(ts, n as usize, peak, hz).map_err(|e| match e {
+        let mut r = kind.samples(ts, n as usize, peak, hz).map_err(|e| match e {
             // The frequency stands in the name of the reference.
             Error::Parameter { name: field, rule, .. } if field.starts_with("frequency") || field == "hz" => {
                 Error::parameter("reference", name, rule)
@@ -253,7 +254,7 @@ impl ControlOptions {
     }
 }
 
-/// What is written of a comparison of controllers.
+/// Output of a comparison of controllers: a record, and remarks.
 pub trait ComparisonReport {
     /// The first run as a record with the reference, in a file of this name.
     ///
@@ -392,12 +393,12 @@ mod tests {
         let (low, high) = piezoid_numerics::series::ends(result.references[0].r.iter().copied());
         assert!((0.5 * (low + high) + 122.0).abs() < 0.1 && (high - low - 15.84).abs() < 0.1, "{low} {high}");
         let notes = result.notes.join("\n");
-        assert!(notes.contains("named references run about -122.0 um"), "{notes}");
-        assert!(notes.contains("the zeros of their sensors differ. That of the plant is moved by -13"), "{notes}");
+        assert!(notes.contains("named references are centred on -122.0 um"), "{notes}");
+        assert!(notes.contains("the zeros of their sensors differ. The zero of the plant is moved by -13"), "{notes}");
         assert!(percent(&result) < 20.0, "{}", percent(&result));
         // Without an offset, a unipolar actuator needs no other zero.
         let result = compared("p885", &model(0.15, 0.0, [0.0, 120.0]));
-        assert!(result.notes.len() == 1 && result.notes[0].contains("run about 9.000 um"), "{:?}", result.notes);
+        assert!(result.notes.len() == 1 && result.notes[0].contains("centred on 9.000 um"), "{:?}", result.notes);
         assert!(percent(&result) < 20.0, "{}", percent(&result));
     }
 }

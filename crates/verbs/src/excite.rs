@@ -11,11 +11,11 @@ use serde_json::Value;
 const VOLT: &str = "V";
 
 options! {
-    /// What every kind of signal takes.
+    /// Options of all kinds of signals.
     pub struct ExciteOptions {
         /// Sampling period.
         ts: f64 = 5e-4, OptionRow::positive("s").required();
-        /// Length of the signal.
+        /// Duration of the signal.
         duration: f64 = 1.0, OptionRow::positive("s").required();
         /// Clip the signal to the limits, instead of refusing one that exceeds them.
         clip: bool = false, OptionRow::new(OptionKind::Switch);
@@ -44,7 +44,7 @@ impl ExciteOptions {
     ///
     /// # Errors
     /// Returns an error for invalid options, for a signal that exceeds the limits unless it is to be clipped, and for
-    /// limits of a reference.
+    /// limits together with a reference, which has none.
     pub fn run(&self, kind: &Excitation, arguments: Value) -> Result<Excited, Error> {
         let mut u = kind.samples(self.ts, self.duration, arguments)?;
         let unit = ascii_unit(&self.unit);
@@ -53,7 +53,7 @@ impl ExciteOptions {
         }
         let limits = self.limits.limits()?;
         if limits.is_some() && unit != VOLT {
-            let rule = "has no limits, because those of a driver are voltages: leave them out";
+            let rule = "is not a voltage, but limits apply to voltages: leave the limits out";
             return Err(Error::parameter("unit", unit, rule));
         }
         let Some(limits) = limits else {

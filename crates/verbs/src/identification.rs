@@ -36,12 +36,12 @@ const SPLITS: OptionKind = OptionKind::Choice(&[
 ]);
 
 const READINGS: OptionKind = OptionKind::Choice(&[
-    ("held", "that of the last movement"),
-    ("printed", "the descending one, by the \"otherwise\" of the paper's rule"),
+    ("held", "the branch of the last direction of the input"),
+    ("printed", "the descending branch, because the paper's rule says \"otherwise\""),
 ]);
 
 const BESTS: OptionKind = OptionKind::Choice(&[
-    ("ever", "the best that any particle has ever had"),
+    ("ever", "the best position of any particle so far"),
     ("current", "the best of the current positions: equation (4) as printed"),
 ]);
 
@@ -59,11 +59,11 @@ options! {
     /// # assert_eq!(options.seed, 1);
     /// ```
     pub struct IdentifyOptions {
-        /// How to identify.
+        /// Method of identification.
         method: Method = Method::Joint, OptionRow::new(METHODS);
         /// The hysteresis operator (see {list}), or several separated by commas; auto tries all, and
-        /// auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The
-        /// paper's method has its own branches.
+        /// auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With
+        /// the paper's method, auto selects two-branch or rate-scheduled.
         operator: String = "auto".into(), OptionRow::new(NAME).list("operators");
         /// Order of the linear block.
         order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");
@@ -150,7 +150,7 @@ impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
 /// # use piezoid::{Record, excitation::RisingSine, plant::{Plant, Preset}};
 /// # let u = RisingSine { amplitude: 28.0, frequency: 4.0, ..RisingSine::default() }.samples(1e-3, 2000)?;
 /// # let plant = Plant::named("pl140", 1e-3)?;
-/// # let record = Record::new(1e-3, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
+/// # let record = Record::new(1e-3, u.clone(), plant.run(&u).y)?;
 /// let plays = "prandtl-ishlinskii".to_string();
 /// let options = IdentifyOptions { operator: plays, order: Some(2), ..IdentifyOptions::default() };
 /// let found = identify(&[record], &options)?;

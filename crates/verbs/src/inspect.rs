@@ -11,9 +11,9 @@ use std::ops::Range;
 impl File {
     /// What this file holds as a document: `format`; `channels`, each with `name`, `unit`, `samples`, `low`, `high` and
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
-    /// `history`, how the record is made of the channels; `problems`, which are reasons why there is no record, and
+    /// `history`, the steps from the channels to the record; `problems`, which are reasons why there is no record, and
     /// suspected defects of the record; `defects`, these with the spans of time [s] that they concern, the first
-    /// hundred of each. The record itself is beside it, or the error in its place.
+    /// hundred of each. The second result is the record, or the error that prevents it.
     ///
     /// ```
     /// use piezoid::formats::ColumnSelection;
@@ -32,7 +32,8 @@ impl File {
         Ok(table.inspect(&self.name, Format::of(&self.bytes).name, columns))
     }
 
-    /// How records like this one are read: the columns that were found, with their units, and all that was said.
+    /// The selection that reads records like this one: the columns and units that were found, and the options in
+    /// `columns`.
     ///
     /// # Errors
     /// The errors of [`File::record`].

@@ -1,4 +1,4 @@
-//! Where a model comes from, as its file states in `fit`, and its repetition:
+//! The origin of a model, as its file states it in `fit`, and the repetition of its identification:
 //!
 //! ```json
 //! {
@@ -43,7 +43,7 @@ pub struct Origin {
     /// How its columns are read.
     #[serde(with = "by_name", skip_serializing_if = "is_usual")]
     pub columns: ColumnSelection,
-    /// What is done to it.
+    /// Steps of its preparation, in their order.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub preparation: Vec<Step>,
 }
@@ -125,15 +125,15 @@ pub trait IdentifyAgain {
     /// not the same to the bit, the notes of the result say how far the two are apart.
     ///
     /// # Errors
-    /// Returns an error if the model does not state how it was identified, or from records that were in no file; if a
-    /// file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
+    /// Returns an error if the model does not state how it was identified, or if one of its records was in no file; if
+    /// a file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
     fn again(&self, files: &[File], progress: &mut Progress) -> Result<Identification, Error>;
 }
 
 impl IdentifyAgain for Model {
     fn again(&self, files: &[File], progress: &mut Progress) -> Result<Identification, Error> {
         let older = |e| {
-            let why = "it is of an older version, or was not made by `identify`: identify it anew";
+            let why = "an older version wrote it, or another program than `identify`: identify it again";
             Error::Content(format!("the model does not state how it was identified ({e}): {why}"))
         };
         let Recipe { command, version, options, files: training } =
@@ -151,12 +151,12 @@ impl IdentifyAgain for Model {
             let mut apart = sources.iter().map(|source| apart(self, &again.found.model, &source.record()?));
             let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;
             let this = env!("CARGO_PKG_VERSION");
-            let versions = format!("it is of version {version}, and this is {this}");
+            let versions = format!("identified by version {version}; this is version {this}");
             if apart > ROUNDING {
                 let percent = piezoid_numerics::number::short(100.0 * apart);
                 let why = "it was changed since, or another version or machine identified it";
                 return Err(Error::Content(format!(
-                    "the model identified again is another one: their free runs on the training records differ by up \
+                    "the repeated identification gives another model: free runs on the training records differ by up \
                      to {percent} % of stroke ({versions}): {why}"
                 )));
             }
@@ -185,7 +185,7 @@ fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
     let found = |origin: &&Origin| {
         if origin.sha256.is_empty() {
             let why = "was identified from a record that was in no file";
-            return Err(Error::Content(format!("the model {why}: it can be repeated only where that record is")));
+            return Err(Error::Content(format!("the model {why}: repeat it in the program that has this record")));
         }
         if let Some((file, _)) = files.iter().zip(&hashes).find(|(_, hash)| **hash == origin.sha256) {
             let file = File::new(&origin.file, file.bytes.clone());
@@ -208,7 +208,7 @@ fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
             let names: Vec<&str> = origins.iter().map(|origin| &*origin.file).collect();
             let known = piezoid_numerics::number::join(&names);
             Err(Error::Content(format!(
-                "{} is no file that the model was identified from ({known}): leave it out",
+                "{} is none of the files that the model was identified from ({known}): leave it out",
                 file.name
             )))
         }
@@ -278,7 +278,7 @@ mod tests {
         let changed = text(&[a.clone(), file("lab/b.csv", 0.26)]);
         assert!(changed.starts_with("lab/b.csv is not the file"), "{changed}");
         let extra = text(&[a, b, file("c.csv", 1.0)]);
-        assert!(extra.starts_with("c.csv is no file that the model was identified from (a.csv"), "{extra}");
+        assert!(extra.starts_with("c.csv is none of the files that the model was identified from (a.csv"), "{extra}");
     }
 
     #[test]
@@ -291,7 +291,7 @@ mod tests {
             again(&Model::from_json(&document.to_string()).unwrap(), &files)
         };
         let refused = changed(1.1).unwrap_err();
-        assert!(refused.contains("is another one") && refused.contains("up to 4.545 %"), "{refused}");
+        assert!(refused.contains("gives another model") && refused.contains("up to 4.545 %"), "{refused}");
         let notes = changed(1.0 + 1e-9).unwrap().found.notes;
         assert!(notes.iter().any(|note| note.starts_with("the model is not the same to the bit")), "{notes:?}");
     }

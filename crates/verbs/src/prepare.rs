@@ -8,7 +8,7 @@ use piezoid_records::preparation::PrepareOptions;
 use piezoid_records::record::{Record, Units};
 use serde::{Deserialize, Serialize};
 
-/// A file, and how its record is made.
+/// A file, and how its record is read and prepared.
 #[derive(Debug, Clone)]
 pub struct Source {
     /// The file.
@@ -17,7 +17,7 @@ pub struct Source {
     pub columns: ColumnSelection,
     /// What is done to the record, in this order.
     pub preparation: Vec<Step>,
-    /// Where the record comes from, if the file was made of another one.
+    /// Origin of the record, if the file was derived from another one.
     pub origin: Option<Origin>,
 }
 
@@ -44,7 +44,7 @@ impl Source {
         files.into_iter().map(|file| Source::new(file, columns.clone(), Vec::new())).collect()
     }
 
-    /// A file with how its columns are read, and what is done to its record.
+    /// A file with the selection of its columns and the preparation of its record.
     pub fn new(file: File, columns: ColumnSelection, preparation: Vec<Step>) -> Self {
         Source {
             file,

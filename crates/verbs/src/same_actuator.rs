@@ -36,13 +36,13 @@ pub(super) fn matched(
     // Without the allowance beyond the identified range.
     let (low, high) = model.known_inputs().map_or(ends, |known| (ends.0.max(known.0), ends.1.min(known.1)));
     // An output that is no length is an error of the comparison.
-    let (Some(factor), true) = (Units::factor("m", &units.y), low < high) else { return Ok((spec, None)) };
+    let (Some(factor), true) = (Units::factor("um", &units.y), low < high) else { return Ok((spec, None)) };
     let plant = Plant::new(&spec, model.ts())?;
     let (least, most) = (spec.driver.min_v, spec.driver.max_v);
     let slack = BEYOND * (high - low);
     let exceeds = low < least - slack || high > most + slack;
     let (from, to) = (low.max(least), high.min(most));
-    let of_plant = |u: f64| factor * (plant.tip(&plant.settled(u)) + spec.sensor.zero_m);
+    let of_plant = |u: f64| factor * (plant.tip(&plant.settled(u)) + 1e6 * spec.sensor.zero_m);
     let of_model = |u: f64| model.offset() + model.linear().dc_gain() * model.settled_before_linear(u);
     let stroke = |of: &dyn Fn(f64) -> f64| of(to) - of(from);
     let (plants, models) = (stroke(&of_plant), stroke(&of_model));
@@ -76,7 +76,7 @@ pub(super) fn matched(
     spec.sensor.zero_m += apart / factor;
     let note = format!(
         "At {at} {u} the model is at {model_at} {y}, the plant `{name}` at {plant_at} {y}: the zeros of their sensors \
-         differ. That of the plant is moved by {} {y}, so that both agree at {at} {u}",
+         differ. The zero of the plant is moved by {} {y}, so that both agree at {at} {u}",
         short(apart)
     );
     Ok((spec, Some(note)))

@@ -23,8 +23,8 @@ options! {
     /// How to simulate.
     #[derive(Copy)]
     pub struct SimulateOptions {
-        /// Initial condition: rest; settled at the first input, without a past or after cycles over the whole range;
-        /// or already in the motion of the record.
+        /// Initial condition: at rest; settled at the first input, directly or after cycles over the whole range; or in
+        /// motion as in the record.
         begin: InitialCondition = InitialCondition::Rest, OptionRow::new(INITIAL_CONDITIONS);
         /// Seed of the plant's noise.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
@@ -56,7 +56,7 @@ impl SimulateOptions {
         let spec = plant;
         let plant = Plant::new(spec, ts)?.with_seed(self.seed);
         let mut x = self.before(&plant, &u);
-        let y = plant.resume(&mut x, &u).iter().map(|y| y * 1e6).collect();
+        let y = plant.resume(&mut x, &u);
         let saturation = plant.saturation(&x);
         let mut reached = if saturation.any() { saturation.to_string() } else { String::new() };
         if saturation.current_limited > 0 {
@@ -113,9 +113,9 @@ fn jumps(spec: &Spec, first: f64, u: &[f64], ts: f64) -> Option<String> {
     let rounded = |current: f64| format!("{current:.3e}").parse().unwrap_or(current);
     (most <= limit).then(|| {
         format!(
-            " at the jump from one held voltage to the next only. The driver follows: the mean current over a sampling \
-             period, which plans and limits of drives count, is at most {} of {}. A shorter sampling period makes the \
-             jumps smaller",
+            " at the jump from one held voltage to the next, and only there. The driver can follow the drive: the mean \
+             current over a sampling period, which plans compare with the limit, is at most {} of {}. A shorter \
+             sampling period makes the jumps smaller",
             quantity(rounded(most), "A"),
             quantity(limit, "A")
         )

@@ -30,7 +30,7 @@ const WHOLE: f64 = 0.8;
 /// Duration from which records show the creep that matters [s].
 const LONG: f64 = 60.0;
 
-/// How good a model is, on which inputs, and what no record has proven. It is stored in the model.
+/// The error of a model, the range of the inputs, and the properties that no record tests. It is stored in the model.
 ///
 /// ```
 /// use piezoid::{IdentifyOptions, Record, Records, StatedVerdict, progress::Stage};
@@ -59,7 +59,7 @@ pub struct Verdict {
     pub unit: String,
     /// Lowest and highest frequency of large signals [Hz]; `None` if all inputs are constant.
     pub hz: Option<[f64; 2]>,
-    /// What no record has proven.
+    /// Properties of the model that no record tests.
     pub unproven: Vec<String>,
     /// Of several validation records, the one with the largest error over its own peak-to-peak; `None` for one record,
     /// and after an identification.
@@ -72,8 +72,8 @@ pub struct Verdict {
     /// large and neither noise nor a constant offset explain it [-].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub times_worse: Option<f64>,
-    /// Decrease of the sum of squared errors that another step of the search promises [%]; `None` if the fit is at its
-    /// minimum, or if that is not known. A model is *only* good to its error if this is not `None`.
+    /// Predicted decrease of the sum of squared errors by another step of the search [%]; `None` if the fit is at its
+    /// minimum, or if that is not known. With a number, the verdict says *only* good to its error.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_percent: Option<f64>,
 }
@@ -275,7 +275,7 @@ pub trait StatedVerdict {
     /// How good this model was at its identification; `None` if its file does not say so.
     fn verdict(&self) -> Option<Verdict>;
 
-    /// The verdict in words, for what is made of this model.
+    /// The verdict in words, for files and pages about this model; or a sentence that there is none.
     fn proven(&self) -> String;
 }
 

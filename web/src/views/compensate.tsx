@@ -161,7 +161,7 @@ function Path({ settings, change, points, duration, of, answer, lists, usual }: 
           <select value={path} onChange={(event) => change({ path: event.currentTarget.value })}>
             <option value="drawn">drawn by hand</option>
             {KINDS.map((name) => <option key={name} value={name}>{name}</option>)}
-            {workspace.project.records.map((one) => <option key={one.file} value={one.file}>output of {one.file}</option>)}
+            {workspace.project.records.map((one) => <option key={one.file} value={one.file}>displacement of {one.file}</option>)}
           </select>
         </label>
         {(path === "drawn" || isKind) && number("Duration [s]", duration, (value) => change({ duration: value }))}
@@ -253,7 +253,7 @@ function Twin({ file, ts, path, expected, settings, change }: Changing & { file:
       <Stale stale={work.stale} />
       {work.value && <Notes title="" notes={work.value.result.notes ?? []} />}
       {work.value && (
-        <Table caption="Errors on the twin" head={["Scheme", "Error, rms", "Largest error", "Of the stroke"]}
+        <Table caption="Errors on the twin" head={["Scheme", "Error, rms", "Largest error", "Error, rms [% of p-p of r]"]}
           rows={schemes.map(({ scheme, tracking: [one] }) => [
             scheme, `${short(one?.rms)} ${unit(work.value!.result.unit)}`, `${short(one?.max)} ${unit(work.value!.result.unit)}`, `${short(one?.percent_of_stroke)} %`,
           ])} />

@@ -50,7 +50,7 @@ function Comparison({ model }: { model: string }) {
             reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),
           }}
           first={["plant", "controller", "reference", "amplitude", "noise"]} />
-        <ReferenceForm reference={reference} label="In place of the named references" none="no other" />
+        <ReferenceForm reference={reference} label="In place of the named references" none="none" />
         <div class="row">
           <button type="button" class="main" disabled={result.busy || !document.value} onClick={() => result.start(compare)}>Compare</button>
         </div>
@@ -73,7 +73,7 @@ function Result({ answer, ts, stale }: Compared & { stale: boolean }) {
   const notes = schemes.flatMap(({ scheme, tracking }) => (tracking[at]?.notes ?? []).map((note) => `${scheme}: ${note}`));
   return (
     <>
-      <Section title="Errors" wide help="Root mean square of the error, in % of the height of the reference. The smallest of each column is bold; a dash marks what was refused.">
+      <Section title="Errors" wide help="Root mean square of the error, in % of the height of the reference. The smallest of each column is bold; a dash marks a refused run.">
         <Stale stale={stale} />
         <Table caption="Errors by scheme and reference" head={["Scheme", ...references.map(({ name }) => name)]} rows={errors(schemes)} />
         <Notes title="Remarks" notes={result.remarks ?? []} />
@@ -92,7 +92,7 @@ function Result({ answer, ts, stale }: Compared & { stale: boolean }) {
       <Section title="Along a reference" wide>
         <Choice label="Reference that is shown" names={references.map(({ name }) => name)} chosen={target.name} choose={(name) => choose({ reference: name })} />
         <Chart figure={figure} height={640} />
-        <p class="help">The error counts in the shaded part. Where lines coincide, the later one is dashed.</p>
+        <p class="help">The error is computed over the shaded part. Where lines coincide, the later one is dashed.</p>
         <Notes title={`Notes on ${target.name}`} notes={notes} />
       </Section>
     </>

@@ -126,7 +126,7 @@ function State({ entry }: { entry: RecordEntry }) {
   const count = inspection.value?.result.problems.length ?? 0;
   if (inspection.error) return <span class="bad">cannot be read</span>;
   if (!inspection.value) return <>{"\u2026"}</>;
-  if (!inspection.value.result.record) return <span class="bad">roles are open</span>;
+  if (!inspection.value.result.record) return <span class="bad">roles not decided</span>;
   return <>{count === 0 ? "read" : `read; ${count} ${count === 1 ? "problem" : "problems"}`}</>;
 }
 
@@ -182,7 +182,7 @@ function RecordView({ entry }: { entry: RecordEntry }) {
         {inspection.busy && !figure && <p class="missing">Reading {entry.file}.</p>}
         {handled && <Chart figure={handled} />}
         {result && <Notes title="Problems" notes={result.problems} />}
-        {outcome.value && <Notes title="Done to this record" notes={outcome.value.result.history ?? []} />}
+        {outcome.value && <Notes title="Preparation of this record" notes={outcome.value.result.history ?? []} />}
         {result && !outcome.value && <Notes title="How it is read" notes={result.history} />}
       </Section>
       {result?.channels && <Channels entry={entry} channels={result.channels} />}
@@ -190,7 +190,7 @@ function RecordView({ entry }: { entry: RecordEntry }) {
         <Form rows={rows} values={entry.columns} change={(values) => workspace.tell({ ...entry, columns: values })}
           first={["input_unit", "output_unit", "input_scale", "output_scale", "from", "to"]} />
       </Section>
-      <Section title="Preparation" help="What is done to the record before it is identified. The file stays as it is.">
+      <Section title="Preparation" help="Changes of the record before the identification. The file stays as it is.">
         <Form
           rows={optionsOf(lists, "prepare")}
           values={entry.prepare}

@@ -95,7 +95,7 @@ function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
       <Section title="Drives" wide help={`Sampled every ${si(result.ts, "s")}. The bars are shares of the limits of the driver.`}>
         <Stale stale={stale} />
         <Verdict text={result.advice} />
-        <Table caption="Drives of the plan" head={["Drive", "For", "Length", "Stroke", "Voltage", "Slew", "Current", "File"]}
+        <Table caption="Drives of the plan" head={["Drive", "Purpose", "Duration", "Of limits", "Voltage", "Slew", "Current", "File"]}
           rows={rows} marked={shown ? drives.indexOf(shown) : -1} />
         <div class="row">
           <Download files={files} archive="plan.zip" title="Download all as zip" />
@@ -157,7 +157,7 @@ function OneSignal() {
   }, [outcome.value]);
   const { clipped, usage } = outcome.value?.result ?? {};
   return (
-    <Section title="A single signal" wide help="A drive signal, or with another unit than V a reference.">
+    <Section title="A single signal" wide help="A drive signal in V, or a reference in a unit of displacement.">
       <SignalForm values={values} change={change} />
       <Fault text={outcome.error} />
       {outcome.lacks.length > 0 && <p class="missing">Give {outcome.lacks.join(", ")}.</p>}

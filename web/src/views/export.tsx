@@ -38,7 +38,7 @@ function Exports({ model }: { model: string }) {
   };
   return (
     <>
-      <Section title="Target" wide help={`What is made of the model${operator && `, whose operator is ${operator}`}.`}>
+      <Section title="Target" wide help={`The output to write for the model${operator && `, whose operator is ${operator}`}.`}>
         <ModelChoice />
         <div class="cards" role="group" aria-label="Target">
           {lists.targets.map(({ name, summary, operators }) => {
@@ -98,7 +98,7 @@ function Result({ answer, stale }: { answer: Answer; stale: boolean }) {
     short(most_seen),
     bound === null ? "\u2013" : short(bound),
   ]);
-  const head = ["Function", "What it does", "Additions", "Multiplications", "Divisions", "Comparisons", "Most seen", "Bound"];
+  const head = ["Function", "What it does", "Additions", "Multiplications", "Divisions", "Comparisons", "Largest observed", "Upper bound"];
   return (
     <>
       <Section title="Files">
@@ -108,7 +108,7 @@ function Result({ answer, stale }: { answer: Answer; stale: boolean }) {
         <Notes title="Notes" notes={result.notes ?? []} />
       </Section>
       {counted.length > 0 && (
-        <Section title="Work of a sample" wide help="Operations of one call: the mean along a test, the most that was seen, and what is never exceeded.">
+        <Section title="Operations per sample" wide help="Operations of one call: the mean of a test, the largest number observed in it, and an upper bound.">
           <Table caption="Operations of each function" head={head} rows={counted} />
         </Section>
       )}

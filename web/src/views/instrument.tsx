@@ -48,7 +48,7 @@ export function Instrument({ drives, files, chosen }: Props) {
       help="A controller with PI's GCS 2.0 plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the axis is then in open loop, and its voltage stays where it is.">
       <Form rows={optionsOf(lists, "acquire")} values={values} change={change} first={["host", "port", "axis", "range"]} />
       <div class="row">
-        <button type="button" disabled={busy} onClick={() => requested.start(ask)}>Ask the controller</button>
+        <button type="button" disabled={busy} onClick={() => requested.start(ask)}>Query the controller</button>
         <button type="button" disabled={busy || !chosen} onClick={() => result.start(measure([chosen]))}>Measure {chosen}</button>
         <button type="button" class="main" disabled={busy} onClick={() => result.start(measure(drives.map(({ name }) => name)))}>
           Measure all drives

@@ -109,11 +109,11 @@ function LoopsOf({ entry }: { entry: RecordEntry }) {
         </div>
       </Section>
       {straight && (
-        <Section title="Hysteresis alone" help="The loop without its straight line, so that its width is seen.">
+        <Section title="Hysteresis alone" help="The loop minus the straight line through its ends, which shows its width.">
           <Chart figure={straight} height={320} />
         </Section>
       )}
-      <Section title="Part of the record" help="Drag both ends to the cycles that are looked at.">
+      <Section title="Part of the record" help="Drag both ends to the cycles of the loop.">
         {whole.value?.result.record && <Part answer={whole.value} settings={settings} change={change} />}
         <Fault text={whole.error} />
       </Section>
@@ -173,7 +173,7 @@ function Choice({ entry, settings, change }: Changing & { entry: RecordEntry }) 
       </div>
       {records.length > 1 && (
         <div class="row" role="group" aria-label="Records beside it">
-          Beside it:
+          Other records:
           {records.filter((one) => one !== entry).map((one) => (
             <label key={one.file}>
               <input type="checkbox" checked={shown.includes(one)}
@@ -218,10 +218,10 @@ function Part({ answer, settings, change }: Changing & { answer: Answer }) {
 
 function Figures({ found, note }: { found: any; note: string | null }) {
   const rows = [
-    ["Frequency", found.frequency_hz === null ? "none alone" : `${short(found.frequency_hz)} Hz`],
+    ["Frequency", found.frequency_hz === null ? "no dominant frequency" : `${short(found.frequency_hz)} Hz`],
     ["Width of the loop", `${short(found.loop_width_percent)} % of its height`],
     ["Distance of the points from their branch", `${short(found.error_percent)} % of its height, rms`],
-    ["Points on the side of their direction", `${short(100 * found.agreement)} %`],
+    ["Points whose side agrees with their direction", `${short(100 * found.agreement)} %`],
     ["Ascending branch", found.ascending_below ? "below the line" : "above the line: inverted"],
   ];
   return (

@@ -15,7 +15,7 @@ interface Step {
 
 export const STEPS: Step[] = [
   {
-    title: "A small record",
+    title: "The small-signal record",
     text:
       "The bender is driven by a pseudo-random binary sequence of low amplitude. Such a small voltage opens hardly any loop, so that z " +
       "is taken to be u: the record shows the linear block alone.",

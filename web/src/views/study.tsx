@@ -95,7 +95,7 @@ function Result({ answer, stale }: { answer: Answer; stale: boolean }) {
       <Section title="Table 1" wide help="Mean squared error of the test in mm². The paper states no unit; mm² is assumed.">
         <Table caption="Table 1: mean squared errors" head={["Frequency", "The paper", ...methodsOf(study)]} rows={table1(study)} />
         <Chart figure={errors} />
-        <p class="help">Errors below {short(FLOOR)} mm² are drawn there.</p>
+        <p class="help">Errors below {short(FLOOR)} mm² are drawn at this value.</p>
       </Section>
       <Section title="Table 2" wide help="Coefficients of equation (1) in mm and V, from the paper and estimated here. The last column is the sum of absolute residuals.">
         <Table caption="Table 2: linear blocks" head={["Estimator", "a1", "a2", "b0", "b1", "b2", "Mode", "Inverse", "Cost"]} rows={table2(study)} />

@@ -160,7 +160,7 @@ function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry
           )}
         </div>
         <Table caption="Free-run errors" rows={rows}
-          head={["Record", "Model", "Error, rms of stroke", "Error, rms of std", "Largest error", "Noise, of stroke"]} />
+          head={["Record", "Model", "Error, rms [% of stroke]", "NRMSE", "Largest error", "Noise, of stroke"]} />
       </Section>
       <Section title="Free run" wide>
         {records.length > 1 && (
@@ -270,7 +270,7 @@ function binsFigure(runs: Run[], by: "by_frequency" | "by_amplitude", x: Figure[
     panels: [{
       y: { label: "Error, rms", unit: "% of peak-to-peak", log: true },
       series: all,
-      ...(floor > 0 && { levels: [{ at: floor, label: "noise floor of the whole stroke" }] }),
+      ...(floor > 0 && { levels: [{ at: floor, label: "noise floor of all records" }] }),
     }],
   };
 }

@@ -29,19 +29,19 @@ use piezoid_numerics::fourier::Transform;
 use piezoid_numerics::system::System;
 
 /// A trial is discarded above this many times the error of the best one.
-const LOST: f64 = 2.0;
+const MAX_ERROR_RATIO: f64 = 2.0;
 
 /// Number of trials in a row without improvement after which measured responses are used.
-const STUCK: usize = 3;
+const MAX_TRIALS_WITHOUT_GAIN: usize = 3;
 
 /// Number of trials in a row over which the error of such a harmonic has grown.
-const GROWS: usize = 2;
+const GROWTH_TRIALS: usize = 2;
 
 /// Smallest share of such a harmonic in the sum of squares; smaller ones are noise.
-const MATTERS: f64 = 1e-3;
+const MIN_HARMONIC_SHARE: f64 = 1e-3;
 
 /// Largest measured response, relative to that of the model.
-const FURTHER: f64 = 3.0;
+const MAX_RESPONSE_RATIO: f64 = 3.0;
 
 /// Settings of the learning.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,7 +103,7 @@ impl Learning {
     ) -> Result<Learned, Error> {
         finite("reference", r)?;
         if r.is_empty() || self.trials == 0 {
-            return Err(Error::parameter("trials", self.trials, "must be at least 1, of a reference with samples"));
+            return Err(Error::parameter("trials", self.trials, "must be at least 1, for a non-empty reference"));
         }
         if !(self.gain > 0.0 && self.gain <= 1.0) {
             return Err(Error::parameter("gain", self.gain, "must be above 0, and 1 at most"));
@@ -216,7 +216,7 @@ impl Harmonics {
         if self.best.1.is_empty() || all < least {
             (self.best, self.since) = ((self.z.clone(), error.clone()), 0);
         }
-        let lost = all > LOST * LOST * least && self.since > 0;
+        let lost = all > MAX_ERROR_RATIO * MAX_ERROR_RATIO * least && self.since > 0;
         for (k, e) in error.into_iter().enumerate() {
             let (z, growing) = (self.z[k], &mut self.growing[k]);
             let best = [self.best.0[k], self.best.1[k]];
@@ -224,11 +224,11 @@ impl Harmonics {
                 growing.clear();
             }
             growing.push(if lost { best } else { [z, e] });
-            let stuck = self.since >= STUCK && growing.len() > GROWS;
+            let stuck = self.since >= MAX_TRIALS_WITHOUT_GAIN && growing.len() > GROWTH_TRIALS;
             let [z_then, e_then] = growing[0];
-            if (lost || stuck) && modulus(e) > modulus(e_then) && e.norm_sqr() > MATTERS * all {
+            if (lost || stuck) && modulus(e) > modulus(e_then) && e.norm_sqr() > MIN_HARMONIC_SHARE * all {
                 let measured = self.gain * (z - z_then) / (e_then - e);
-                let most = FURTHER * self.gain * modulus(self.inverse[k]);
+                let most = MAX_RESPONSE_RATIO * self.gain * modulus(self.inverse[k]);
                 if measured.is_finite() {
                     self.answer[k] = measured * (most / modulus(measured)).min(1.0);
                 }

@@ -132,8 +132,8 @@ impl Compensate for Model {
 /// let block = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])?;
 /// let model = Model::new((Operator::find("prandtl-ishlinskii")?.example)(5e-4)?, block, 2.0)?;
 /// let r: Vec<f64> = (0..2000).map(|t| 300.0 * (0.03 * f64::from(t)).sin()).collect();
-/// let made = FeedForward::new(&model, FeedForwardSettings::default())?.whole(&r)?;
-/// let y = model.resume(&mut model.settled(made.u[0]), &made.u);
+/// let result = FeedForward::new(&model, FeedForwardSettings::default())?.whole(&r)?;
+/// let y = model.resume(&mut model.settled(result.u[0]), &result.u);
 /// // A corner at the start excites the resonance.
 /// let worst = (300..2000).map(|t| (y[t] - r[t]).abs()).fold(0.0, f64::max);
 /// assert!(worst < 0.01, "{worst}");

@@ -28,7 +28,7 @@ use std::f64::consts::PI;
 const GRID: usize = 2048;
 
 /// Largest number of taps: the solution costs their cube.
-const MOST: usize = 1024;
+const MAX_TAPS: usize = 1024;
 
 /// Design of the inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,8 +67,12 @@ impl Preview {
     /// [`Error::NoInverse`] for a block that is unstable or has no gain at 0 Hz; an error for invalid settings.
     pub(crate) fn new(block: &Arx, design: FirDesign) -> Result<Self, Error> {
         let FirDesign { ahead, taps, corner, effort } = design;
-        if !(1..=MOST).contains(&taps) || taps <= ahead {
-            return Err(Error::parameter("taps", taps, format!("must be from {} to {MOST}", ahead.saturating_add(1))));
+        if !(1..=MAX_TAPS).contains(&taps) || taps <= ahead {
+            return Err(Error::parameter(
+                "taps",
+                taps,
+                format!("must be from {} to {MAX_TAPS}", ahead.saturating_add(1)),
+            ));
         }
         piezoid_numerics::error::positive("corner", corner, "shares of half the sampling rate")?;
         piezoid_numerics::error::positive("effort", effort, "mean squares")?;

@@ -40,18 +40,18 @@ const BEFORE: usize = 1;
 
 impl Causal {
     /// Largest delay [samples]: the filter then has the largest number of taps.
-    pub const LATEST: usize = 488;
+    pub const MAX_DELAY_SAMPLES: usize = 488;
 
     /// The inverse of `model` with a delay of `delay_samples` samples. The settings for whole records are ignored.
     ///
     /// # Errors
     /// The errors of [`FeedForward::new`].
     pub fn new(model: &Model, settings: FeedForwardSettings, delay_samples: usize) -> Result<Self, Error> {
-        if delay_samples > Causal::LATEST {
+        if delay_samples > Causal::MAX_DELAY_SAMPLES {
             return Err(Error::parameter(
                 "delay_samples",
                 delay_samples,
-                format!("must be at most {} samples", Causal::LATEST),
+                format!("must be at most {} samples", Causal::MAX_DELAY_SAMPLES),
             ));
         }
         let settings = FeedForwardSettings { clip: true, ..settings };

@@ -27,7 +27,7 @@ options! {
 /// Shaping of a reference: smoothing first, then a filter that does not excite the model's resonance.
     #[derive(Copy)]
     pub struct Shaping {
-/// Smooth steps and corners to minimum-jerk moves of this length.
+/// Smooth steps and corners to minimum-jerk moves of this duration.
         smooth: Option<f64> = None, OptionRow::positive("s");
 /// Filter the reference with a notch at the model's resonance.
         notch: bool = false, OptionRow::new(OptionKind::Switch);

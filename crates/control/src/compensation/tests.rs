@@ -209,7 +209,7 @@ fn sample_by_sample_invalid_values_are_replaced_by_the_previous_and_others_clipp
 fn identified() -> (Plant, Model) {
     let plant = Plant::named("pl140", TS).unwrap();
     let record = |u: Vec<f64>| {
-        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+        let y = plant.run(&u).y;
         Record::new(TS, u, y).unwrap()
     };
     let small_signal = [record(Prbs::default().samples(TS, 4094).unwrap())];
@@ -228,7 +228,7 @@ fn identified() -> (Plant, Model) {
 fn on_the_twin_the_inverse_is_ten_times_better_than_a_gain_and_learning_is_better_still() {
     let (plant, model) = identified();
     let inverse = inverse_of(&model);
-    let answer = |u: &[f64]| plant.run(u).y.iter().map(|y| 1e6 * y).collect::<Vec<_>>();
+    let answer = |u: &[f64]| plant.run(u).y;
     let (low, high) = inverse.reach();
     let gain = (high - low) / (inverse.ends.1 - inverse.ends.0);
     for hz in [5.0, 40.0] {
@@ -242,10 +242,7 @@ fn on_the_twin_the_inverse_is_ten_times_better_than_a_gain_and_learning_is_bette
     let triangle = Triangle { amplitude: 800.0, frequency: 40.0, ..Default::default() }.samples(TS, 50).unwrap();
     for (period, most) in [(sine, 0.5), (triangle, 1.6)] {
         let mut x = plant.initial();
-        let mut trial = |u: &[f64]| {
-            let last = (0..4).map(|_| plant.resume(&mut x, u)).last().unwrap();
-            last.iter().map(|y| 1e6 * y).collect()
-        };
+        let mut trial = |u: &[f64]| (0..4).map(|_| plant.resume(&mut x, u)).last().unwrap();
         let learned = Learning::default().run(&mut trial, &inverse, &period).unwrap();
         let best = rms_error(&period, &learned.y);
         assert!(best < most && best < 0.5 * learned.rms[0], "{:?}", learned.rms);

@@ -4,7 +4,7 @@
 //! periodic one after the whole periods that cover a quarter of a second. Percentages refer to the peak-to-peak value
 //! of the reference.
 
-use super::{ClosedLoopRun, FeedResult, Scaled, Spread, Tolerance, Tracking, TunedScheme};
+use super::{ClosedLoopRun, FeedForwardResult, Scaled, Spread, Tolerance, Tracking, TunedScheme};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::progress::{Progress, Stage};
 use piezoid_numerics::series::ends;
@@ -48,7 +48,7 @@ impl NamedReference {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferenceResult {
     /// The feed-forward.
-    pub feed_forward: FeedResult,
+    pub feed_forward: FeedForwardResult,
     /// The run.
     pub run: ClosedLoopRun,
     /// Tracking error.
@@ -169,7 +169,7 @@ impl Comparison {
                 "max": tracking.max,
                 "percent_of_stroke": tracking.percent_of_stroke,
                 "effort": tracking.effort,
-                "highest_voltage": run.highest(),
+                "highest_voltage": run.max_abs_voltage(),
                 "limited": run.limited,
                 "trials": feed_forward.trials,
                 "notes": feed_forward.notes,

@@ -34,7 +34,7 @@ pub(super) const ALL: usize = FirDesign::WHOLE.ahead;
 
 /// The input of a feed-forward.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct FeedRequest<'a> {
+pub(crate) struct FeedForwardRequest<'a> {
     /// The model.
     pub model: &'a Model,
     /// Limits and clipping.
@@ -49,7 +49,7 @@ pub(crate) struct FeedRequest<'a> {
 
 /// The output of a feed-forward.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct FeedResult {
+pub struct FeedForwardResult {
     /// The voltages, one per sample of the reference [V].
     pub u: Vec<f64>,
     /// Rms error of each learning trial [output unit].
@@ -72,7 +72,7 @@ pub struct FeedForwardKind {
     /// Computes the feed-forward, or returns an error if the reference cannot be reached, or has to be periodic and is
     /// not.
     #[serde(skip)]
-    pub(crate) make: fn(&FeedRequest) -> Result<FeedResult, Error>,
+    pub(crate) make: fn(&FeedForwardRequest) -> Result<FeedForwardResult, Error>,
 }
 
 /// All feed-forwards; the first is the default.
@@ -98,8 +98,8 @@ pub static FEED_FORWARDS: &[FeedForwardKind] = &[
 ];
 
 /// Starts with the line through the ends of the loop, then corrects it by the response of the model.
-fn line(request: &FeedRequest) -> Result<FeedResult, Error> {
-    let FeedRequest { model, r, ahead, .. } = *request;
+fn line(request: &FeedForwardRequest) -> Result<FeedForwardResult, Error> {
+    let FeedForwardRequest { model, r, ahead, .. } = *request;
     let (low, high) = request.settings.ends(model)?;
     let gain = model.linear().dc_gain() * (model.settled_before_linear(high) - model.settled_before_linear(low))
         / (high - low);
@@ -131,26 +131,26 @@ fn line(request: &FeedRequest) -> Result<FeedResult, Error> {
     };
     let shifts = (0..=ahead.min(SHIFT)).map(fitted);
     let best = shifts.min_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(FeedResult { u: best.map(|(_, u)| u).unwrap_or_default(), ..Default::default() })
+    Ok(FeedForwardResult { u: best.map(|(_, u)| u).unwrap_or_default(), ..Default::default() })
 }
 
-fn inverse(request: &FeedRequest) -> Result<FeedResult, Error> {
-    let FeedRequest { model, settings, r, ahead, .. } = *request;
+fn inverse(request: &FeedForwardRequest) -> Result<FeedForwardResult, Error> {
+    let FeedForwardRequest { model, settings, r, ahead, .. } = *request;
     if ahead >= ALL {
         let result = FeedForward::new(model, settings)?.whole(r)?;
-        return Ok(FeedResult { u: result.u, notes: result.notes, ..Default::default() });
+        return Ok(FeedForwardResult { u: result.u, notes: result.notes, ..Default::default() });
     }
     piezoid_numerics::error::finite("reference", r)?;
-    let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(FeedResult::default()) };
+    let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(FeedForwardResult::default()) };
     let causal = Causal::new(model, settings, ahead)?;
     let (known, rest) = r.split_at(ahead.min(r.len()));
     let mut x = causal.settled_with_preview(first, known);
     let previewed = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));
-    Ok(FeedResult { u: previewed.map(|r| causal.step(&mut x, r)).collect(), ..Default::default() })
+    Ok(FeedForwardResult { u: previewed.map(|r| causal.step(&mut x, r)).collect(), ..Default::default() })
 }
 
-fn learnt(request: &FeedRequest) -> Result<FeedResult, Error> {
-    let FeedRequest { model, settings, r, plant, .. } = *request;
+fn learnt(request: &FeedForwardRequest) -> Result<FeedForwardResult, Error> {
+    let FeedForwardRequest { model, settings, r, plant, .. } = *request;
     let Some(n) = period(r) else {
         return Err(Error::Content(
             "the reference is not periodic, but learning needs a periodic one: leave learning out for it".into(),
@@ -167,7 +167,7 @@ fn learnt(request: &FeedRequest) -> Result<FeedResult, Error> {
         sum
     };
     let learnt = Learning::default().run(&mut tried, &FeedForward::new(model, settings)?, &r[..n])?;
-    Ok(FeedResult {
+    Ok(FeedForwardResult {
         u: learnt.u.iter().copied().cycle().take(r.len()).collect(),
         trials: learnt.rms,
         after: Some(x),

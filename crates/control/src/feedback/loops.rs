@@ -28,7 +28,7 @@ pub(crate) struct Scaled<S> {
 }
 
 impl<S: System> Scaled<S> {
-    /// A plant in metres, in the unit of the output of `model`.
+    /// A plant in micrometres, in the unit of the output of `model`.
     ///
     /// # Errors
     /// Returns an error if the output of `model` is not a length.
@@ -38,7 +38,7 @@ impl<S: System> Scaled<S> {
             let (found, expected) = (unit.clone(), "a length: m, mm, um or nm".into());
             Error::Units { what: "the model's output".into(), found, expected }
         };
-        Ok(Scaled { system, factor: Units::factor("m", unit).ok_or_else(not_a_length)? })
+        Ok(Scaled { system, factor: Units::factor("um", unit).ok_or_else(not_a_length)? })
     }
 }
 
@@ -174,7 +174,7 @@ pub struct Tracking {
 
 impl ClosedLoopRun {
     /// The largest absolute voltage [V].
-    pub fn highest(&self) -> f64 {
+    pub fn max_abs_voltage(&self) -> f64 {
         self.u.iter().fold(0.0, |m, u| m.max(u.abs()))
     }
 

@@ -35,7 +35,7 @@ const AROUND: i32 = 60;
 const TURN: usize = 32;
 
 /// Share of the sampling rate above which a model counts as known at all frequencies.
-const KNOWN: f64 = 0.4;
+const FULL_BAND_RATE_SHARE: f64 = 0.4;
 
 /// Samples of each ramp on which the slope is computed.
 const LEG: usize = 200;
@@ -51,7 +51,7 @@ pub struct ControlLoop {
     pub limits: (f64, f64),
     /// Largest rate of the voltage, infinite for no limit [V/s]. The margins do not depend on it.
     pub slew: f64,
-    /// Sensor delay d [samples], at most [`ControlLoop::LATEST`].
+    /// Sensor delay d [samples], at most [`ControlLoop::MAX_DELAY_SAMPLES`].
     pub delay_samples: usize,
 }
 
@@ -72,7 +72,7 @@ pub struct Margins {
 
 impl ControlLoop {
     /// Largest sensor delay for which controllers are tuned [samples].
-    pub const LATEST: usize = 20;
+    pub const MAX_DELAY_SAMPLES: usize = 20;
 
     /// The loop of a model between the lowest and the highest voltage [V], without sensor delay. A slew limit of the
     /// driver in the model is ignored.
@@ -104,7 +104,7 @@ impl ControlLoop {
     /// The highest frequency of the identification data, if the model covers only a part of the frequencies [Hz].
     pub(crate) fn known_hz(&self) -> Option<f64> {
         let [_, high] = self.model.identified()?.hz?;
-        Some(high).filter(|high| *high < KNOWN / self.linear().ts())
+        Some(high).filter(|high| *high < FULL_BAND_RATE_SHARE / self.linear().ts())
     }
 
     /// Delay from a voltage to its measurement, without the linear block [s]: one sample of the loop, the sensor delay
@@ -158,12 +158,12 @@ impl ControlLoop {
 
 /// Returns an error for a sensor delay that is too long for tuning.
 pub(super) fn check_delay(delay_samples: usize) -> Result<(), Error> {
-    match delay_samples <= ControlLoop::LATEST {
+    match delay_samples <= ControlLoop::MAX_DELAY_SAMPLES {
         true => Ok(()),
         false => Err(Error::parameter(
             "delay_samples",
             delay_samples,
-            format!("must be at most {} samples", ControlLoop::LATEST),
+            format!("must be at most {} samples", ControlLoop::MAX_DELAY_SAMPLES),
         )),
     }
 }

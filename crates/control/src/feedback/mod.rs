@@ -33,7 +33,7 @@ mod tolerance;
 mod tune;
 
 pub use comparison::{Comparison, NamedReference, ReferenceResult, SchemeResult};
-pub(crate) use feed_forwards::FeedResult;
+pub(crate) use feed_forwards::FeedForwardResult;
 pub use feed_forwards::{FEED_FORWARDS, FeedForwardKind};
 pub(crate) use loops::ClosedLoop;
 pub(crate) use loops::Scaled;

@@ -14,10 +14,9 @@ pub struct Reference {
     pub name: &'static str,
     /// One line.
     pub summary: &'static str,
-    /// `n` samples every `ts` [s], with this peak [output unit] and frequency [Hz]. Returns an error for invalid
-    /// values.
+    /// `n` samples every `ts` [s], with this peak [output unit] and frequency [Hz].
     #[serde(skip)]
-    pub samples: fn(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error>,
+    generate: fn(ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error>,
 }
 
 /// All references.
@@ -25,22 +24,22 @@ pub static REFERENCES: &[Reference] = &[
     Reference {
         name: "sine",
         summary: "one frequency",
-        samples: |ts, n, peak, hz| Sine { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
+        generate: |ts, n, peak, hz| Sine { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
     },
     Reference {
         name: "triangle",
         summary: "triangle wave, as in a raster scan: constant speed",
-        samples: |ts, n, peak, hz| Triangle { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
+        generate: |ts, n, peak, hz| Triangle { amplitude: peak, frequency: hz, ..Default::default() }.samples(ts, n),
     },
     Reference {
         name: "staircase",
         summary: "nine levels with minimum-jerk moves between them: settling and creep",
-        samples: staircase,
+        generate: staircase,
     },
     Reference {
         name: "random",
         summary: "a smooth random signal with all frequencies up to the given one",
-        samples: random,
+        generate: random,
     },
 ];
 
@@ -74,7 +73,7 @@ impl Reference {
     ///
     /// ```
     /// let sine = piezoid::control::Reference::find("sine")?;
-    /// let r = (sine.samples)(5e-4, 400, 800.0, 5.0)?;
+    /// let r = sine.samples(5e-4, 400, 800.0, 5.0)?;
     /// assert_eq!((r[0], r[100]), (0.0, 800.0));
     /// # Ok::<(), piezoid::Error>(())
     /// ```
@@ -83,6 +82,14 @@ impl Reference {
     /// [`Error::Unknown`] with the known names.
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("reference", REFERENCES.iter(), |row| row.name, name)
+    }
+
+    /// `n` samples every `ts` [s], with this peak [output unit] and frequency [Hz].
+    ///
+    /// # Errors
+    /// Returns an error for a peak, a frequency or a sampling time that is out of range.
+    pub fn samples(&self, ts: f64, n: usize, peak: f64, hz: f64) -> Result<Vec<f64>, Error> {
+        (self.generate)(ts, n, peak, hz)
     }
 }
 
@@ -93,10 +100,10 @@ mod tests {
     #[test]
     fn every_reference_starts_at_rest_and_stays_within_its_peak() {
         for kind in REFERENCES {
-            let r = (kind.samples)(5e-4, 40_000, 800.0, 5.0).unwrap();
+            let r = kind.samples(5e-4, 40_000, 800.0, 5.0).unwrap();
             let most = r.iter().fold(0.0, |m: f64, r| m.max(r.abs()));
             assert!(r.len() == 40_000 && r[0].abs() < 1.0 && most <= 800.0 && most > 600.0, "{}: {most}", kind.name);
-            assert!((kind.samples)(5e-4, 100, 800.0, 5000.0).is_err(), "{}", kind.name);
+            assert!(kind.samples(5e-4, 100, 800.0, 5000.0).is_err(), "{}", kind.name);
             assert_eq!(Reference::find(kind.name).unwrap().summary, kind.summary);
         }
     }

@@ -7,7 +7,7 @@
 //!
 //! Why: docs/decisions/control.md, "A scheme is a feed-forward with a controller".
 
-use super::feed_forwards::{FEED_FORWARDS, FeedForwardKind, FeedRequest, FeedResult};
+use super::feed_forwards::{FEED_FORWARDS, FeedForwardKind, FeedForwardRequest, FeedForwardResult};
 use super::{
     CONTROLLERS, ClosedLoop, ClosedLoopRun, ControlLoop, Controller, ControllerInput, ControllerKind, MarginTarget,
     Margins,
@@ -205,8 +205,8 @@ impl TunedScheme {
     ///
     /// # Errors
     /// The errors of the row of [`FEED_FORWARDS`].
-    pub fn feed_forward(&self, plant: &dyn System, r: &[f64]) -> Result<FeedResult, Error> {
-        (self.scheme.feed_forward.make)(&FeedRequest {
+    pub fn feed_forward(&self, plant: &dyn System, r: &[f64]) -> Result<FeedForwardResult, Error> {
+        (self.scheme.feed_forward.make)(&FeedForwardRequest {
             model: self.model(),
             settings: self.settings,
             r,
@@ -220,7 +220,7 @@ impl TunedScheme {
     ///
     /// # Errors
     /// Returns an error for series that are not finite or differ in length, and different sampling periods.
-    pub fn run(&self, plant: &dyn System, r: &[f64], feed_forward: &FeedResult) -> Result<ClosedLoopRun, Error> {
+    pub fn run(&self, plant: &dyn System, r: &[f64], feed_forward: &FeedForwardResult) -> Result<ClosedLoopRun, Error> {
         let (limits, delay_samples, ahead, before) =
             (self.path.limits, self.path.delay_samples, self.ahead, feed_forward.after.as_deref());
         let start = r.first().map_or(0.0, |r| self.model().static_input(*r, limits));
@@ -317,7 +317,7 @@ mod tests {
         let u = drive.feed_forward(&model, &r).unwrap().u;
         let error = |share: f64| {
             let u: Vec<f64> = u.iter().map(|u| share * u).collect();
-            let feed_forward = FeedResult { u, ..Default::default() };
+            let feed_forward = FeedForwardResult { u, ..Default::default() };
             drive.run(&model, &r, &feed_forward).unwrap().tracking(400, 800.0).percent_of_stroke
         };
         let [less, best, more] = [0.97, 1.0, 1.03].map(error);

@@ -17,15 +17,15 @@ use piezoid_twins::{Plant, Spec};
 use rayon::prelude::*;
 
 /// Time for which the last value is held, and time at its end that is checked [s].
-const HELD: f64 = 0.5;
-const WATCHED: f64 = 0.1;
+const HOLD_S: f64 = 0.5;
+const CHECKED_S: f64 = 0.1;
 
 /// Number of draws between two progress reports.
 const BATCH: usize = 8;
 
 /// Thresholds of an unstable loop, as shares of the reference's height: remaining oscillation, and error with feedback.
-const SWINGS: f64 = 0.01;
-const ARRIVED: f64 = 0.1;
+const MAX_OSCILLATION_SHARE: f64 = 0.01;
+const MAX_FINAL_ERROR_SHARE: f64 = 0.1;
 
 /// Size, number and seed of the draws.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,7 +99,7 @@ impl Tolerance {
         };
         let mut trials = Vec::with_capacity(self.draws);
         for first in (0..self.draws).step_by(BATCH) {
-            let stage = Stage::new("draws of tolerance", first, self.draws);
+            let stage = Stage::new("random plants", first, self.draws);
             if progress(stage).is_break() {
                 return Err(Error::Cancelled { what: stage.what.into(), done: first, total: stage.total });
             }
@@ -112,17 +112,18 @@ impl Tolerance {
 
 fn trial(spec: Spec, seed: u64, drive: &TunedScheme, r: &[f64], from: usize) -> Result<Draw, Error> {
     let plant = Scaled::of(Plant::new(&spec, drive.model().ts())?.with_seed(seed), drive.model())?;
-    let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HELD / plant.ts()) as usize]].concat();
+    let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HOLD_S / plant.ts()) as usize]].concat();
     let mut feed_forward = drive.feed_forward(&plant, r)?;
     feed_forward.u = held(&feed_forward.u);
     let mut done = drive.run(&plant, &held(r), &feed_forward)?;
-    let watched = &done.y[done.y.len() - (WATCHED / plant.ts()) as usize..];
+    let watched = &done.y[done.y.len() - (CHECKED_S / plant.ts()) as usize..];
     let ((low, high), (bottom, top)) = (ends(watched.iter().copied()), ends(r.iter().copied()));
     // Feedback with an integral reaches the reference; a loop stuck at a limit, or with values that are not numbers,
     // does not.
     let off = (0.5 * (low + high) - r.last().copied().unwrap_or(0.0)).abs();
-    let arrived = drive.scheme.law.is_none() || off <= ARRIVED * (top - bottom);
-    let stable = watched.iter().all(|y| y.is_finite()) && high - low <= SWINGS * (top - bottom) && arrived;
+    let arrived = drive.scheme.law.is_none() || off <= MAX_FINAL_ERROR_SHARE * (top - bottom);
+    let stable =
+        watched.iter().all(|y| y.is_finite()) && high - low <= MAX_OSCILLATION_SHARE * (top - bottom) && arrived;
     for series in [&mut done.r, &mut done.y, &mut done.u] {
         series.truncate(r.len());
     }

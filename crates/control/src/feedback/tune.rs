@@ -32,10 +32,10 @@ const STEP: f64 = 0.971_627_951_577_106;
 const STEPS: i32 = 200;
 
 /// Largest gain of an unknown mode over the static gain: a damping ratio of 0.025.
-const UNSEEN: f64 = 20.0;
+const MAX_UNKNOWN_MODE_GAIN: f64 = 20.0;
 
 /// Modes with a damping ratio below this are detuned.
-const RINGS: f64 = 0.3;
+const MAX_DETUNED_DAMPING: f64 = 0.3;
 
 /// The margins that a tuned loop must have.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -112,7 +112,7 @@ impl PlantSet {
         let blocks = shifts.iter().map(|s| detuned(path.linear(), 1.0 + s * d)).collect::<Result<Vec<_>, _>>()?;
         let grid = grid(&blocks.iter().collect::<Vec<_>>(), path.delay_samples);
         let plants = blocks.iter().map(|b| open(&grid, b, path.slope.1, path.delay_s()).collect()).collect();
-        let unseen = UNSEEN * path.slope.1 * path.linear().dc_gain();
+        let unseen = MAX_UNKNOWN_MODE_GAIN * path.slope.1 * path.linear().dc_gain();
         Ok(PlantSet { grid, beyond: path.known_hz().unwrap_or(f64::INFINITY), unseen, plants })
     }
 
@@ -139,7 +139,7 @@ pub(super) fn detuned(block: &Arx, share: f64) -> Result<Arx, Error> {
     let ts = block.ts();
     let mut denominator = vec![1.0];
     for pole in block.poles() {
-        let rings = pole.z.im > 0.0 && pole.damping < RINGS;
+        let rings = pole.z.im > 0.0 && pole.damping < MAX_DETUNED_DAMPING;
         // A mode is kept below half the sampling rate.
         let hz = if rings { (share * pole.hz).min((0.49 / ts).max(pole.hz)) } else { pole.hz };
         let factor = match pole.z.im > 0.0 {
@@ -161,8 +161,12 @@ pub(super) fn spread(low: f64, high: f64, n: usize) -> impl Iterator<Item = f64>
 
 /// Natural frequency [Hz] and damping ratio of the lightly damped modes, the least damped first.
 pub(super) fn modes(block: &Arx) -> Vec<(f64, f64)> {
-    let mut modes: Vec<(f64, f64)> =
-        block.poles().iter().filter(|p| p.z.im > 0.0 && p.damping < RINGS).map(|p| (p.hz, p.damping)).collect();
+    let mut modes: Vec<(f64, f64)> = block
+        .poles()
+        .iter()
+        .filter(|p| p.z.im > 0.0 && p.damping < MAX_DETUNED_DAMPING)
+        .map(|p| (p.hz, p.damping))
+        .collect();
     modes.sort_by(|a, b| a.1.total_cmp(&b.1));
     modes
 }

@@ -1,4 +1,4 @@
-//! A fitted estimate, with what belongs to single records and its errors.
+//! A fitted estimate, with the coefficients of single records and the held-out errors.
 
 use super::estimate::Estimate;
 use super::held_out::HeldOut;

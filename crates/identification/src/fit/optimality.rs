@@ -50,7 +50,7 @@ pub(crate) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Optimality
     };
     let mut note = format!("search: {ends}; {zeros} of {} weights and creep gains are zero", signed.len());
     if !limits.is_empty() {
-        note += &format!("; at the limit of what is allowed: {}", limits.join(", "));
+        note += &format!("; at a bound of their range: {}", limits.join(", "));
     }
     Optimality { left_percent, note }
 }

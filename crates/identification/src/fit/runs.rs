@@ -106,7 +106,7 @@ pub(crate) fn training_records<'a>(
                 what: "a model".into(),
                 because: format!("{name}: {because}"),
             };
-            match inspection.sound() {
+            match inspection.require_usable() {
                 Err(Error::Unidentifiable { because, .. }) => return Err(refused(because)),
                 sound => sound?,
             }

@@ -4,8 +4,8 @@
 //! min |error|^2 + S lambda |D w|^2 + mu |steps|^2,   w_k >= 0 if physics requires it,  g_i >= 0
 //! ```
 //! D takes second differences of neighbouring weights. S is the mean size of the weights' columns, so lambda has no
-//! unit. The gain of a creep lag is drawn to that of the next faster lag, the fastest to a usual value. The static gain
-//! of G is fixed, because G and w can share any factor.
+//! unit. A penalty keeps the gain of a creep lag near that of the next faster lag, and that of the fastest near a usual
+//! value. The static gain of G is fixed, because G and w can share any factor.
 //!
 //! Why: docs/decisions/identification.md, "Creep lags are half a decade apart".
 

@@ -3,10 +3,10 @@
 //! ```text
 //! B/A = B P / A P,    P = 1 - p q^-1   or   1 - 2 Re(p) q^-1 + |p|^2 q^-2
 //! ```
-//! The extended block is at first the same block. The responses to z, which is held, show where p helps most: for each
-//! p of a grid, and for the modes in free decays, the linearised problem is solved in all coefficients and initial
-//! states. The best p of each kind and each band of frequencies is refined on these responses, the most promising
-//! first.
+//! At first P cancels, and the extended block has the same response. The responses to z, which is held, show where p
+//! helps most: for each p of a grid, and for the modes in free decays, the linearised problem is solved in all
+//! coefficients and initial states. The best p of each kind and each band of frequencies is refined on these responses,
+//! the most promising first.
 //!
 //! Why: docs/decisions/structure-and-operator-selection.md, "A new pole is sought with z held".
 

@@ -46,8 +46,8 @@ pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Res
     trials[previous] = Trial { result, fitted: Some(candidate.fitted.clone()) };
     let (selected, fitted) = select(trials)?;
     notes.push(format!(
-        "operators: the last linear block lowered the held-out error of {} from {} to {} % rms/pp, so those \
-         close to it were compared again with this block",
+        "operators: a better linear block lowered the held-out error of {} from {} to {} % rms/pp, so the \
+         operators with similar errors were compared again with this block",
         operator.name,
         short(100.0 * before),
         short(100.0 * after)

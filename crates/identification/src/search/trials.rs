@@ -83,7 +83,7 @@ pub(crate) fn suitable_operators(
     };
     notes.push(format!(
         "the records {times}, so they do not show which operator has the right minor loops. Only operators whose minor \
-         loops follow from the major loops were tried, because those of measured ceramics do. To compare all \
+         loops follow from the major loops were tried, as in measured ceramics. To compare all \
          operators, add a rising sine"
     ));
     any(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())

@@ -1,4 +1,4 @@
-//! How much work a sample of a model is, so that what runs a model often can refuse in time.
+//! Operations per sample of a model, so that programs that run models often can refuse a slow one in advance.
 
 use super::Model;
 use crate::program::Machine;

@@ -59,8 +59,8 @@ impl InitialCondition {
 
 impl Model {
     /// The state before the first of the inputs `u` for this initial condition. In motion it is the state after the
-    /// inputs that probably came before, shifted by the difference of the first input from them. The range is that of
-    /// the inputs that the model knows.
+    /// probable inputs before the record; z is shifted by the effect of the difference between the first input and the
+    /// expected one. The range is [`Model::known_inputs`].
     pub fn before(&self, u: &[f64], initial_condition: InitialCondition) -> Vec<f64> {
         let Some(&first) = u.first() else { return self.initial() };
         match initial_condition {

@@ -24,7 +24,7 @@ const SHORTEST: usize = 16;
 const SHIFTED: f64 = 0.02;
 
 /// Share of points on the side of their direction, from which the loop counts as open.
-pub const CLEAR: f64 = 0.6;
+pub const MIN_OPEN_AGREEMENT: f64 = 0.6;
 
 /// A loop of the hidden variable.
 #[derive(Debug, Clone, PartialEq)]
@@ -70,9 +70,9 @@ impl HiddenLoop {
         let block = if by_model { ", or the linear block of the model is wrong" } else { "" };
         (width < 0.0).then(|| {
             format!(
-                "The width is negative ({} %): the loop turns clockwise, with its ascending branch above, and that of an \
-                 actuator turns the other way. The sign of the output may be inverted, the output may come too early, \
-                 or it drifts{block}",
+                "The width is negative ({} %): the loop turns clockwise, with its ascending branch above. Loops of \
+                 actuators turn counter-clockwise. The sign of the output may be inverted, or the output comes too \
+                 early or drifts{block}",
                 short(width)
             )
         })
@@ -178,7 +178,7 @@ pub(super) fn alike((low, high): (f64, f64), (other_low, other_high): (f64, f64)
 
 /// Remarks on the loops, which were split by `split`.
 pub fn remarks(loops: &[HiddenLoop], split: Split) -> Vec<String> {
-    let unclear = named(loops, |found| found.agreement < CLEAR).map(|which| {
+    let unclear = named(loops, |found| found.agreement < MIN_OPEN_AGREEMENT).map(|which| {
         let advice = match split {
             Split::Line => ", try the option split = direction",
             Split::Direction => "",
@@ -188,7 +188,7 @@ pub fn remarks(loops: &[HiddenLoop], split: Split) -> Vec<String> {
              hidden by noise{advice}"
         )
     });
-    let inverted = named(loops, |found| found.agreement >= CLEAR && !found.ascending_below).map(|which| {
+    let inverted = named(loops, |found| found.agreement >= MIN_OPEN_AGREEMENT && !found.ascending_below).map(|which| {
         format!(
             "{which} the loop is inverted (ascending branch above descending): the linear block is wrong there, for \
              example because it lacks a resonance below this frequency, or because the sampling is too slow"
@@ -197,7 +197,7 @@ pub fn remarks(loops: &[HiddenLoop], split: Split) -> Vec<String> {
     unclear.into_iter().chain(inverted).collect()
 }
 
-/// "at 5, 20 Hz": the frequencies of the loops that `are` so, if any.
+/// The frequencies of the loops for which `are` is true, as text: "at 5, 20 Hz"; `None` without such loops.
 pub fn named(loops: &[HiddenLoop], are: impl Fn(&MeasuredLoop) -> bool) -> Option<String> {
     let some: Vec<Option<f64>> = loops.iter().filter(|l| are(&l.found)).map(|l| l.frequency_hz).collect();
     let hz: Vec<String> = some.iter().flatten().map(|hz| round(*hz)).collect();

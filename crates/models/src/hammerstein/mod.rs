@@ -17,7 +17,7 @@ mod summary;
 
 pub use domain::Domain;
 pub use initial_condition::InitialCondition;
-pub use loops::{CLEAR, HiddenLoop, LoopPoints, named, remarks};
+pub use loops::{HiddenLoop, LoopPoints, MIN_OPEN_AGREEMENT, named, remarks};
 
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
@@ -31,14 +31,14 @@ use serde_json::Value;
 use std::sync::Arc;
 
 /// Samples that each block processes before the next one: few enough for the nearest cache.
-const STRETCH: usize = 512;
+const BLOCK_SAMPLES: usize = 512;
 
 /// Samples whose voltages behind a driver are kept at a time.
-const SEEN: usize = 64;
+const DRIVER_BLOCK_SAMPLES: usize = 64;
 
 /// Largest text of a model [bytes]. Those that are identified have less than 1 MiB; parsed, a text takes 16 times its
 /// size.
-const LARGEST: usize = 16 << 20;
+const MAX_MODEL_BYTES: usize = 16 << 20;
 
 /// The schema number of model files.
 const SCHEMA: u64 = 1;
@@ -204,8 +204,8 @@ impl Model {
     /// Returns an error, with the place and what to do, if the text is not JSON, not a model, or has another schema
     /// number; and if it has more than 16 MiB.
     pub fn from_json(text: &str) -> Result<Self, Error> {
-        if text.len() > LARGEST {
-            let [size, most] = [text.len(), LARGEST].map(|bytes| bytes.div_ceil(1 << 20));
+        if text.len() > MAX_MODEL_BYTES {
+            let [size, most] = [text.len(), MAX_MODEL_BYTES].map(|bytes| bytes.div_ceil(1 << 20));
             return Err(Error::Content(format!("not a model file: it has {size} MiB, and models at most {most} MiB")));
         }
         let value: Value = serde_json::from_str(text)
@@ -264,7 +264,7 @@ struct LinearDocument {
 
 impl Model {
     /// The response of hysteresis and creep to the input, from rest: the input of the linear block.
-    pub fn crept(&self, u: &[f64]) -> Vec<f64> {
+    pub fn simulate_before_linear(&self, u: &[f64]) -> Vec<f64> {
         let (mut x, mut z) = (self.initial(), u.to_vec());
         let [hysteresis, creep, _, driver] = self.parts(&mut x);
         self.hidden(hysteresis, driver, &mut z);
@@ -282,7 +282,12 @@ impl Model {
             return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
         }
         let measured: Vec<f64> = y.iter().map(|y| y - self.offset).collect();
-        Ok(self.linear.predict(&self.crept(u), &measured).into_iter().map(|y| y + self.offset).collect())
+        Ok(self
+            .linear
+            .predict(&self.simulate_before_linear(u), &measured)
+            .into_iter()
+            .map(|y| y + self.offset)
+            .collect())
     }
 
     /// The parts of a state: hysteresis, creep, linear, driver.
@@ -297,8 +302,8 @@ impl Model {
     fn hidden(&self, hysteresis: &mut [f64], driver: &mut [f64], signal: &mut [f64]) {
         let (Some(d), [v, z]) = (&self.driver, driver) else { return self.hysteresis.respond(hysteresis, signal) };
         let h = self.ts() / DriverModel::SUBSTEPS as f64;
-        for stretch in signal.chunks_mut(SEEN) {
-            let mut observed = [[0.0; DriverModel::SUBSTEPS]; SEEN];
+        for stretch in signal.chunks_mut(DRIVER_BLOCK_SAMPLES) {
+            let mut observed = [[0.0; DriverModel::SUBSTEPS]; DRIVER_BLOCK_SAMPLES];
             let observed = &mut observed[..stretch.len()];
             for (voltages, u) in observed.iter_mut().zip(&*stretch) {
                 for voltage in voltages {
@@ -354,7 +359,7 @@ impl System for Model {
 
     fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
         let [hysteresis, creep, linear, driver] = self.parts(x);
-        for stretch in signal.chunks_mut(STRETCH) {
+        for stretch in signal.chunks_mut(BLOCK_SAMPLES) {
             self.hidden(hysteresis, driver, stretch);
             self.creep.respond(creep, stretch);
             self.linear.respond(linear, stretch);
@@ -385,7 +390,7 @@ mod tests {
 
     #[test]
     fn a_run_of_any_model_is_bit_identical_to_its_steps() {
-        let u: Vec<f64> = (0..2 * STRETCH).map(|t| 25.0 * (t as f64 * 0.1).sin()).collect();
+        let u: Vec<f64> = (0..2 * BLOCK_SAMPLES).map(|t| 25.0 * (t as f64 * 0.1).sin()).collect();
         for o in OPERATORS {
             for driver in [None, Some(DriverModel::new(1e-4, Some(2e4)).unwrap())] {
                 let hysteresis =

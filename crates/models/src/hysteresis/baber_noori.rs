@@ -44,7 +44,7 @@ pub(super) struct BaberNoori {
 
 /// Steps per range, and maximum steps per sample.
 const STEPS: f64 = 64.0;
-const MOST: f64 = 1000.0;
+const MAX_STEPS_PER_SAMPLE: f64 = 1000.0;
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "bouc-wen-baber-noori",
@@ -161,7 +161,7 @@ impl Law for BaberNoori {
         let way = input.direction();
         if way != 0.0 {
             let way = R::from(way);
-            let steps = (input.length().value() * STEPS / (2.0 * input.half())).ceil().clamp(1.0, MOST);
+            let steps = (input.length().value() * STEPS / (2.0 * input.half())).ceil().clamp(1.0, MAX_STEPS_PER_SAMPLE);
             let (s, half) = (input.length() / steps.into(), R::from(0.5));
             let mut h = way * x[0];
             for _ in 0..steps as usize {
@@ -181,7 +181,7 @@ impl Law for BaberNoori {
         let block = block.number("h", 0.0).number("energy", 0.0);
         let block = block.constant("grow_share", 1.0 + ratio).constant("relax_share", 1.0 - ratio);
         let block = block.constant("span", 2.0 * input.half()).constant("pieces", STEPS);
-        block.count("most_steps", MOST as usize).text(CLIMB).text(STEP)
+        block.count("most_steps", MAX_STEPS_PER_SAMPLE as usize).text(CLIMB).text(STEP)
     }
 
     fn shape(&self, half: f64, _: f64) -> Vec<ShapeParameter> {

@@ -199,7 +199,7 @@ mod tests {
             Plant::new(&Spec { sensor: SensorSpec::default(), logged: Logged::After, ..ceramic }, 5e-4).unwrap();
         let u: Vec<f64> =
             (0..4000).map(|t| 30.0 * (f64::from(t) * 0.05).sin() * (f64::from(t) * 0.003).sin()).collect();
-        let y: Vec<f64> = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+        let y: Vec<f64> = plant.run(&u).y;
 
         let law = BoucWen { beta: 0.020, gamma_over_beta: 0.25 };
         let response = |weights| Weighted::new(5e-4, (-30.0, 30.0), law.clone(), weights).unwrap().simulate(&u);

@@ -43,7 +43,7 @@ pub(super) struct Duhem {
 
 /// Default and maximum degree of f.
 const DEGREE: usize = 3;
-const MOST: usize = 7;
+const MAX_DEGREE: usize = 7;
 
 pub(super) static OPERATOR: Operator = Operator {
     name: "duhem",
@@ -56,7 +56,7 @@ pub(super) static OPERATOR: Operator = Operator {
     wipes_out: false,
     load: Weighted::<Duhem>::load,
     basis: |design| {
-        let degree = design.elements.unwrap_or(DEGREE).clamp(1, MOST);
+        let degree = design.elements.unwrap_or(DEGREE).clamp(1, MAX_DEGREE);
         Weighted::basis(design.ts, design.range, Duhem { degree, alpha: 1.0 / design.half() })
     },
     example: |ts| Weighted::example(ts, Duhem { degree: 3, alpha: 0.04 }, vec![1.1, 0.1, -0.1, 0.4, 0.05, -0.1]),
@@ -67,8 +67,8 @@ impl Law for Duhem {
 
     fn check(&self) -> Result<(), Error> {
         positive("alpha", self.alpha, "1 / input unit")?;
-        let rule = format!("must be from 1 to {MOST}");
-        require((1..=MOST).contains(&self.degree), "degree", self.degree as f64, &rule)
+        let rule = format!("must be from 1 to {MAX_DEGREE}");
+        require((1..=MAX_DEGREE).contains(&self.degree), "degree", self.degree as f64, &rule)
     }
 
     fn responses(&self) -> usize {
@@ -108,7 +108,7 @@ impl Law for Duhem {
 
     fn block(&self, block: Block, input: Input) -> Block {
         let block = block.numbers("psi", vec![0.0; self.degree]).count("n", self.degree);
-        let block = block.constant("scale", scale(&input)).constant("long_path", MOST as f64);
+        let block = block.constant("scale", scale(&input)).constant("long_path", MAX_DEGREE as f64);
         block.table("reciprocal", &RECIPROCALS).count("terms", RECIPROCALS.len()).text(STEP)
     }
 
@@ -134,9 +134,9 @@ fn scale<R>(input: &Input<R>) -> f64 {
 
 /// m_i = int_0^1 e^(-x r) r^i dr for i = 0..n, given e^-x, x >= 0. By parts (i + 1) m_i = e^-x + x m_(i+1). The
 /// recursion is stable downwards for small x and upwards for large x.
-fn moments<R: Real>(x: R, left: R, n: usize) -> [R; MOST] {
-    let mut m = [R::from(0.0); MOST];
-    if x.value() > MOST as f64 {
+fn moments<R: Real>(x: R, left: R, n: usize) -> [R; MAX_DEGREE] {
+    let mut m = [R::from(0.0); MAX_DEGREE];
+    if x.value() > MAX_DEGREE as f64 {
         m[0] = (-x).growth();
         for i in 1..n {
             m[i] = (R::from(i as f64) * m[i - 1] - left) / x;
@@ -161,8 +161,8 @@ fn moments<R: Real>(x: R, left: R, n: usize) -> [R; MOST] {
 }
 
 /// 1, 1/2, 1/3, ...: a multiplication takes a quarter of the time of a division.
-const RECIPROCALS: [f64; 60 + MOST] = {
-    let (mut r, mut i) = ([1.0; 60 + MOST], 1);
+const RECIPROCALS: [f64; 60 + MAX_DEGREE] = {
+    let (mut r, mut i) = ([1.0; 60 + MAX_DEGREE], 1);
     while i < r.len() {
         r[i] = 1.0 / (i + 1) as f64;
         i += 1;
@@ -239,7 +239,7 @@ mod tests {
                 let r = |k: i32| (f64::from(k) + 0.5) / f64::from(n);
                 (0..n).map(|k| (-x * r(k)).exp() * r(k).powi(i)).sum::<f64>() / f64::from(n)
             };
-            for few in [1, 3, MOST] {
+            for few in [1, 3, MAX_DEGREE] {
                 let known: Vec<f64> = (0..few).map(|i| integral(i as i32)).collect();
                 assert_close(&moments(x, (-x).exp(), few)[..few], &known, 1e-7, 0.0);
             }

@@ -39,7 +39,7 @@ pub(super) struct Krasnoselskii {
 
 /// Default and maximum number of levels.
 const LEVELS: usize = 12;
-const MOST: usize = 90;
+const MAX_LEVELS: usize = 90;
 
 /// Least ridge, as a share of the distance of two levels: of narrower ones z jumps, and its inverse has to bisect.
 const NARROWEST: f64 = 1e-3;
@@ -72,7 +72,7 @@ fn index(i: usize, j: usize) -> usize {
 impl Krasnoselskii {
     /// Levels in the middles of equal cells of the range; the ridges touch.
     fn even(design: &BasisDesign) -> Self {
-        let n = design.elements.unwrap_or(LEVELS).clamp(1, MOST);
+        let n = design.elements.unwrap_or(LEVELS).clamp(1, MAX_LEVELS);
         let cell = 2.0 * design.half() / n as f64;
         Krasnoselskii { levels: (0..n).map(|i| design.range.0 + cell * (i as f64 + 0.5)).collect(), ridge: cell }
     }
@@ -97,8 +97,12 @@ impl Law for Krasnoselskii {
         finite("levels", &self.levels)?;
         positive("ridge", self.ridge, "input units")?;
         let n = self.levels.len();
-        if !(1..=MOST).contains(&n) {
-            return Err(Error::parameter("levels", format!("{n} numbers"), format!("must be 1 to {MOST} numbers")));
+        if !(1..=MAX_LEVELS).contains(&n) {
+            return Err(Error::parameter(
+                "levels",
+                format!("{n} numbers"),
+                format!("must be 1 to {MAX_LEVELS} numbers"),
+            ));
         }
         let nearest = self.levels.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
         match self.levels.windows(2).position(|w| w[0] >= w[1]) {
@@ -128,7 +132,7 @@ impl Law for Krasnoselskii {
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], Input { u, .. }: Input<R>, mut phi: impl FnMut(usize, R)) {
         // The ramp of each level, now and at rest: lower and upper bounds of the kernels.
-        let (mut now, mut at_rest) = ([R::from(0.0); MOST], [R::from(0.0); MOST]);
+        let (mut now, mut at_rest) = ([R::from(0.0); MAX_LEVELS], [R::from(0.0); MAX_LEVELS]);
         for ((now, at_rest), &s) in now.iter_mut().zip(&mut at_rest).zip(&self.levels) {
             (*now, *at_rest) = (ramp(u - s.into(), shape[0]), ramp((-s).into(), shape[0]));
         }

@@ -15,7 +15,7 @@ use piezoid_numerics::error::Error;
 
 /// Default and maximum number of knots.
 const KNOTS: usize = 13;
-const MOST: usize = 200;
+const MAX_KNOTS: usize = 200;
 
 /// Equidistant knots over the range and the cardinal splines through them.
 #[derive(Debug, Clone)]
@@ -30,7 +30,7 @@ pub(super) struct Nodes {
 
 impl Nodes {
     pub(super) fn new(design: &BasisDesign) -> Result<Self, Error> {
-        Nodes::of(design.range, design.elements.unwrap_or(KNOTS).clamp(3, MOST))
+        Nodes::of(design.range, design.elements.unwrap_or(KNOTS).clamp(3, MAX_KNOTS))
     }
 
     /// `n` knots from the lowest to the highest input.

@@ -26,7 +26,7 @@ use serde_json::{Map, Value};
 use std::sync::Arc;
 
 /// A reversal counts when the input has moved back by this share of the identified range.
-const REVERSAL: f64 = 0.02;
+const MIN_REVERSAL_SHARE: f64 = 0.02;
 
 /// Frequencies of records with a smaller relative difference are treated as equal.
 const SAME: f64 = 0.01;
@@ -153,7 +153,7 @@ impl RateScheduled {
         if (u - *extreme) * *trend >= 0.0 {
             // The last sample of a held extreme is the reversal.
             (*extreme, *since_extreme) = (u, 0.0);
-        } else if (*extreme - u) * *trend > REVERSAL * self.span() {
+        } else if (*extreme - u) * *trend > MIN_REVERSAL_SHARE * self.span() {
             *before_last = *last;
             *last = *since_turn - *since_extreme;
             *since_turn = *since_extreme;
@@ -219,7 +219,7 @@ impl Hysteresis for RateScheduled {
         let block = Block::new("hysteresis", format!("{}: {}", OPERATOR.name, OPERATOR.summary));
         let state = ["last", "direction", "trend", "extreme", "since_extreme", "since_turn", "half", "half_before"];
         let block = state.iter().fold(block, |block, name| block.number(name, 0.0));
-        let block = block.constant("ts", self.ts).constant("turn", REVERSAL * self.span());
+        let block = block.constant("ts", self.ts).constant("turn", MIN_REVERSAL_SHARE * self.span());
         let block = Branches::block(block, pairs.iter().map(|p| &p.branches)).table("hertz", &hertz);
         let block =
             block.count("pairs", pairs.len()).text(READ).text(&Intervals::text("pair_below", "hertz", pairs.len()));

@@ -6,12 +6,12 @@ use piezoid_numerics::error::{Error, finite};
 /// Default number: one per thirtieth of half the range.
 const ELEMENTS: usize = 29;
 
-const MOST: usize = 4096;
+const MAX_THRESHOLDS: usize = 4096;
 
 /// Equidistant thresholds below half the range of the inputs. A play with a threshold of half the range would never
 /// move, and its weight could not be identified.
 pub(super) fn even(design: &BasisDesign) -> Vec<f64> {
-    let n = design.elements.unwrap_or(ELEMENTS).clamp(1, MOST);
+    let n = design.elements.unwrap_or(ELEMENTS).clamp(1, MAX_THRESHOLDS);
     (1..=n).map(|k| design.half() * k as f64 / (n + 1) as f64).collect()
 }
 
@@ -29,8 +29,12 @@ pub(super) fn example_weights(first: f64) -> Vec<f64> {
 pub(super) fn check(thresholds: &[f64]) -> Result<(), Error> {
     finite("thresholds", thresholds)?;
     let n = thresholds.len();
-    if !(1..=MOST).contains(&n) {
-        return Err(Error::parameter("thresholds", format!("{n} numbers"), format!("must be 1 to {MOST} numbers")));
+    if !(1..=MAX_THRESHOLDS).contains(&n) {
+        return Err(Error::parameter(
+            "thresholds",
+            format!("{n} numbers"),
+            format!("must be 1 to {MAX_THRESHOLDS} numbers"),
+        ));
     }
     let mut below = 0.0;
     for (k, &r) in thresholds.iter().enumerate() {

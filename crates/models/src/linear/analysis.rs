@@ -107,7 +107,7 @@ impl Arx {
         self.poles().iter().all(|p| p.z.modulus() < 1.0)
     }
 
-    /// Output for a constant input of 1; infinite when a pole lies at 1.
+    /// Output for a constant input of 1 [output unit over input unit]; infinite when a pole lies at 1.
     pub fn dc_gain(&self) -> f64 {
         self.b().iter().sum::<f64>() / (1.0 - self.a().iter().sum::<f64>())
     }

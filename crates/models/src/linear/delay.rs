@@ -15,10 +15,10 @@ use piezoid_numerics::progress::Progress;
 use piezoid_records::record::Record;
 
 /// Maximum number of modes tried.
-const MOST: usize = 4;
+const MAX_MODES: usize = 4;
 
 /// One more mode is accepted if it lowers the rms of the free run by this share.
-const WORTH: f64 = 0.2;
+const MIN_RMS_DECREASE: f64 = 0.2;
 
 impl ModalFit {
     /// The fit with the fewest modes that explain `records`: its `delay` is their input delay, searched between -1 and
@@ -28,7 +28,7 @@ impl ModalFit {
     /// use piezoid::{Record, excitation::Prbs, linear::{ModalFit, Refinement}, plant::Plant, progress::Stage};
     /// let plant = Plant::named("pl140", 5e-4)?;
     /// let u = Prbs::default().samples(5e-4, 2047)?;
-    /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
+    /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y)?;
     /// let found = ModalFit::of_fewest_modes(&[record], 2, &Refinement::default(), &mut Stage::ignore)?;
     /// // Its amplifier has a lag of 0.1 ms, a fifth of a sample.
     /// assert!((found.delay.value - 1e-4).abs() < 2e-6 && found.modes.len() == 2);
@@ -44,9 +44,11 @@ impl ModalFit {
         progress: &mut Progress,
     ) -> Result<Self, Error> {
         let mut modes = ModalFit::fit(records, 1, longest, settings, progress)?;
-        for n in 2..=MOST {
+        for n in 2..=MAX_MODES {
             match ModalFit::fit(records, n, longest, settings, progress) {
-                Ok(more) if more.minimum.cost.sqrt() < (1.0 - WORTH) * modes.minimum.cost.sqrt() => modes = more,
+                Ok(more) if more.minimum.cost.sqrt() < (1.0 - MIN_RMS_DECREASE) * modes.minimum.cost.sqrt() => {
+                    modes = more
+                }
                 Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
                 _ => break,
             }

@@ -185,7 +185,7 @@ pub struct Fit {
     pub least_squares_sum_abs: f64,
     /// Best cost at the start and after each iteration; empty for estimators that do not iterate.
     pub history: Vec<f64>,
-    /// Best theta at the start and after each iteration; empty likewise.
+    /// Best theta at the start and after each iteration; empty for estimators that do not iterate.
     pub courses: Vec<Vec<f64>>,
 }
 

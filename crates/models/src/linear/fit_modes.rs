@@ -60,7 +60,7 @@ impl ModalFit {
     /// use piezoid::{Record, linear::{ModalFit, Refinement}, plant::{Plant, Preset}, excitation::Prbs};
     /// let plant = Plant::named("paper", 5e-4)?;
     /// let u = Prbs::default().samples(5e-4, 2047)?;
-    /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y.iter().map(|y| 1e6 * y).collect())?;
+    /// let record = Record::new(5e-4, u.clone(), plant.run(&u).y)?;
     /// let found = ModalFit::fit(&[record], 1, 1, &Refinement::default(), &mut piezoid::progress::Stage::ignore)?;
     /// assert!((found.modes[0].hz.value - 146.7).abs() < 0.1);
     /// assert!((found.delay.value + 5e-4).abs() < 1e-5); // it logs after the input acted

@@ -25,11 +25,11 @@ const LONGEST: usize = 800;
 const RANK: usize = 8;
 
 /// Change of the input, as a share of its range, up to which it stands still.
-const STILL: f64 = 1e-4;
+const MAX_REST_CHANGE: f64 = 1e-4;
 
 /// Share of the energy of the decays from which a mode counts, and the most damping that rings.
-const SEEN: f64 = 0.03;
-const RINGS: f64 = 0.3;
+const MIN_MODE_ENERGY_SHARE: f64 = 0.03;
+const MAX_MODE_DAMPING: f64 = 0.3;
 
 /// Share of the energy of the decays from which the poles explain them: otherwise the output only holds noise.
 const EXPLAINED: f64 = 0.5;
@@ -38,7 +38,7 @@ const EXPLAINED: f64 = 0.5;
 const SINGULAR: f64 = 1e-9;
 
 /// Decay of ln(amplitude) over the longest decay from which it is not hum.
-const FADES: f64 = 0.5;
+const MIN_LOG_DECAY: f64 = 0.5;
 
 /// The highest frequency of a mode, over the sampling rate.
 const HIGHEST: f64 = 0.45;
@@ -83,17 +83,17 @@ pub fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
         return Vec::new();
     }
     let ts = first.ts();
-    let fades = |pole: &Pole| TAU * pole.hz * pole.damping * longest as f64 * ts > FADES;
+    let fades = |pole: &Pole| TAU * pole.hz * pole.damping * longest as f64 * ts > MIN_LOG_DECAY;
     let mut modes: Vec<(f64, Pole)> = poles
         .iter()
         .zip(energy)
-        .filter(|(z, energy)| z.im > 0.0 && *energy > SEEN * total)
+        .filter(|(z, energy)| z.im > 0.0 && *energy > MIN_MODE_ENERGY_SHARE * total)
         .map(|(z, energy)| {
             let s = complex::log(*z) / ts;
             let damping = -s.re / modulus(s);
             (energy, Pole { hz: modulus(s) / TAU, damping, z: Root { re: z.re, im: z.im } })
         })
-        .filter(|(_, pole)| pole.damping < RINGS && pole.hz < HIGHEST / ts && fades(pole))
+        .filter(|(_, pole)| pole.damping < MAX_MODE_DAMPING && pole.hz < HIGHEST / ts && fades(pole))
         .collect();
     modes.sort_by(|p, q| q.0.total_cmp(&p.0));
     modes.into_iter().map(|(_, pole)| pole).collect()
@@ -102,7 +102,7 @@ pub fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
 /// The differences of the output from where the input stops on.
 fn decays(record: &Record) -> Vec<Vec<f64>> {
     let (low, high) = ends(record.u().iter().copied());
-    let slack = STILL * (high - low);
+    let slack = MAX_REST_CHANGE * (high - low);
     let (u, y) = (record.u(), record.y());
     let mut found = Vec::new();
     let mut start = 0;

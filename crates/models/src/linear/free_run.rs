@@ -4,13 +4,13 @@
 //! A(q) y^_t = B(q) u_t + c_0 d_t + ... + c_{m-1} d_{t-m+1},  y_t = y^_t + k + e_t,  A = 1 - a1 q^-1 - ...,  d impulse
 //! dy^/da_i = q^-i v,   dy^/db_j = q^-j w,   v = y^ / A,   w = u / A
 //! ```
-//! All signals are zero before the record; c holds what was not: the responses of an ARX to any past, inputs included,
-//! are spanned by the m = max(na, last lag of b) first shifts of the impulse response of 1/A. These and the constant k
-//! are linear in y^, so they are projected out (variable projection; Golub & Pereyra 1973, doi:10.1137/0710036) with
-//! orthonormal columns Q that end where 1/A has decayed. The response to a constant input also lies in Q, so the mean
-//! of u is subtracted first to avoid cancellation in the sums of squares. With the best c for every theta, v computed
-//! from the whole y^ gives the derivatives at fixed c. Their part outside Q is what no change of c and k can
-//! compensate.
+//! All signals count as zero before the record, and c accounts for the actual initial state: the responses of an ARX to
+//! any inputs and outputs before the record are spanned by the m = max(na, last lag of b) first shifts of the impulse
+//! response of 1/A. These and the constant k are linear in y^, so they are projected out (variable projection; Golub &
+//! Pereyra 1973, doi:10.1137/0710036) with orthonormal columns Q that end where 1/A has decayed. The response to a
+//! constant input also lies in Q, so the mean of u is subtracted first to avoid cancellation in the sums of squares.
+//! With the best c for every theta, v computed from the whole y^ gives the derivatives at fixed c. Their part outside Q
+//! is what no change of c and k can compensate.
 //!
 //! The columns of the derivatives are shifts of two signals, so the sums of their products follow from each other: sum
 //! x_{t-i-1} y_{t-j-1} = sum x_{t-i} y_{t-j} - x_{n-1-i} y_{n-1-j}. J'J is therefore as cheap as a few simulations.

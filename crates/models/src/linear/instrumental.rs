@@ -5,10 +5,10 @@
 //! theta <- (sum zeta_t psi_t')^-1 sum zeta_t y_f,t
 //! ```
 //! Least squares is biased because the outputs in psi contain the noise that it minimises. The instruments zeta are
-//! computed from the free run y^, which contains no noise; filtered by the A of the last round, they and psi make the
-//! errors those of the free run. Each round renews A and y^. At convergence sum zeta_t e_t = 0: these are the normal
-//! equations of the output error, so with white noise in y both have the same solution. Instruments converge from poor
-//! starting values, Levenberg-Marquardt at the minimum.
+//! computed from the free run y^, which contains no noise; if they and psi are filtered by the A of the previous round,
+//! the errors are those of the free run. Each round renews A and y^. At convergence sum zeta_t e_t = 0: these are the
+//! normal equations of the output error, so with white noise in y both have the same solution. Instruments converge
+//! from poor starting values, Levenberg-Marquardt at the minimum.
 //!
 //! Young & Jakeman 1979 (doi:10.1080/00207177908922676); Söderström & Stoica 1983, Instrumental Variable Methods for
 //! System Identification (doi:10.1007/BFb0009019). Offsets and pasts of the records are projected out of both sides.

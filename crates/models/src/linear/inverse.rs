@@ -96,8 +96,9 @@ impl Arx {
         Ok(z)
     }
 
-    /// Number of samples at the end of a record that [`invert_whole`](Arx::invert_whole) does not determine: those
-    /// answered after the record, and those whose error from the assumed future exceeds a thousandth.
+    /// Number of samples at the end of a record that [`invert_whole`](Arx::invert_whole) does not determine: those that
+    /// act on y only after its last sample, and those whose relative error by the assumed values after it exceeds a
+    /// thousandth.
     pub fn undetermined_samples(&self) -> usize {
         let outside = self.zeros().into_iter().map(|z| z.modulus()).filter(|m| *m > 1.0);
         let (count, nearest) = outside.fold((0, f64::INFINITY), |(n, nearest), m| (n + 1, nearest.min(m)));

@@ -55,7 +55,7 @@ impl PoleShare {
         // |s| Ts, which is pi at half the sampling rate.
         let angle = modulus(complex::log(Complex::new(z.re, z.im)));
         match () {
-            () if angle >= ModalForm::OBSERVABLE * PI => PoleKind::Image,
+            () if angle >= ModalForm::MAX_OBSERVABLE_NYQUIST_SHARE * PI => PoleKind::Image,
             () if z.im > 0.0 => PoleKind::Mode,
             () => PoleKind::Lag,
         }
@@ -72,7 +72,7 @@ impl PoleShare {
 /// The modal form of a block.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ModalForm {
-    /// Output for a constant input of 1.
+    /// Output for a constant input of 1 [output unit over input unit].
     pub gain: f64,
     /// The poles with their shares, by rising frequency.
     pub poles: Vec<PoleShare>,
@@ -84,7 +84,7 @@ pub struct ModalForm {
 
 impl ModalForm {
     /// Highest observable frequency of a pole, as a share of half the sampling rate.
-    pub const OBSERVABLE: f64 = 0.9;
+    pub const MAX_OBSERVABLE_NYQUIST_SHARE: f64 = 0.9;
 
     /// The poles that are modes, by rising frequency.
     pub fn modes(&self) -> Vec<PoleShare> {

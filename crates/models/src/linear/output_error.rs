@@ -49,7 +49,7 @@ pub struct OutputError {
     pub offsets: Vec<f64>,
     /// Rms residual of the free run for each record [output unit].
     pub rms: Vec<f64>,
-    /// Degrees of freedom: samples less the fitted parameters, pasts and offsets.
+    /// Degrees of freedom: samples less the fitted parameters, initial states and offsets.
     pub freedom: usize,
     /// Covariance of theta = [a, b after the delay], row by row, also valid for coloured residuals. Infinite where the
     /// records do not determine theta.
@@ -137,19 +137,19 @@ pub(super) fn checked(records: &[Record], orders: Orders, settings: &Refinement)
 }
 
 /// Maximum number of samples used for starting values.
-const ENOUGH: usize = 8192;
+const MAX_START_SAMPLES: usize = 8192;
 
 /// Poles of initial filters that do not depend on the data: a fast one, and a slow one for high sampling rates.
 const INITIAL_POLES: [f64; 2] = [0.5, 0.8];
 
-/// The first parts of the records, limited to [`ENOUGH`] samples together.
+/// The first parts of the records, limited to [`MAX_START_SAMPLES`] samples together.
 pub(super) struct StartRecords(Vec<Record>);
 
 impl StartRecords {
     /// For blocks of up to `orders`.
     pub(super) fn new(records: &[Record], orders: Orders) -> Result<Self, Error> {
         let samples: usize = records.iter().map(Record::len).sum();
-        let share = (ENOUGH as f64 / samples as f64).min(1.0);
+        let share = (MAX_START_SAMPLES as f64 / samples as f64).min(1.0);
         let least = 8 * (orders.history() + orders.parameters());
         let first_part = |r: &Record| match ((share * r.len() as f64).ceil() as usize).max(least) {
             n if n < r.len() => r.slice(0..n),
@@ -227,7 +227,7 @@ pub(super) mod tests {
     pub(in crate::linear) fn pl140(seed: u64, n: usize) -> Record {
         let u = Prbs::default().samples(TS, n).unwrap();
         let plant = Plant::named("pl140", TS).unwrap().with_seed(seed);
-        let y = plant.run(&u).y.iter().map(|y| 1e6 * y).collect();
+        let y = plant.run(&u).y;
         Record::new(TS, u, y).unwrap()
     }
 

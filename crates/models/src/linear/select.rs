@@ -11,8 +11,8 @@
 //!
 //! A sweep shows each frequency once, so its end cannot be predicted from its beginning. If the last parts have input
 //! power where the first parts have none, the blocks are fitted to and judged by all samples. Akaike's final prediction
-//! error then stands for the held-out error, s = (n + p) / (n - p) sum e^2 / n, and only what a higher order must gain
-//! counts.
+//! error then stands for the held-out error, s = (n + p) / (n - p) sum e^2 / n, and the only criterion is the gain that
+//! a higher order must have.
 //!
 //! For comparison the table has AIC = n ln(sum e^2 / n) + 2 p and BIC = n ln(sum e^2 / n) + p ln n, of the free run
 //! over the first part, with p counting parameters, pasts and offsets. Both assume white noise.
@@ -86,7 +86,7 @@ pub struct Candidate {
     pub held_out_pp_percent: f64,
     /// Held-out mean square less that of the best candidate [output unit squared].
     pub excess: f64,
-    /// Standard error of `excess`, from blocks of time.
+    /// Standard error of `excess`, from its means over intervals of time.
     pub excess_error: f64,
     /// True if it predicts held-out data as well as the best.
     pub as_good: bool,
@@ -119,10 +119,10 @@ const BLOCKS: usize = 20;
 const BANDS: usize = 10;
 
 /// Least power of a band that the first parts show, over the mean of all bands.
-const SHOWN: f64 = 0.1;
+const MIN_BAND_POWER_RATIO: f64 = 0.1;
 
 /// Share of the power of the last parts in other bands, above which they are not held out.
-const UNSEEN: f64 = 0.2;
+const MAX_NEW_POWER_SHARE: f64 = 0.2;
 
 /// Steps and tolerance sufficient to compare candidates.
 const ROUGH: levenberg_marquardt::SearchSettings =
@@ -242,7 +242,7 @@ fn is_a_sweep(first: &[Record], last: &[Record]) -> bool {
     let is_hidden = |lines: &[(f64, f64)]| {
         let (low, high) = (lines[0].0 - width, lines[lines.len() - 1].0 + width);
         let within = shown.iter().filter(|(hz, _)| (low..=high).contains(hz));
-        within.map(|(_, power)| power).sum::<f64>() < SHOWN / BANDS as f64 * total
+        within.map(|(_, power)| power).sum::<f64>() < MIN_BAND_POWER_RATIO / BANDS as f64 * total
     };
     let mut start = 0;
     let hidden = bands.chunk_by(|p, q| p == q).map(|band| {
@@ -250,7 +250,7 @@ fn is_a_sweep(first: &[Record], last: &[Record]) -> bool {
         start += band.len();
         if is_hidden(lines) { sum(lines) } else { 0.0 }
     });
-    hidden.sum::<f64>() > UNSEEN * last_total
+    hidden.sum::<f64>() > MAX_NEW_POWER_SHARE * last_total
 }
 
 /// The table, the index of the choice and its reason; `None` without candidates.

@@ -69,7 +69,8 @@ impl OutputError {
         self.uncertain(gain, &by_theta)
     }
 
-    /// A function of theta = [a, b after the delay] by its `value` here and its `slopes` by the first entries of theta.
+    /// A function of theta = [a, b after the delay] with its standard error, from its `value` here and its derivatives
+    /// `slopes` by the first entries of theta.
     pub fn uncertain(&self, value: f64, slopes: &[f64]) -> Uncertain {
         spread(value, slopes, &self.covariance, self.orders.parameters())
     }

@@ -1,5 +1,5 @@
-//! Integer arithmetic of fixed-point programs, as in 64-bit integers where these do not overflow. Programs whose
-//! numbers leave their formats are run too, before their error is known: for these 128 bits are enough.
+//! Integer arithmetic of fixed-point programs, equal to 64-bit integers where these do not overflow. It has 128 bits,
+//! because programs are run before it is known whether their numbers exceed their formats.
 
 /// The operation with this name on integers of at most 53 bits, if there is one.
 ///

@@ -116,7 +116,7 @@ impl Dependent {
                 None => self.names.contains(&(function.name.clone(), place.root.clone())),
             },
             Expr::Negative(inner) => self.expr(program, function, inner),
-            Expr::Binary(op, left, right) if op.binds() >= Op::Add.binds() => {
+            Expr::Binary(op, left, right) if op.precedence() >= Op::Add.precedence() => {
                 let (left, right) = (self.expr(program, function, left), self.expr(program, function, right));
                 left || right
             }
@@ -273,7 +273,7 @@ impl Slopes<'_> {
                 let (value, slope) = self.dual(inner, out)?;
                 (negative(value), slope.map(negative))
             }
-            Expr::Binary(op, left, right) if op.binds() >= Op::Add.binds() && !expr.whole() => {
+            Expr::Binary(op, left, right) if op.precedence() >= Op::Add.precedence() && !expr.whole() => {
                 let ((left, left_slope), (right, right_slope)) = (self.dual(left, out)?, self.dual(right, out)?);
                 self.joined(*op, (left, left_slope), (right, right_slope), out)
             }

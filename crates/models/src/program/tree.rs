@@ -77,7 +77,7 @@ pub enum Statement {
         to: Expr,
         /// True if it runs from the last to the first.
         down: bool,
-        /// The largest number of passes, where the ends do not tell.
+        /// The largest number of passes, if the ends are not constant.
         most: Option<usize>,
         /// Statements.
         steps: Vec<Statement>,
@@ -168,7 +168,7 @@ pub enum Op {
 
 impl Op {
     /// Precedence: a higher one binds tighter.
-    pub fn binds(self) -> u8 {
+    pub fn precedence(self) -> u8 {
         match self {
             Op::Or => 1,
             Op::And => 2,
@@ -185,7 +185,7 @@ impl Expr {
         match self {
             Expr::Integer(_) | Expr::Variable(_, true) => true,
             Expr::Call(name, _) => name == "whole",
-            Expr::Binary(op, left, _) => op.binds() >= Op::Add.binds() && left.whole(),
+            Expr::Binary(op, left, _) => op.precedence() >= Op::Add.precedence() && left.whole(),
             _ => false,
         }
     }

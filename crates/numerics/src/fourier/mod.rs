@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 pub use transform::Transform;
 
 /// Width of a line in [`power`] [bins].
-pub const LINE: usize = 8;
+pub const LINE_WIDTH_BINS: usize = 8;
 
 /// The power of `x` without its mean in each bin from 0 to n / 2. The window (Harris 1978, four terms,
 /// doi:10.1109/PROC.1978.10837) makes a line eight bins wide without leakage, and weights the middle of `x` most.
@@ -128,7 +128,7 @@ mod tests {
         let x: Vec<f64> = (0..1000).map(|t| 7.0 + 3.0 * (TAU * 0.1234 * f64::from(t)).sin()).collect();
         let power = power(&x);
         assert_close(&[power.iter().sum()], &[4.5], 1e-3, 0.0);
-        let line: f64 = power[123 - LINE / 2..=124 + LINE / 2].iter().sum();
+        let line: f64 = power[123 - LINE_WIDTH_BINS / 2..=124 + LINE_WIDTH_BINS / 2].iter().sum();
         assert!(line > 0.9999 * 4.5, "{line}");
     }
 

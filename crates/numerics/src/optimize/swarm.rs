@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
 
 /// Maximum number of particles and of iterations.
-const MOST: usize = 10_000_000;
+const MAX_PARTICLES_OR_ITERATIONS: usize = 10_000_000;
 
 /// The cost that a swarm minimises. Every `Fn(&[f64]) -> f64` that can be shared between threads is a cost.
 #[doc(hidden)]
@@ -321,8 +321,8 @@ fn words(dimension: usize, iterations: usize) -> u128 {
 
 fn check(s: &SwarmSettings) -> Result<(), Error> {
     let count = |name, n| match n {
-        1..=MOST => Ok(()),
-        _ => Err(Error::parameter(name, n, format!("must be from 1 to {MOST}"))),
+        1..=MAX_PARTICLES_OR_ITERATIONS => Ok(()),
+        _ => Err(Error::parameter(name, n, format!("must be from 1 to {MAX_PARTICLES_OR_ITERATIONS}"))),
     };
     count("particles", s.particles)?;
     count("iterations", s.iterations)?;

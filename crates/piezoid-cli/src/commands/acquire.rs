@@ -16,7 +16,7 @@ use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
-  What a controller is, and the limits it reports; nothing moves:
+  The identity of a controller, and the limits it reports; nothing moves:
     piezoid acquire --host 192.168.0.10
   A drive of `piezoid plan` or `piezoid excite`, played in open loop and recorded:
     piezoid acquire sine20.csv --host 192.168.0.10 --range -20 120 -o record.csv
@@ -29,7 +29,7 @@ The actuator moves. Ctrl-C stops the wave generator; the voltage then stays wher
 #[command(after_help = EXAMPLES)]
 #[command(override_usage = "piezoid acquire [<FILE> -o <FILE>] [--host <HOST>] [OPTIONS]")]
 pub(crate) struct Acquire {
-    /// The drive signal; without it the controller is only asked what it is.
+    /// The drive signal. Without it, the command prints the identity and the limits of the controller.
     #[arg(value_name = "FILE", requires = "output")]
     drive: Option<PathBuf>,
     /// The record to write: CSV, or .npz or .mat by the extension; - is stdout.
@@ -76,7 +76,7 @@ fn summary(controller: &Controller, console: &Console) -> String {
     let Controller { identity, cycle, table: points, recorder, axes, .. } = controller;
     let reported = |value: Option<String>| value.unwrap_or_else(|| "not reported".into());
     let head = format!(
-        "{identity}\nservo cycle {}; points of a wave table {}, of a table of the recorder {}\n\n",
+        "{identity}\nservo cycle {}; points of a wave table: {}; points of a recorder table: {}\n\n",
         reported(cycle.map(|cycle| format!("{} us", short(1e6 * cycle)))),
         reported(points.map(|points| points.to_string())),
         reported(recorder.map(|points| points.to_string()))

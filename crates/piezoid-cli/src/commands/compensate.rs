@@ -84,7 +84,7 @@ fn tables(result: &Compensation, console: &Console) -> String {
     };
     let expected = result.expected_rms().map(|rms| {
         let percent = number(100.0 * rms / metrics.peak_to_peak);
-        vec!["to expect of the actuator".to_string(), number(rms), "-".into(), percent]
+        vec!["expected on the actuator".to_string(), number(rms), "-".into(), percent]
     });
     // What the inverse leaves is rounding, unless it is set to clip or to stop early.
     let left = expected.is_none() || metrics.rms_pp_percent > ROUNDING;

@@ -32,7 +32,7 @@ Examples:
         --reference triangle:20 --tolerance 20 --report control.html
 
 A controller is a feed-forward (gain, feed-forward, learning), a feedback (see `piezoid controllers`), or both joined by +; a feedback alone is added to the feed-forward `gain`, the best constant gain. A reference is a file with a column r_* or \
-y_*, or sine, triangle, staircase or random with a frequency in Hz, such as sine:5. Errors are the reference minus the measured displacement, in % of the peak-to-peak of the reference. Of periodic references, the first whole periods, 0.25 s or more, are left out.";
+y_*, or sine, triangle, staircase or random with a frequency in Hz, such as sine:5. Errors are the reference minus the measured displacement, in % of the peak-to-peak of the reference. For periodic references, the error leaves out the first whole periods, at least 0.25 s.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -41,7 +41,7 @@ pub(crate) struct Control {
     /// The actuator by name (see `piezoid plants`), or a JSON file of its parameters.
     #[arg(long, value_name = "NAME|FILE")]
     plant: String,
-    /// The model that controllers are made from.
+    /// The model that controllers are tuned to.
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
     #[command(flatten)]
@@ -139,7 +139,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
             let figures = match &d.attempts[0] {
                 Err(_) => vec!["-".to_string(); 5],
                 Ok(ReferenceResult { run, tracking: t, .. }) => {
-                    [t.percent_of_stroke, t.rms, t.max, t.effort, run.highest()].map(number).to_vec()
+                    [t.percent_of_stroke, t.rms, t.max, t.effort, run.max_abs_voltage()].map(number).to_vec()
                 }
             };
             [vec![d.name()], figures].concat()
@@ -147,7 +147,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
         let rows: Vec<_> = compared.results.iter().map(row).collect();
         let (rms, max) = (format!("rms [{unit}]"), format!("max [{unit}]"));
         let header =
-            [&*only.name, "rms [% of stroke]", &rms, &max, "rms change of u per sample [V]", "highest |u| [V]"];
+            [&*only.name, "rms [% of p-p of r]", &rms, &max, "rms change of u per sample [V]", "highest |u| [V]"];
         return table(&header, &rows, console.room());
     }
     let row = |(k, reference): (usize, &NamedReference)| {
@@ -181,6 +181,6 @@ fn spreads(compared: &Comparison, console: &Console) -> Option<String> {
         Some([d.name()].into_iter().chain(shares).chain([unstable]).collect())
     };
     let rows: Vec<Vec<String>> = compared.results.iter().filter_map(row).collect();
-    let header = ["random plants, rms [% of peak-to-peak of r]", "median", "90th percentile", "worst", "unstable"];
+    let header = ["random plants, rms [% of p-p of r]", "median", "90th percentile", "worst", "unstable"];
     (!rows.is_empty()).then(|| table(&header, &rows, console.room()))
 }

@@ -58,7 +58,7 @@ impl Run for Export {
     fn run(self, console: &Console) -> Result<()> {
         let (options, columns) = (self.options.0, self.columns.read()?);
         if self.reference.is_none() && columns != ColumnSelection::default() {
-            bail!(Misused("options of data files are for a --reference".into()));
+            bail!(Misused("options of data files apply to a reference: give --reference, or leave them out".into()));
         }
         apart(&[self.json.as_deref()], &self.reference.iter().chain([&self.model]).collect::<Vec<_>>())?;
         if self.output == Path::new("-") {

@@ -78,7 +78,7 @@ pub(super) fn summary(result: &Identification, console: &Console) -> String {
             ]
         };
         let (from, to) = (format!("from [{}]", units.u), format!("to [{}]", units.u));
-        let header = ["f [Hz]", &from, &to, "width %", "ascending branch", "points on the side of their direction %"];
+        let header = ["f [Hz]", &from, &to, "width %", "ascending branch", "side agrees with direction [% of points]"];
         text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>(), console.room());
     }
     if !found.trials.is_empty() {

@@ -30,7 +30,7 @@ Examples:
     piezoid identify run1.csv run2.csv --operator pi -o model.json --report report.html
   The paper's method: two branches per frequency, ARX by particle swarm:
     piezoid identify sine5.csv sine20.csv --small-signal prbs.csv --method paper -o model.json
-  A model again, from the files that it was identified from, to see that it is the same:
+  Identify a model again from its files, to check that the result is the same:
     piezoid identify --again model.json rise1.csv rise20.csv rise80.csv prbs.csv
   Columns of other names, and no time column:
     piezoid identify log.csv --ts 5ms --input-col cmd_V --output-col pos_um -o model.json";

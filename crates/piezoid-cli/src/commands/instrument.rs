@@ -37,7 +37,7 @@ impl Run for Instrument {
         let listener = TcpListener::bind(("127.0.0.1", self.port)).with_context(advice)?;
         let port = listener.local_addr()?.port();
         let plant = &simulation.plant;
-        console.print(&format!("a controller around {plant} listens at 127.0.0.1, port {port}\nCtrl-C ends\n"))?;
+        console.print(&format!("a controller with plant {plant} listens at 127.0.0.1, port {port}\nCtrl-C ends\n"))?;
         Ok(controller.serve(&listener)?)
     }
 }

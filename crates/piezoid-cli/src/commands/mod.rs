@@ -80,7 +80,7 @@ const VERBS: [Verb; 26] = [
     operation::<excite::Excite>("excite"),
     operation::<simulate::Simulate>("simulate"),
     operation::<acquire::Acquire>("acquire"),
-    own::<instrument::Instrument>("instrument", "Simulate such a controller on this machine, around a plant"),
+    own::<instrument::Instrument>("instrument", "Simulate a GCS controller with a plant on this machine"),
     operation::<identify::Identify>("identify"),
     operation::<validate::Validate>("validate"),
     operation::<compare::Compare>("compare"),
@@ -90,7 +90,7 @@ const VERBS: [Verb; 26] = [
     operation::<report::Report>("report"),
     own::<serve::Serve>(
         "serve",
-        "Serve the page of piezoid on this machine: all of this in a browser, with a project folder",
+        "Serve the page of piezoid on this machine: the same work in a browser, with a project folder",
     ),
     list("operators", "List the hysteresis operators"),
     own::<lists::Plants>("plants", "List the simulated actuators, or show the parameters of one"),

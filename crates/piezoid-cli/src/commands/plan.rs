@@ -23,7 +23,7 @@ Examples:
   Which record would improve a first model most:
     piezoid plan --actuator pl140 --bandwidth 80 --driver pl140 --model model.json -o next
 
-Written are small_u.csv (small signal), rise1_u.csv to rise3_u.csv (rising sines), creep_u.csv (held steps), path_u.csv \
+Files: small_u.csv (small signal), rise1_u.csv to rise3_u.csv (rising sines), creep_u.csv (held steps), path_u.csv \
 (random path, for validation only), and plan.md: why each is measured, its figures, and the commands to run afterwards. \
 All start and end at the middle of the range, and use at most 90 % of slew and current.";
 
@@ -66,7 +66,8 @@ impl Run for Plan {
             vec![drive.file(), drive.purpose.into(), round(plan.duration(drive)), format!("{low} to {high}"), percent]
         };
         let rows: Vec<_> = plan.drives.iter().map(row).collect();
-        let mut text = table(&["drive", "for", "s", "V", "% of limits"], &rows, console.room());
+        let header = ["drive", "purpose", "duration [s]", "voltage [V]", "% of limits"];
+        let mut text = table(&header, &rows, console.room());
         let folder = self.output.display();
         let next = format!(
             "Next: measure each drive in this order, every {} s, as small.csv, rise1.csv and so on; {folder}/plan.md \

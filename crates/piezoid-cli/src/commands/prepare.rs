@@ -18,7 +18,7 @@ Examples:
     piezoid prepare log.csv --outliers --decimate 10 -o record.csv
   One period out of many, with less noise:
     piezoid prepare multisine.csv --from 2 --detrend line --average -o period.csv
-  A scope that shows the sensor 0.35 ms late, through an amplifier of gain 20:
+  A scope record with a sensor delay of 0.35 ms and an amplifier of gain 20:
     piezoid prepare scope.csv --input-scale 20 --output-scale 5um/V --delay 0.35ms -o record.npz
   A second record at the sampling period of the first:
     piezoid prepare other.tdms --resample 0.5ms -o other.csv
@@ -27,8 +27,8 @@ The steps happen in this order: cut (--from, --to), scale, offset, outliers, det
 resample. Filters have no phase and are the same for input and output. Each step is printed, written into the file, and \
 stored in the model that is identified from it.
 
-Signals are kept up to 0.8 of the new Nyquist frequency; nothing above it folds back. Near the ends of a record a filter \
-depends on how the record continues: cut them off, or average periods.";
+Signals are kept up to 0.8 of the new Nyquist frequency, and nothing is aliased. Near the ends of a record a filter \
+depends on samples outside the record: cut the ends off, or average periods.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]

@@ -23,7 +23,7 @@ cannot use it without the key.";
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
 pub(crate) struct Serve {
-    /// The project folder: its files are seen, written and deleted by the page.
+    /// The project folder: the page reads, writes and deletes its files.
     #[arg(default_value = ".")]
     folder: PathBuf,
     /// The port on this machine; 0 is any that is free.

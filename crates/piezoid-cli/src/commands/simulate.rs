@@ -17,8 +17,8 @@ const EXAMPLES: &str = "\
 Examples:
   Response of the paper's actuator to a drive signal:
     piezoid simulate sine20.csv --plant paper -o answer.csv
-  Prediction of a model for the same signal:
-    piezoid simulate sine20.csv --model model.json -o predicted.csv
+  Free run of a model on the same signal:
+    piezoid simulate sine20.csv --model model.json -o simulated.csv
   An actuator of your own:
     piezoid plants --show pl140 > mine.json
     piezoid simulate sine20.csv --plant mine.json -o answer.csv";

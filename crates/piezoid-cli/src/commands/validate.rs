@@ -25,7 +25,7 @@ Examples:
 The model runs free: it sees only the input, and starts from the initial condition that fits the record best. \
 nrmse % is 100 rmse / standard deviation of y, noise % the part of it that is noise, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.
 
-The errors by frequency and by amplitude are computed from the cycles of the input, over all files; if the input has no cycles, from spectra, in third-octave bands. The noise floor is the scatter of y between repetitions of the same input or, if the input does not repeat, the level of the spectrum where the input does not drive y. A better model can gain what is left of the error without noise and drift: squares add up. The drift is the slope of the error over time, also if --offset drift removes it. Of the residuals, the correlation with the sample before and the largest correlation with the input are shown: both are near 0 if nothing but noise is left.";
+The errors by frequency and by amplitude are computed from the cycles of the input, over all files; if the input has no cycles, from spectra, in third-octave bands. The noise floor is the scatter of y between repetitions of the same input or, if the input does not repeat, the level of the spectrum where the input does not drive y. A better model can remove the part of the error that is neither noise nor drift. The squares of the parts add up. The drift is the slope of the error over time, also if --offset drift removes it. The table of residuals ends with the correlation of each residual with the one before, and the largest correlation with the input. Both are near 0 if only noise is left.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -36,7 +36,7 @@ pub(crate) struct Validate {
     /// Show the errors by frequency and amplitude, the loops and the residuals.
     #[arg(short, long)]
     verbose: bool,
-    /// Show all of them: all bands, all loops, and the results of the residual tests in words.
+    /// Show all bands and all loops, and the results of the residual tests in words.
     #[arg(long)]
     full: bool,
     /// Write the results as JSON; - is stdout.

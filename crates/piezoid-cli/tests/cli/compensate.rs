@@ -19,7 +19,7 @@ const MAKE: &str = "compensate --model model.json --reference r.csv";
 fn the_voltage_makes_the_model_follow_and_the_table_says_how_near() {
     let bench = bench(400.0);
     let run = bench.run(&format!("{MAKE} --driver pl140 --json figures.json -o u.csv")).ok();
-    run.prints(&["% of peak-to-peak of r", "to expect of the actuator", "highest [V]", "current [A]", "% of limit"])
+    run.prints(&["% of peak-to-peak of r", "expected on the actuator", "highest [V]", "current [A]", "% of limit"])
         .says(&["the model is good to", "unproven: amplitudes below 20 V"]);
     assert!(bench.text("u.csv").starts_with("t_s,u_V,r_um\n"));
     let figures = bench.json("figures.json");

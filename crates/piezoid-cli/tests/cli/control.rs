@@ -28,7 +28,7 @@ fn schemes_stand_side_by_side_with_their_margins_and_the_inverse_is_nearer_than_
     let run = bench.run(&format!("{line} --json figures.json --report page.html")).ok();
     let run = run.prints(&[
         "sine 5 Hz",
-        "rms [% of stroke]",
+        "rms [% of p-p of r]",
         "rms change of u per sample [V]",
         "feed-forward+pi",
         "phase margin [deg]",

@@ -16,7 +16,7 @@ fn the_tour_works_as_printed_and_ends_twenty_times_better_than_a_straight_line()
         if line.starts_with("identify") {
             run.prints(&["preisach, gain 22.", "Good to 0.01", "unproven: large signals above 80 Hz"]);
         } else if line.starts_with("compensate") {
-            run.prints(&["to expect of the actuator"]).says(&["unproven: large signals above 80 Hz"]);
+            run.prints(&["expected on the actuator"]).says(&["unproven: large signals above 80 Hz"]);
         }
     }
     bench.run("control --plant pl140 --model model.json --reference path.csv --controller gain feed-forward --json c.json").ok();

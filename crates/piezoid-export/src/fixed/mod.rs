@@ -54,7 +54,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 };
 
 /// Largest allowed error, over the stroke.
-const MOST: f64 = 1e-4;
+const MAX_ERROR_SHARE: f64 = 1e-4;
 
 /// Largest number of operations of a sample, over all entries: their test runs then take seconds. The largest of the
 /// operators with default sizes has 2e4.
@@ -85,7 +85,7 @@ impl Fixed {
         keep(&mut whole, CLAMP);
         loop {
             let (k, because) = match Fixed::of(&whole, &exact, request) {
-                Ok(fixed) => match fixed.errors.iter().position(|p| p.rms.is_nan() || p.most > MOST) {
+                Ok(fixed) => match fixed.errors.iter().position(|p| p.rms.is_nan() || p.most > MAX_ERROR_SHARE) {
                     None => return Ok(fixed),
                     Some(k) => {
                         let (step, off) = (whole.entries[k].step, short(fixed.errors[k].most));
@@ -93,7 +93,7 @@ impl Fixed {
                             k,
                             format!(
                                 "32-bit rounding changes the result of `{step}` by {off} of its stroke, more than \
-                                     {MOST:e}"
+                                     {MAX_ERROR_SHARE:e}"
                             ),
                         )
                     }
@@ -121,7 +121,7 @@ impl Fixed {
         }
         if operations > OPERATIONS {
             let because = format!(
-                "a sample takes {} operations, and its range and error can be found for at most {}",
+                "a sample takes {} operations, but range and error are computed for at most {}",
                 short(operations),
                 short(OPERATIONS)
             );
@@ -219,7 +219,7 @@ impl Fixed {
         };
         context! {
             errors => self.whole.entries.iter().zip(&self.errors).map(error).collect::<Value>(),
-            ports => self.ports().into_iter().map(port).collect::<Value>(), most => format!("{MOST:e}"),
+            ports => self.ports().into_iter().map(port).collect::<Value>(), most => format!("{MAX_ERROR_SHARE:e}"),
         }
     }
 

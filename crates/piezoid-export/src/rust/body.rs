@@ -171,7 +171,9 @@ impl Language for RustBody<'_> {
             _ => false,
         };
         let (onto, with) = match value {
-            Expr::Binary(op, left, right) if op.binds() >= Op::Add.binds() && itself(left) => (Some(*op), right),
+            Expr::Binary(op, left, right) if op.precedence() >= Op::Add.precedence() && itself(left) => {
+                (Some(*op), right)
+            }
             Expr::Binary(op @ (Op::Add | Op::Multiply), left, right) if itself(right) => (Some(*op), left),
             _ => return format!("{} = {};", self.place(place, printer), printer.expr(value)),
         };

@@ -90,7 +90,7 @@ fn follows(model: &Model, n: usize) -> Result<(), Error> {
         format!("its driver has a lag of {} s", short(driver.lag_s))
     } else if let Some(slew) = driver.slew.filter(|slew| slew * length < SLEWING * (high - low)) {
         format!(
-            "its driver slews {} {unit} in a period, of a range of {} {unit}",
+            "its driver slews at most {} {unit} in a period, but the range is {} {unit}",
             short(slew * length),
             round(high - low)
         )

@@ -35,7 +35,7 @@ pub(super) struct SimulatedAxis {
 
 impl SimulatedAxis {
     pub(super) fn new(plant: Plant, range: (f64, f64), gain: f64) -> Self {
-        let ends = |v: f64| 1e6 * plant.tip(&plant.settled(v));
+        let ends = |v: f64| plant.tip(&plant.settled(v));
         let travel = (ends(range.0), ends(range.1));
         let x = plant.initial();
         let mut axis =
@@ -46,7 +46,7 @@ impl SimulatedAxis {
 
     /// One servo cycle with the present voltage.
     fn cycle(&mut self) {
-        self.position = 1e6 * self.plant.step(&mut self.x, self.voltage);
+        self.position = self.plant.step(&mut self.x, self.voltage);
     }
 
     /// One servo cycle with an open-loop value, or with a target in closed loop.

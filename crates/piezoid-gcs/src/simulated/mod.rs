@@ -18,7 +18,7 @@ use std::net::{TcpListener, TcpStream};
 use waves::Waves;
 
 options! {
-    /// What is simulated.
+    /// How to simulate a controller.
     pub struct Simulation {
         /// The plant (see {list}).
         plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME")).list("plants");

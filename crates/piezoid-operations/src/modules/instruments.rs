@@ -11,7 +11,7 @@ use piezoid_verbs::File;
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {
         name: "controller",
-        summary: "Show what a controller is, and the limits it reports; nothing moves",
+        summary: "Show the identity of a controller, and the limits it reports; nothing moves",
         module: "instruments",
         roles: &[],
         options: ConnectOptions::rows,

@@ -1,4 +1,4 @@
-//! Models, their proof and their inverses.
+//! Models, their validation and their inverses.
 
 use super::{DATA, MODEL, NAME, named, one, optional, several};
 use crate::{Inputs, Operation, Output};
@@ -11,7 +11,7 @@ use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::hysteresis::LoopOptions;
 use piezoid_numerics::options::options;
 use piezoid_numerics::options::{OptionRow, Options};
-use piezoid_records::waveform::{REVERSAL, reversals};
+use piezoid_records::waveform::{MIN_REVERSAL_SHARE, reversals};
 use piezoid_verbs::{CompensateOptions, File, SimulateOptions, ValidateRecords};
 use serde_json::json;
 
@@ -34,7 +34,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "identify",
-        summary: "Find a model that predicts measured records",
+        summary: "Identify a model from measured records",
         module: "models",
         roles: &[several("small_signal", 0), several("large_signal", 0)],
         options: IdentifyOptions::rows,
@@ -91,7 +91,7 @@ fn loops(inputs: &Inputs) -> Result<Output, Error> {
     let falling: Vec<f64> = at.iter().map(|u| found.branches.descending(*u)).collect();
     let result = json!({
         "loop": outcome.to_json(), "note": note, "units": record.units(), "ts": record.ts(),
-        "reversals": reversals(u, REVERSAL),
+        "reversals": reversals(u, MIN_REVERSAL_SHARE),
     });
     let series = [("u", &u[..]), ("z", z), ("at", &at), ("ascending", &rising), ("descending", &falling)];
     Ok(Output { result, series: named(series), files: Vec::new() })

@@ -1,4 +1,4 @@
-//! What ends in pages with figures.
+//! Operations that write pages with figures.
 
 use super::{DATA, MODEL, NAME, several};
 use crate::{Inputs, Operation, Output};
@@ -24,7 +24,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "report",
-        summary: "Write a self-contained HTML report on a model and how well it predicts records",
+        summary: "Write a self-contained HTML report on a model and its free-run errors on records",
         module: "reports",
         roles: &[MODEL, DATA],
         options: ValidateOptions::rows,

@@ -55,13 +55,13 @@ def validation(v: Validation) -> str:
         "Free run against the record",
         [
             ("nrmse", f"{v.nrmse_percent:.4g} %", ""),
-            ("of it noise", f"{v.floor['nrmse_percent']:.2g} %" if v.floor else "unknown", ""),
+            ("noise floor", f"{v.floor['nrmse_percent']:.2g} %" if v.floor else "unknown", ""),
             ("rms / peak-to-peak", f"{v.rms_pp_percent:.4g} %", ""),
             ("rms", f"{v.rmse:.4g} {unit}", ""),
             ("largest", f"{v.max_abs:.4g} {unit}", _series(v.residual[v.start :])),
             ("samples", f"{v.n}", ""),
         ],
-        v.remarks + [f"not covered: {part}" for part in v.unproven],
+        v.remarks + [f"unproven: {part}" for part in v.unproven],
     )
 
 

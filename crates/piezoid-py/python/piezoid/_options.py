@@ -41,7 +41,7 @@ class CompensateOptions(TypedDict, total=False):
 
     clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
     iterations: Largest number of iterations that correct the error left in the model's free run; default: 0
-    smooth: Smooth steps and corners to minimum-jerk moves of this length [s]
+    smooth: Smooth steps and corners to minimum-jerk moves of this duration [s]
     notch: Filter the reference with a notch at the model's resonance
     zvd: Shape the reference (ZVD) so that the resonance is not excited
 
@@ -75,8 +75,8 @@ class ControlOptions(TypedDict, total=False):
     clip: Clip the feed-forward to the limits, instead of refusing a reference that exceeds them
     seed: Seed of the noise and of the draws; default: 1
     delay_samples: Sensor delay in samples; controllers are tuned for it; default: 0
-    gain_margin: Gain margin to tune to [dB] [dB]; default: 6
-    phase_margin: Phase margin to tune to [degrees] [degrees]; default: 45
+    gain_margin: Gain margin that controllers are tuned to [dB]; default: 6
+    phase_margin: Phase margin that controllers are tuned to [degrees]; default: 45
 
     Driver:
 
@@ -111,8 +111,8 @@ class ExportOptions(TypedDict, total=False):
     controller: A feedback controller to export with the model, tuned to it: any feedback of `pz.controllers` except
         predictive
     delay_samples: Sensor delay in samples; controllers are tuned for it; default: 0
-    gain_margin: Gain margin to tune to [dB] [dB]; default: 6
-    phase_margin: Phase margin to tune to [degrees] [degrees]; default: 45
+    gain_margin: Gain margin that controllers are tuned to [dB]; default: 6
+    phase_margin: Phase margin that controllers are tuned to [degrees]; default: 45
 
     Waveforms:
 
@@ -151,10 +151,10 @@ class ExportOptions(TypedDict, total=False):
 class IdentifyOptions(TypedDict, total=False):
     """Keywords of `identify`.
 
-    method: How to identify ["joint" or "paper"]; default: joint
+    method: Method of identification ["joint" or "paper"]; default: joint
     operator: The hysteresis operator (see `pz.operators`), or several separated by commas; auto tries all, and
-        auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is taken. The paper's
-        method has its own branches; default: auto
+        auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With the
+        paper's method, auto selects two-branch or rate-scheduled; default: auto
     order: Order of the linear block; default: chosen; 2 by the paper's method
     seed: Seed of the swarm; default: 1
 
@@ -256,14 +256,14 @@ class PlanOptions(TypedDict, total=False):
 class PrepareOptions(TypedDict, total=False):
     """Keywords of `Record.prepare`.
 
-    input_offset: Add this to the input, after its scale, in its unit; default: 0
-    output_offset: Add this to the output, after its scale, in its unit; default: 0
+    input_offset: Offset that is added to the input after scaling, in the unit of the input; default: 0
+    output_offset: Offset that is added to the output after scaling, in the unit of the output; default: 0
     outliers: Replace single spikes of the output by interpolation
     detrend: Subtract the mean or a straight line from the output ["mean" or "line"]
     average: Average all periods: the result is one period long
     period: Period of the input [s]; default: found in the input
-    delay: Delay of the output: it is shifted earlier by this time against the input, later if it is negative [s]
-    decimate: Keep one of this many samples, after an anti-alias filter
+    delay: Delay of the output. The output is shifted earlier by this time; later if the value is negative [s]
+    decimate: Keep every N-th sample, after an anti-alias filter
     resample: New sampling period, by band-limited interpolation; uneven times of a file are made even first [s]
     """
 
@@ -281,9 +281,8 @@ class PrepareOptions(TypedDict, total=False):
 class SimulateOptions(TypedDict, total=False):
     """Keywords of `Plant.simulate`.
 
-    begin: Initial condition: rest; settled at the first input, without a past or after cycles over the whole range; or
-        already in the motion of the record ["rest" or "settled" or "from-above" or "from-below" or "motion"]; default:
-        rest
+    begin: Initial condition: at rest; settled at the first input, directly or after cycles over the whole range; or in
+        motion as in the record ["rest" or "settled" or "from-above" or "from-below" or "motion"]; default: rest
     seed: Seed of the plant's noise; default: 1
     """
 

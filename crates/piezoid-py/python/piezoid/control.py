@@ -92,11 +92,11 @@ def control(
     progress: Progress = None,
     **options: Unpack[ControlOptions],
 ) -> Comparison:
-    """Simulates a twin that follows references [output unit of the model] with one or several controllers.
+    """Simulates a plant that follows references [output unit of the model] with one or several controllers.
 
     controller: names in `pz.controllers`, such as "feed-forward+pi"; they are tuned to the model
-    tolerance: (share, draws) also simulates this many random plants, whose parameters differ from those of the plant by
-    up to this share
+    tolerance: (share, draws), such as (0.2, 200): also simulates 200 random plants, whose parameters differ from those
+    of the plant by up to 0.2 (20 %; the option of the command line is in percent)
 
     {options}
     """

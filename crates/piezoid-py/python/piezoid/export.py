@@ -36,7 +36,7 @@ class Exported(dict[str, bytes]):
 
     def __repr__(self) -> str:
         message = [
-            f"{f['function']}: at most {f['operations']['most_seen']} operations seen in one sample, bound "
+            f"{f['function']}: at most {f['operations']['most_seen']} operations observed in one sample, bound "
             f"{f['operations']['bound']} for every input"
             for f in self.functions
         ]

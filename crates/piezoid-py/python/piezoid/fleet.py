@@ -366,7 +366,7 @@ def _items(source: Any, what: str) -> Any:
 
 
 def _made(source: Any, what: str) -> Any:
-    """`given`, or its result if it is a function."""
+    """`source`, or its result if it is a function."""
     result = source() if callable(source) else source
     if _is_missing(result):
         raise PiezoidError(f"there is no {what} of this actuator: give one, or leave the actuator out")

@@ -46,8 +46,8 @@ def identify(
     (rising sines at some frequencies); data: records for linear block and hysteresis together, if there is no
     small-signal record. Each is one record or several, or anything that `read` accepts: files, DataFrames.
     data, y: or the arrays of input and output, each of shape (n,) or (n, 1), with `ts` or `fs`
-    ts, fs: sampling period [s] or rate [Hz] of arrays, and of files and DataFrames without times; units, profile: of
-    all that is no `Record` yet, as for `read`
+    ts, fs: sampling period [s] or rate [Hz] of arrays, and of files and DataFrames without times; units, profile:
+    for every source that is not yet a `Record`, as for `read`
     target: the export target (`pz.targets`) that the model is for: only operators that it serves are tried
     progress: True shows a tqdm bar; your own bar is updated; a function is called as f(what, done, total). An exception
     that it raises stops the work, as Ctrl-C does.

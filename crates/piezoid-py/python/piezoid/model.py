@@ -95,7 +95,7 @@ class Model:
 
     @property
     def a(self) -> Array:
-        """Coefficients of the past outputs of the linear block: y = a1 y1 + a2 y2 + ... + b0 z + b1 z1 + ..."""
+        """Coefficients of past outputs, linear block: y_t = a1 y_{t-1} + ... + b0 z_t + b1 z_{t-1} + ..."""
         return self._core.a
 
     @property
@@ -120,7 +120,7 @@ class Model:
 
     @property
     def input_range(self) -> tuple[float, float] | None:
-        """Lowest and highest input of the identification data [input unit]."""
+        """Lowest and highest input of the training data [input unit]."""
         return self._core.input_range
 
     @cached_property
@@ -147,15 +147,15 @@ class Model:
 
     @property
     def verdict(self) -> Verdict | None:
-        """How good the model was at its identification; None if its file does not say so."""
+        """How good the model was at its identification; None if its file has no verdict."""
         found = self._core.verdict
         return None if found is None else Verdict._of(found)
 
     def again(self, *files: str | os.PathLike[str], progress: Progress = None) -> Model:
         """Identifies it again, from the files that it was identified from, in any order, with its own options.
 
-        The result equals this model, to the bit on the same version and kind of machine. A file that differs or is
-        missing is named in the error, and so is a result that differs by more than rounding.
+        The result equals this model, to the bit with the same version of piezoid, on every machine. A file that differs
+        or is missing is named in the error, and so is a result that differs by more than rounding.
         """
         with watched(progress) as watch:
             named = [(str(path), _files.read(path)) for path in files]
@@ -213,7 +213,7 @@ class Model:
         return self._core.predict(u, y)
 
     def hidden(self, u: Samples) -> Array:
-        """The hidden variable z: the output of hysteresis and creep for `u`, from rest; both of shape (n,)."""
+        """The input of the linear block for `u`, from rest: the hidden variable z and its creep; both of shape (n,)."""
         return self._core.hidden(u)
 
     def response(self, hz: Samples) -> npt.NDArray[np.complex128]:
@@ -236,8 +236,8 @@ class Model:
     def inverse(self, delay_samples: int = 0, **limits: Unpack[InverseOptions]) -> FeedForward:
         """The inverse, sample by sample, from requested displacement to voltage.
 
-        The displacement follows `late` samples later. A value that is not finite is replaced by the one before, and
-        voltages beyond the limits are clipped.
+        The displacement follows `delay_samples` samples later. A value that is not finite is replaced by the one
+        before, and voltages beyond the limits are clipped.
 
         {options}
         """
@@ -253,7 +253,7 @@ class Model:
 
     @takes(CompensateOptions)
     def compensation(self, reference: Samples, **options: Unpack[CompensateOptions]) -> Compensation:
-        """The voltages for a requested displacement, of shape (n,) [output unit], and what the model predicts.
+        """The voltages for a requested displacement, of shape (n,) [output unit], and the free run with them.
 
         Before the first sample the actuator is assumed settled at the first value of the reference.
 
@@ -292,7 +292,7 @@ def _kind(source: object) -> str:
 
 
 def as_model(source: Any) -> Model:
-    """A model, read if `given` is a file."""
+    """A model; reads it if `source` is a file."""
     if isinstance(source, (str, os.PathLike)):
         return load(source)
     if not isinstance(source, Model):

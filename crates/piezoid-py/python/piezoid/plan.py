@@ -39,7 +39,7 @@ def plan(
 ) -> Plan:
     """Plans the records of an identification: returns the drives, and writes them and `plan.md` to `folder` if given.
 
-    model: a first model; the plan has its sampling period, and an advice
+    model: a first model; the plan then has its sampling period, and `advice`
 
     Options:
 

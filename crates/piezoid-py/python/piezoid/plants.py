@@ -109,4 +109,4 @@ def _preset(name: str) -> Plant:
 
 
 plants: Rows[Plant] = _Presets()
-"""The available twins."""
+"""The available plants."""

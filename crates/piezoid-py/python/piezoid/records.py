@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 USUAL: Units = ("V", "um")
-"""Units of arrays that nothing else is said of."""
+"""Default units of arrays."""
 
 
 class Record:
@@ -35,8 +35,8 @@ class Record:
 
     u: input, y: output, of shape (n,) or (n, 1): anything that numpy converts to such an array; all samples finite
     ts: sampling period [s], or fs: sampling rate [Hz]
-    units: of input and output, such as ("V", "nm") or {"y": "nm"}; units of length (m, mm, um, nm) are converted
-    automatically
+    units: of input and output, such as ("V", "nm") or {"y": "nm"}; `Model.validate` converts units of length (m, mm,
+    um, nm)
 
     >>> import piezoid as pz
     >>> record = pz.Record([0, 1, 1], [0, 20, 33], ts=5e-4)
@@ -122,8 +122,8 @@ class Record:
         input_scale, output_scale: factors, such as 20, or "5um/V" with the new unit
         {options}
 
-        `decimate` and `resample` pass both channels through the same filter without phase, which keeps signals up to
-        0.8 of the new Nyquist frequency; nothing above it folds back.
+        `decimate` and `resample` pass both channels through the same zero-phase filter, which keeps signals up to
+        0.8 of the new Nyquist frequency; nothing is aliased.
 
         >>> import numpy as np, piezoid as pz
         >>> u = np.sin(2 * np.pi * np.arange(4000) / 400)
@@ -255,7 +255,7 @@ def read(
     the keywords to choose.
 
     units: of input and output, such as ("V", "nm") or {"y": "nm"}, in place of `input_unit` and `output_unit`
-    profile: a file that `inspect(...).save_profile` or `piezoid inspect -o` wrote; keywords count more
+    profile: a file that `inspect(...).save_profile` or `piezoid inspect -o` wrote; keywords override it
     start, stop: the part to read [s]
 
     {options}

@@ -101,12 +101,12 @@ class Validation:
 
     @property
     def table(self) -> pd.DataFrame:
-        """The errors by frequency: one row per band, with its middle `at` [Hz]."""
+        """The errors by frequency: one row per band, with the mean frequency `at` [Hz] of its content."""
         return frame(self.figures["by_frequency"])
 
     @property
     def by_amplitude(self) -> pd.DataFrame:
-        """The errors by amplitude of the cycles: one row per band, with its middle `at` [input unit]."""
+        """The errors by amplitude of the cycles: one row per band, with the mean amplitude `at` [input unit]."""
         return frame(self.figures["by_amplitude"])
 
     @property
@@ -139,12 +139,12 @@ class Validation:
 
 @dataclass(frozen=True, eq=False)
 class Compensation:
-    """The voltage for a reference, and the displacement that the model predicts."""
+    """The voltage for a reference, and the displacement that the model simulates with it."""
 
     u: Array = field(repr=False)
     """The voltages [input unit], of shape (n,)."""
     reached: Array = field(repr=False)
-    """Predicted displacement: the model's free run on `u` [output unit], of shape (n,)."""
+    """Simulated displacement: the model's free run on `u` [output unit], of shape (n,)."""
     usage: dict[str, Any] = field(repr=False)
     """Use of the limits: lowest and highest voltage, slew, current."""
     clipped: int
@@ -183,8 +183,11 @@ class Verdict:
     worst_percent: float | None = None
     """Its error [%]."""
     times_worse: float | None = None
-    """The error of a validation over that at identification, if it is more than three times as large and noise does not
-    explain it."""
+    """The error of a validation over that at identification, if it is more than three times as large and neither
+    noise nor a constant offset explains it."""
+    left_percent: float | None = None
+    """Decrease of the sum of squared errors that another step of the search promises [%]; None if the fit is at its
+    minimum."""
 
     @classmethod
     def _of(cls, found: tuple[dict[str, Any], str]) -> Verdict:

@@ -3,8 +3,8 @@
 //! A [`Page`] is a title and [`Section`]s. A section is text, [`Figure`](crate::plot::Figure)s, [`PageTable`]s,
 //! callouts and [`Fact`]s in the order they are added. Figures, tables and sections are numbered, and longer pages get
 //! a table of contents. The file needs no network and works without scripts. It follows the system's choice of light or
-//! dark, and a button, if scripts are on, selects the other. With scripts, figures are plots that answer to the hand:
-//! they are drawn from data beside the drawing, which stays for print.
+//! dark, and a button, if scripts are on, selects the other. With scripts, figures are interactive plots of data that
+//! the file contains; the static drawings are kept for print.
 //!
 //! The same page gives the same bytes: it contains dates, paths and versions only if the caller adds them.
 //!

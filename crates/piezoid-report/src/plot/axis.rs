@@ -35,7 +35,7 @@ impl Axis {
         Axis { log: true, ..Axis::new(label) }
     }
 
-    /// Labels exactly those of these values that are in the range, if these are at least two.
+    /// Labels exactly the values in the range, if there are at least two of them.
     pub fn ticks(self, at: &[f64]) -> Self {
         Axis { ticks: at.to_vec(), ..self }
     }

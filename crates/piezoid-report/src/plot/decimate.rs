@@ -12,13 +12,13 @@ const TOLERANCE: f64 = 0.12;
 /// Points simplified at a time: limits the work, and keeps one more point per block.
 const BLOCK: usize = 512;
 /// Largest number of points of a line; beyond it the tolerance increases.
-const MOST: usize = 5000;
+const MAX_LINE_POINTS: usize = 5000;
 
 /// A visually identical line with fewer points.
 pub(super) fn line(points: &[Point]) -> Vec<Point> {
     let monotone = points.windows(2).all(|w| w[1][0] >= w[0][0]);
     let points = if monotone { at(points, &columns(points)) } else { points.to_vec() };
-    at(&points, &corners(&points, MOST))
+    at(&points, &corners(&points, MAX_LINE_POINTS))
 }
 
 /// The points with these numbers.
@@ -150,7 +150,7 @@ mod tests {
         let at = |i: i32| (f64::from(i) * 0.02).sin_cos();
         let points: Vec<Point> = (0..50_000).map(|i| [300.0 + 250.0 * at(i).0, 200.0 + 150.0 * at(i).1]).collect();
         let kept = line(&points);
-        assert!(kept.len() <= MOST, "{}", kept.len());
+        assert!(kept.len() <= MAX_LINE_POINTS, "{}", kept.len());
         let worst = points[..5000]
             .iter()
             .map(|p| kept.windows(2).map(|w| from_segment(*p, w[0], w[1])).fold(f64::MAX, f64::min))

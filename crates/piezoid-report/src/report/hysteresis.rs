@@ -16,7 +16,7 @@ const MINOR: [(f64, f64); 4] = [(0.45, 0.2), (0.85, 0.6), (0.55, 0.8), (0.15, 0.
 /// Samples from one end of the range to the other: default, minimum and maximum.
 const USUAL: f64 = 400.0;
 const FEWEST: f64 = 8.0;
-const MOST: f64 = 20_000.0;
+const MAX_LEG_SAMPLES: f64 = 20_000.0;
 
 /// Adds the block.
 pub(super) fn block(section: Section, model: &Model, trials: &[Compared]) -> Section {
@@ -129,7 +129,7 @@ fn speeds(model: &Model) -> (f64, Option<f64>) {
     let domain = || model.identified().and_then(|domain| domain.hz).map(|[low, high]| (low, high));
     let known = hysteresis.frequencies().or_else(domain).filter(|_| !hysteresis.operator().rate_independent);
     let Some((low, high)) = known else { return (of(USUAL), None) };
-    let [low, high] = [low, high].map(|hz| hz.clamp(of(MOST), of(FEWEST)));
+    let [low, high] = [low, high].map(|hz| hz.clamp(of(MAX_LEG_SAMPLES), of(FEWEST)));
     (low, (high > 2.0 * low).then_some(high))
 }
 

@@ -78,7 +78,9 @@ fn response(arx: &Arx, form: &ModalForm, unit: &str) -> Figure {
     let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.85);
     let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]").ticks(&quarters(&phase))).height(0.6);
     let (top, low) = match form.images() {
-        Some(_) => [top, low].map(|panel| panel.over_x(ModalForm::OBSERVABLE * half, half, "")).into(),
+        Some(_) => {
+            [top, low].map(|panel| panel.over_x(ModalForm::MAX_OBSERVABLE_NYQUIST_SHARE * half, half, "")).into()
+        }
         None => (top, low),
     };
     let (top, low) = modes.iter().enumerate().fold((top, low), |(top, low), (k, mode)| {

@@ -11,7 +11,7 @@ use piezoid_records::waveform::period;
 const SHOWN: usize = 1600;
 
 /// Largest error of the schemes in the detailed panel, relative to the smallest.
-const NEAR: f64 = 10.0;
+const MAX_ERROR_RATIO: f64 = 10.0;
 
 /// Number of colours.
 const COLOURS: usize = 5;
@@ -105,14 +105,15 @@ fn along(compared: &Comparison, k: usize) -> Section {
         let curve = |y: &[f64]| curve(compared, d, &t, y);
         path = path.with(curve(&run.y[shown.clone()]).named(d.name()));
         voltage = voltage.with(curve(&run.u[shown.clone()]));
-        if tracking.rms < NEAR * best {
+        if tracking.rms < MAX_ERROR_RATIO * best {
             nearest = nearest.with(curve(&error_of));
         }
         error = error.with(curve(&error_of));
     }
     let path = path.with(Series::wide(&t, &reference.r[shown]).role(Role::Reference).named("reference"));
-    let caption =
-        format!("Displacement, error, error of the schemes within {NEAR} times the smallest rms error, and voltage.");
+    let caption = format!(
+        "Displacement, error, error of the schemes within {MAX_ERROR_RATIO} times the smallest rms error, and voltage."
+    );
     let figure = Figure::new(reference.name.clone(), caption).panel(path).panel(error).panel(nearest).panel(voltage);
     Section::new(&*reference.name).figure(figure.stacked())
 }
@@ -216,7 +217,7 @@ mod tests {
             TunedScheme::new(Scheme::named(name).unwrap(), &model, settings, 0, &MarginTarget::default()).unwrap()
         };
         let reference = |name, hz| {
-            NamedReference::new(name, ts, (Reference::find(name).unwrap().samples)(ts, 800, 300.0, hz).unwrap())
+            NamedReference::new(name, ts, Reference::find(name).unwrap().samples(ts, 800, 300.0, hz).unwrap())
         };
         let drives = ["gain", "learning", "feed-forward+pi"].map(drive).to_vec();
         let (plant, tolerance) = (Preset::find("pl140").unwrap(), Tolerance { draws: 3, ..Default::default() });

@@ -54,7 +54,7 @@ impl Bench {
     pub(super) fn answer(&self, u: &[f64]) -> (Vec<f64>, Saturation) {
         let number = u.iter().fold(self.seed, |hash, u| hash.rotate_left(5) ^ u.to_bits());
         let run = self.plant.clone().with_seed(number).run(u);
-        (run.y.iter().map(|y| 1e3 * y).collect(), run.saturation)
+        (run.y.iter().map(|y| 1e-3 * y).collect(), run.saturation)
     }
 
     /// The amplitude [V] at which the responses to all `drives` stay well within the sensor's range: reduced from the
@@ -65,7 +65,7 @@ impl Bench {
         loop {
             let mut peak = 0.0f64;
             for drive in drives {
-                peak = self.plant.run(&drive(amplitude)?).y.iter().fold(peak, |peak, y| peak.max(1e3 * y.abs()));
+                peak = self.plant.run(&drive(amplitude)?).y.iter().fold(peak, |peak, y| peak.max(1e-3 * y.abs()));
             }
             if peak <= RANGE_USED * range || amplitude <= 1.0 {
                 break;

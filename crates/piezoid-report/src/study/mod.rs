@@ -50,7 +50,7 @@ const TABLE_2: [(f64, [f64; 5]); 2] =
 const AMPLITUDE: f64 = 30.0;
 
 /// Amplitude of the PRBS [V], at which the hysteresis opens by less than 1 %.
-const SMALL: f64 = 1.0;
+const PRBS_AMPLITUDE_V: f64 = 1.0;
 
 /// Length of a sine, plain or stepped, and the settling time at its start [s].
 const DURATION: f64 = 2.0;
@@ -217,7 +217,7 @@ pub struct Study {
     pub noise_gain: Option<f64>,
     /// The model for all frequencies, with the operators tried.
     pub joint: Identified,
-    /// By frequency.
+    /// The results by frequency, from low to high.
     pub frequencies: Vec<Frequency>,
     /// Table 1 for other test signals.
     pub test_signals: Vec<TestSignal>,
@@ -239,7 +239,7 @@ impl StudyOptions {
     /// The plants to study.
     ///
     /// # Errors
-    /// No such plant.
+    /// Returns an error for an unknown plant.
     pub fn plants(&self) -> Result<Vec<&'static Preset>, Error> {
         let plants = self.plant.as_deref().map_or(vec!["paper", "pl140"], |name| vec![name]);
         plants.into_iter().map(Preset::find).collect()
@@ -281,7 +281,7 @@ impl Study {
         let (mut notes, mut limits) = (Vec::new(), Vec::new());
 
         let period = (1 << 12) - 1;
-        let prbs = Prbs { order: 12, amplitude: SMALL, ..Default::default() }.samples(TS, period)?;
+        let prbs = Prbs { order: 12, amplitude: PRBS_AMPLITUDE_V, ..Default::default() }.samples(TS, period)?;
         let small_signal = bench.measure(prbs, "PRBS", &mut limits)?;
         let by = |name, global_best, progress: &mut Progress| {
             let (estimator, settings) =

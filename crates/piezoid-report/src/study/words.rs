@@ -17,7 +17,7 @@ pub(super) fn percent(x: f64) -> String {
 }
 
 impl Study {
-    /// What the errors of a study say, in paragraphs that an empty line parts.
+    /// The conclusions from the errors of a study, in paragraphs with an empty line between them.
     pub fn verdict(&self) -> String {
         paragraphs(self).join("\n\n")
     }

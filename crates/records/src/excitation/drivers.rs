@@ -53,7 +53,7 @@ const fn output(low: f64, high: f64, current: f64) -> Limits {
 #[rustfmt::skip]
 pub static DRIVERS: &[Amplifier] = &[
     Amplifier { name: "ideal", summary: "no limits", reference: "by definition", ..NONE },
-    Amplifier { name: "pl140", summary: "the driver of the PL140 twin, about mid-voltage",
+    Amplifier { name: "pl140", summary: "the driver of the PL140 twin, relative to mid-supply",
         reference: "range and capacitance: PI data sheet PL112-PL140, 2020; current: assumed for the twin",
         limits: Limits { capacitance: Some(8.2e-6), ..output(-30.0, 30.0, 0.5) }, ..NONE },
     Amplifier { name: "e-503", summary: "PI E-503.00, module with three channels",
@@ -94,7 +94,7 @@ pub static DRIVERS: &[Amplifier] = &[
     Amplifier { name: "pdm200", summary: "PiezoDrive PDm200, module, its widest range",
         reference: "PiezoDrive PDm200 data sheet: power bandwidth 63 kHz at 100 V peak-to-peak",
         limits: output(-200.0, 200.0, 0.3), bandwidth: Some(200e3), ..NONE },
-    Amplifier { name: "pd200", summary: "PiezoDrive PD200, 60 W, its range from -50 V; pulses reach the peak",
+    Amplifier { name: "pd200", summary: "PiezoDrive PD200, 60 W, range from -50 V; peak current in pulses only",
         reference: "PiezoDrive PD200 manual V7, as in T. Dehaeze, Voltage Amplifier PD200 - Test Bench, 2021",
         limits: Limits { slew: Some(150e6), ..output(-50.0, 150.0, 10.0) },
         continuous: Some(0.9), gain: Some(20.0), ..NONE },
@@ -151,7 +151,7 @@ impl Amplifier {
         if limits.current.is_some() && limits.capacitance.is_none() {
             let name = self.name;
             let rule = format!(
-                "driver `{name}` limits the current, which depends on the load: give it in farad, such as 8.2e-6"
+                "driver `{name}` limits the current, which depends on the load: give its capacitance, such as 8.2e-6 F"
             );
             return Err(Error::parameter("capacitance", "none", rule));
         }
@@ -180,7 +180,7 @@ impl Serialize for Amplifier {
 }
 
 options! {
-    /// What limits a voltage: a driver by name, and what is given beside it.
+    /// Limits of a voltage: those of a driver by name, and single ones that replace them.
     pub struct LimitOptions {
         /// The driver whose limits the voltage must keep (see {list}).
         driver: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).list("drivers").group(GROUP);

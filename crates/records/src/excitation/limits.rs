@@ -17,7 +17,7 @@ use serde::Serialize;
 const ROUNDING: f64 = 1e-6;
 
 options! {
-    /// The limits of a driver and its load; what is absent does not limit.
+    /// The limits of a driver and its load; `None` for no limit.
     ///
     /// ```
     /// use piezoid::excitation::{Limits, Sine};

@@ -78,7 +78,7 @@ pub static EXCITATIONS: &[Excitation] = &[
 const PINTELON_SCHOUKENS: &str = "Pintelon and Schoukens, System Identification, 2012, DOI 10.1002/9781118287422";
 
 /// Maximum number of samples: 0.8 GB.
-const MOST: usize = 100_000_000;
+const MAX_SAMPLES: usize = 100_000_000;
 
 impl Excitation {
     /// The excitation called `name`.
@@ -107,8 +107,8 @@ impl Excitation {
         positive("ts", ts, "seconds")?;
         positive("duration", duration, "seconds")?;
         let n = (duration / ts).round();
-        if !(1.0..=MOST as f64).contains(&n) {
-            let rule = format!("must give from 1 to {MOST} samples, not {n}, at ts = {ts} s");
+        if !(1.0..=MAX_SAMPLES as f64).contains(&n) {
+            let rule = format!("must give from 1 to {MAX_SAMPLES} samples, not {n}, at ts = {ts} s");
             return Err(Error::parameter("duration", format!("{duration} s"), rule));
         }
         (self.generate)(arguments, ts, n as usize)

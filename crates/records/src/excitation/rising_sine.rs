@@ -29,7 +29,7 @@ options! {
     pub struct RisingSine {
         /// Amplitude: half of the peak-to-peak voltage.
         amplitude: f64 = 1.0, AMPLITUDE;
-        /// Periods a second, below half the sampling rate.
+        /// Frequency, below half the sampling rate.
         frequency: f64 = 1.0, FREQUENCY;
         /// Voltage that the excitation is centred on.
         offset: f64 = 0.0, OFFSET;

@@ -6,7 +6,7 @@ use super::table::Table;
 use std::collections::HashMap;
 
 /// Maximum number of omitted channels that a message names.
-const TOLD: usize = 12;
+const MAX_LISTED_CHANNELS: usize = 12;
 
 /// One named content of a file.
 #[derive(Debug, Clone, PartialEq)]
@@ -73,8 +73,8 @@ impl Table {
                 table.others.push(column);
             }
         }
-        let more = left.len().saturating_sub(TOLD);
-        left.truncate(TOLD);
+        let more = left.len().saturating_sub(MAX_LISTED_CHANNELS);
+        left.truncate(MAX_LISTED_CHANNELS);
         table.left = left.join(", ");
         if more > 0 {
             table.left += &format!(" and {more} more");

@@ -49,7 +49,7 @@ const EXAMPLE: &str = "`t_s,u_V,y_um`";
 /// Signs at the start of a remark.
 const REMARKS: [&str; 3] = ["#", "%", "//"];
 /// Maximum number of columns: more than any logger has.
-const MOST: usize = 10_000;
+const MAX_COLUMNS: usize = 10_000;
 
 impl Table {
     /// Reads a CSV file.
@@ -116,8 +116,9 @@ impl Table {
     fn below(head: Head, first: u64, row: &str, dialect: &Dialect) -> Result<Table, Error> {
         let Head { line, names, units, ts, .. } = head;
         let width = dialect.width();
-        if width > MOST {
-            let problem = format!("{width} columns, but at most {MOST} are read: are rows and columns exchanged?");
+        if width > MAX_COLUMNS {
+            let problem =
+                format!("{width} columns, but at most {MAX_COLUMNS} are read: are rows and columns exchanged?");
             return Err(Error::Line { line: first, column: None, problem });
         }
         let more = cells(row, dialect.separator).skip(names.len()).any(|cell| cell != Ok(""));

@@ -19,7 +19,7 @@ use piezoid_numerics::error::Error;
 pub(super) const ROW: Format = Format {
     name: "hdf5",
     extensions: &["h5", "hdf5", "nc"],
-    summary: "data sets of HDF5, as MATLAB's version 7.3 is",
+    summary: "data sets of HDF5, such as MATLAB files of version 7.3",
     reference: "HDF5 File Format Specification 3.0, https://support.hdfgroup.org/documentation/hdf5/latest/_f_m_t3.html",
     matches,
     read,
@@ -30,7 +30,7 @@ pub(super) const ROW: Format = Format {
 const NUMBERS: [&str; 11] =
     ["double", "single", "logical", "int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64"];
 /// Maximum number of groups and data sets.
-const MOST: usize = 10_000;
+const MAX_NODES: usize = 10_000;
 
 /// True if the signature stands at the start, or after a block of the user: that of MATLAB has 512 bytes.
 fn matches(bytes: &[u8]) -> bool {
@@ -92,7 +92,11 @@ struct Reading {
 impl Reading {
     fn count(&mut self) -> Result<(), Error> {
         self.objects += 1;
-        if self.objects <= MOST { Ok(()) } else { Err(damaged(format!("more than {MOST} groups and data sets"))) }
+        if self.objects <= MAX_NODES {
+            Ok(())
+        } else {
+            Err(damaged(format!("more than {MAX_NODES} groups and data sets")))
+        }
     }
 
     /// The content of a group.

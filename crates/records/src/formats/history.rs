@@ -1,4 +1,4 @@
-//! The history of a record in its file: how it was made, so that the next reader can tell.
+//! The history of a record in its file: the steps that produced it, for later readers.
 //!
 //! ```text
 //! CSV          # piezoid: decimated by 4, ...     one line a step, before all others

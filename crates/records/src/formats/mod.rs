@@ -59,7 +59,7 @@ pub struct Format {
     pub summary: &'static str,
     /// Reference for a description.
     pub reference: &'static str,
-    /// True if a file begins like this format.
+    /// True if the first bytes of a file match this format.
     #[serde(skip)]
     pub matches: fn(&[u8]) -> bool,
     /// Reads the table in a file.
@@ -92,7 +92,7 @@ pub static FORMATS: &[Format] = &[
 ];
 
 impl Format {
-    /// The format that a file begins like: text if it begins like no other.
+    /// The format that the first bytes of a file match; CSV if they match no other.
     pub fn of(bytes: &[u8]) -> &'static Format {
         FORMATS.iter().rfind(|format| (format.matches)(bytes)).unwrap_or(&csv::ROW)
     }

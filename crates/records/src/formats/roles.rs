@@ -257,7 +257,7 @@ impl Missing<'_> {
                 });
                 let roles: Vec<Role> = expected.collect();
                 let whats: Vec<&str> = roles.iter().map(|role| role.what()).collect();
-                let problem = format!("which is the {} cannot be decided", whats.join(", and which the "));
+                let problem = format!("it cannot be decided which column is the {}", whats.join(", and which the "));
                 // The example takes the columns in their order, which the user corrects.
                 let likely: Vec<String> = table.columns.iter().filter(|c| likely(c)).map(|c| table.title(c)).collect();
                 let expected = roles.iter().filter(|role| **role != Role::Time).count();
@@ -384,7 +384,8 @@ mod tests {
         let unnamed = refusal("", |k| [0, 2, 3].map(|c| cells(k)[c].clone()).join(" "));
         assert_eq!(
             unnamed,
-            "line 1: which is the input, and which the output cannot be decided: the columns have no names, but numbers \
+            "line 1: it cannot be decided which column is the input, and which the output: the columns have no \
+             names, but numbers \
              from 1 to 3; `2` and `3` could be either; if this is their order, give `input_col` = \"2\", `output_col` \
              = \"3\""
         );

@@ -8,7 +8,7 @@ use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
 use std::ops::Range;
 
 options! {
-    /// What the user says about a data file. Wherever it says nothing, names and units decide.
+    /// How to read the columns of a data file. Without an option, names and units decide.
     ///
     /// Time is `t_s`, the input is `u_V` or the only `u_*`, and the output is the only `y_*`; the rest of the name is
     /// the unit. Other names are understood too: `Zeit [s]`, `Drive voltage (V)`, `Displacement/µm`. A column that
@@ -60,7 +60,7 @@ impl ColumnSelection {
         Self::from_json(toml::from_str(text).map_err(refused)?)
     }
 
-    /// A profile of a rig: what was said of its files, one `name = value` a line.
+    /// The selection as a profile of a rig: one `name = value` a line.
     ///
     /// ```
     /// use piezoid::formats::ColumnSelection;
@@ -74,7 +74,7 @@ impl ColumnSelection {
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// What is said here, and what `other` says where this says nothing.
+    /// This selection; options that are missing here are those of `other`.
     pub fn or(self, other: ColumnSelection) -> Self {
         ColumnSelection {
             // A period and a rate say the same.
@@ -145,7 +145,7 @@ impl Record {
     /// ```
     ///
     /// # Errors
-    /// Returns an error for a text that is no factor other than 0, and for samples that would not be finite.
+    /// Returns an error for a text that is not a factor or is 0, and for samples that would not be finite.
     pub fn scaled(&self, input: &str, output: &str) -> Result<Self, Error> {
         let scale = |option: &str, text: &str| match text.trim() {
             "" => Scale::read(option, "1"),

@@ -83,7 +83,7 @@ pub struct Signal {
 }
 
 impl Signal {
-    /// The samples in another unit; `what` they are, for the error.
+    /// The samples in another unit; `what` names them in the error.
     ///
     /// # Errors
     /// Returns an error if the conversion is unknown (see [`Units::factor`]).
@@ -369,7 +369,7 @@ mod tests {
         let (timed, bare) = ("t_s,u_V,y_um\n0,1,2\n5e-4,2,3\n1e-3,3,4\n", "u_V,y_um\n1,2\n2,3\n");
         assert_eq!(sentence(timed, Some(5e-4), None) + &sentence(bare, Some(2.0), None), "");
         let doubt = sentence(timed, Some(2000.0), None);
-        assert!(doubt.contains("the file says 0.0005 s for the sampling period, but 2000 s is stated"), "{doubt}");
+        assert!(doubt.contains("the sampling period is 0.0005 s in the file, but 2000 s in the options"), "{doubt}");
         assert!(doubt.ends_with("if 2000 is the sampling rate in Hz, state it as such"), "{doubt}");
         let doubt = sentence(&format!("# rate: 10 kHz\n{timed}"), None, None);
         assert_eq!(
@@ -377,7 +377,7 @@ mod tests {
             "the file states a sampling period of 0.0001 s: the time column is used, which has steps of 0.0005 s"
         );
         let doubt = sentence(timed, None, Some(1000.0));
-        assert!(doubt.ends_with("but 0.001 s is stated"), "{doubt}");
+        assert!(doubt.ends_with("but 0.001 s in the options"), "{doubt}");
         let doubt = sentence(bare, None, Some(5e-4));
         assert!(doubt.ends_with("is 2000 s: if 0.0005 is the sampling period in s, state it as such"), "{doubt}");
     }
@@ -429,7 +429,7 @@ mod tests {
         let sentence = |unit: &str| ColumnSelection { output_unit: Some(unit.into()), ..ColumnSelection::default() };
         let record = table.record(&sentence("nm")).unwrap();
         assert_eq!((record.y(), &*record.units().y), (&[2.0, 3.0][..], "nm"));
-        let message = "unit of the output nm as stated, the file says um";
+        let message = "unit of the output: nm as stated; the file has um";
         assert!(record.history().iter().any(|step| step == message), "{:?}", record.history());
         assert_eq!(table.described(&sentence("nm"))[2]["unit"], "nm");
         for agrees in ["um", "\u{b5}m"] {
@@ -437,7 +437,7 @@ mod tests {
         }
         let millis = ColumnSelection { time_unit: Some("ms".into()), ..ColumnSelection::default() };
         let record = table.record(&millis).unwrap();
-        assert!(record.history().iter().any(|step| step == "unit of the time ms as stated, the file says s"));
+        assert!(record.history().iter().any(|step| step == "unit of the time: ms as stated; the file has s"));
         assert_eq!(table.record(&sentence("furlong")).unwrap().units().y, "furlong");
         for none in ["", "5", "12um", "--"] {
             let refused = table.record(&sentence(none)).unwrap_err().to_string();

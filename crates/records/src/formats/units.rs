@@ -1,4 +1,4 @@
-//! Units as they stand in files: how each is written here, and of what it is a unit.
+//! Units in files: the spelling of each in a record, and the quantity that it measures.
 //!
 //! A file says `Volt`, `[V]`, `µm` or `Mikrometer`; a record says `V` and `um`. A unit that is not known is kept as it
 //! stands.

@@ -9,8 +9,8 @@
 //! b = 0.1102 (A - 8.7), 2 S = (A - 7.95) / (2.285 pi width).
 //!
 //! Before the first sample and after the last one, a record is continued by turning it about this sample by 180
-//! degrees, which keeps its value and slope; a record of one period is continued by itself. Within S of an end of the
-//! first kind, the result depends on this continuation.
+//! degrees, which keeps its value and slope; a record of one period is continued periodically. Within S of an end of a
+//! record that is not periodic, the result depends on the continuation.
 //!
 //! Reference: Kaiser 1974, Nonrecursive digital filter design using the I0-sinh window function, Proc. IEEE Int. Symp.
 //! Circuits & Systems; Oppenheim & Schafer 2010, Discrete-Time Signal Processing, section 7.5.

@@ -13,8 +13,8 @@
 //! 8 rate        decimate by a whole number, or resample to a sampling period
 //! ```
 //! Outliers are found before a filter spreads them. A drift is removed before it counts as noise between periods. After
-//! the average the record is one period and continues itself, so that the filters have no ends. Each step adds a
-//! sentence with its figures to [`Record::history`].
+//! the average the record is one period and is continued periodically, so that the filters have no transients at its
+//! ends. Each step adds a sentence with its figures to [`Record::history`].
 //!
 //! It does not do: estimate a delay, which cannot be distinguished from the lag of the actuator without a model
 //! (`identify` states the delay of its linear block); replace more than single spikes; separate drift from creep.
@@ -62,9 +62,9 @@ options! {
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     pub struct PrepareOptions {
-        /// Add this to the input, after its scale, in its unit.
+        /// Offset that is added to the input after scaling, in the unit of the input.
         input_offset: f64 = 0.0, OptionRow::number("");
-        /// Add this to the output, after its scale, in its unit.
+        /// Offset that is added to the output after scaling, in the unit of the output.
         output_offset: f64 = 0.0, OptionRow::number("");
         /// Replace single spikes of the output by interpolation.
         outliers: bool = false, OptionRow::new(OptionKind::Switch);
@@ -74,9 +74,9 @@ options! {
         average: bool = false, OptionRow::new(OptionKind::Switch);
         /// Period of the input.
         period: Option<f64> = None, OptionRow::positive("s").absent("found in the input").requires("average");
-        /// Delay of the output: it is shifted earlier by this time against the input, later if it is negative.
+        /// Delay of the output. The output is shifted earlier by this time; later if the value is negative.
         delay: Option<f64> = None, OptionRow::number("s");
-        /// Keep one of this many samples, after an anti-alias filter.
+        /// Keep every N-th sample, after an anti-alias filter.
         decimate: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, u64::MAX));
         /// New sampling period, by band-limited interpolation; uneven times of a file are made even first.
         resample: Option<f64> = None, OptionRow::positive("s");

@@ -10,7 +10,7 @@ use piezoid_numerics::number::{exact, round};
 const ROUNDED: f64 = 1e-6;
 
 /// Maximum number of samples of a result.
-const MOST: f64 = 1e8;
+const MAX_SAMPLES: f64 = 1e8;
 
 /// One of `factor` samples.
 pub(super) fn decimated(record: &Record, factor: usize, ends: Ends) -> Result<Record, Error> {
@@ -47,8 +47,8 @@ pub(super) fn resampled(record: &Record, ts: f64, ends: Ends) -> Result<Record, 
         let rule = "fewer than two samples would remain of the record of";
         return refused(format!("{rule} {} s: choose a shorter sampling period", round(record.duration())));
     }
-    if count > MOST {
-        let least = round(n * record.ts() / MOST);
+    if count > MAX_SAMPLES {
+        let least = round(n * record.ts() / MAX_SAMPLES);
         return refused(format!("the record would have {} samples: choose {least} s or more", exact(count.round())));
     }
     if (count - count.round()).abs() > ROUNDED * count {

@@ -1,9 +1,9 @@
 //! Closed loop: the input answers the noise of the output.
 //!
-//! What the last samples of both signals do not predict of the next input and of the next output (their innovations) is
-//! independent in open loop. A controller answers a rise of the output by lowering the input, at once or a few samples
-//! later: the correlation is negative there, and not at larger lags. An input that was measured with noise gives a
-//! positive one. Only samples without sharp changes count.
+//! The innovations of input and output, which the last samples of both signals do not predict, are independent in open
+//! loop. A controller answers a rise of the output by lowering the input, at once or a few samples later: the
+//! correlation is negative there, and not at larger lags. An input that was measured with noise gives a positive one.
+//! Only samples without sharp changes count.
 
 use super::Detection;
 use super::detector::{Consequence, Detector};
@@ -83,7 +83,7 @@ pub(super) fn closed_loop(record: &Record, usable: &[bool]) -> Option<Detection>
     let threshold = MIN_CORRELATION.max(MIN_DEVIATIONS * deviation);
     let is_clear = least < -threshold && least < all[RESPONSE_LAGS] - MIN_DEVIATIONS * deviation;
     let text = format!(
-        "the record was taken in closed loop: the input lowers when noise raises the output (correlation {}, {} \
+        "the record was taken in closed loop: the input falls when noise raises the output (correlation {}, {} \
          standard deviations), so the model takes part of the noise for a response: drive the actuator in open loop",
         short(least),
         short(-least / deviation)

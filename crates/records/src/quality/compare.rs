@@ -1,9 +1,10 @@
 //! Records of one set: the same sign and nearly the same gain, else a channel was changed between them, or a record is
 //! of another actuator.
 //!
-//! The gain of a record is the slope of y over u, of the means over periods of the drive if they vary, otherwise of all
-//! samples. It counts if y is nearly proportional to u. A resonance changes gain and sign; for this reason records are
-//! only compared if their rates are similar. Records that excite a resonance, such as PRBS, have no gain here.
+//! The gain of a record is the slope of y over u. It is that of the means over periods of the drive if they vary,
+//! otherwise that of all samples. It counts if y is nearly proportional to u. A resonance changes gain and sign; for
+//! this reason records are only compared if their rates are similar. Records that excite a resonance, such as PRBS,
+//! have no gain here.
 
 use super::runs::quantile;
 use super::scale::{MAX_GAIN_RATIO, scales};

@@ -48,7 +48,7 @@ impl Inspection {
 
     /// Returns an error if nothing can be identified from the record. [`Error::Unidentifiable`] with the first fatal
     /// finding, or if no sample is usable.
-    pub fn sound(&self) -> Result<(), Error> {
+    pub fn require_usable(&self) -> Result<(), Error> {
         let because = match self.findings.iter().find(|f| f.detector.consequence.is_fatal()) {
             Some(finding) => finding.text.clone(),
             None if !self.usable.contains(&true) => "no sample of the record is valid: measure again".into(),

@@ -1,8 +1,8 @@
 //! Which of the two signals moves first: swapped columns, and channels shifted against each other.
 //!
 //! An actuator answers after its input, and its loops turn as those of a lag. Slow drives show it at their turning
-//! points ([`plays`]), sharp ones in their increments ([`Increments`]). A shift that leaves the output behind the input
-//! by less than amplifier, mechanics and sensor may lag cannot be found.
+//! points ([`plays`]), sharp ones in their increments ([`Increments`]). A shift is not found if the output then lags
+//! the input by no more than amplifier, mechanics and sensor can.
 
 use super::detector::{Consequence, Detector};
 use super::increments::{Increments, MAX_LAGS, MAX_LEAD_LAGS};
@@ -116,8 +116,8 @@ pub(super) fn order(record: &Record, tone: Option<&Tone>, is_closed_loop: bool) 
     let early = all > MIN_EXPLAINED_SHARE && earlier < MAX_EARLIER_SHARE * all;
     if let Some(t) = loops {
         let text = format!(
-            "input and output seem to be swapped: hysteresis leaves {} % of the output's rms, and {} % with the \
-             columns exchanged: exchange them",
+            "input and output seem to be swapped: a model of hysteresis leaves a residual of {} % of the \
+             output's rms, and {} % with the columns exchanged: exchange them",
             round(100.0 * t.causal),
             round(100.0 * t.exchanged)
         );
@@ -126,9 +126,9 @@ pub(super) fn order(record: &Record, tone: Option<&Tone>, is_closed_loop: bool) 
         None
     } else if sharp {
         let text = format!(
-            "the output moves before the input: later inputs explain {} % of what earlier ones leave of its \
-             increments: the columns are swapped, or the output is shifted to too early times: exchange the columns, \
-             or align the channels",
+            "the output moves before the input: later inputs explain {} % of those output increments that \
+             earlier inputs do not explain. If the columns are swapped, exchange them; if the output is shifted, \
+             align the channels",
             round(100.0 * later)
         );
         Some(Order::Swapped(text))

@@ -1,5 +1,5 @@
-//! Records, or a record and a model, of which one is so many times larger than the other: a unit, an amplifier or a
-//! sensor that is not what it is called.
+//! Two records, or a record and a model, whose scales differ by a large factor: a unit, an amplifier gain or a sensor
+//! gain is wrong.
 
 use super::runs::quantile;
 use crate::record::Record;
@@ -16,7 +16,7 @@ const MAX_UNIT_DEVIATION: f64 = 3.0;
 /// Factor between the gains of records that no resonance explains.
 pub(super) const MAX_GAIN_RATIO: f64 = 100.0;
 
-/// What makes a signal in `unit` this many times larger than it should be, and the remedy.
+/// The likely cause why a signal in `unit` is too large by this factor, and the remedy.
 pub fn likely_cause(factor: f64, unit: &str) -> String {
     let steps = -(log10(factor.abs()) / 3.0).round();
     let meant = UNIT_LADDERS.iter().find_map(|ladder| {

@@ -22,7 +22,7 @@ fn run(plant: &str, u: &[f64]) -> piezoid_twins::PlantRun {
 }
 
 fn measured(plant: &str, u: Vec<f64>) -> Record {
-    let y = run(plant, &u).y.iter().map(|y| 1e6 * y).collect();
+    let y = run(plant, &u).y;
     Record::new(TS, u, y).unwrap()
 }
 
@@ -64,7 +64,7 @@ fn only_a_clipped_sensor_is_reported_for_all_excitations_and_plants() {
                 let mut x = if middle == 0.0 { actuator.initial() } else { actuator.settled(middle) };
                 let runs: Vec<Vec<f64>> = (0..times).map(|_| actuator.resume(&mut x, &u)).collect();
                 let clipped = actuator.saturation(&x).sensor_clipped;
-                let y = runs[times - 1].iter().map(|y| 1e6 * y).collect();
+                let y = runs[times - 1].clone();
                 let defects = found(&Record::new(ts, u, y).unwrap());
                 let right = if clipped > 0 { defects == ["saturated-output"] } else { defects.is_empty() };
                 if !right {
@@ -164,7 +164,7 @@ fn a_drift_is_reported_and_creep_is_not() {
 fn the_hysteresis_of_a_single_cycle_is_no_drift_but_the_drift_of_a_resting_input_is() {
     for n in [20, 40, 200] {
         let u: Vec<f64> = (0..n).map(|t| 60.0 - 60.0 * (6.0 * f64::from(t) / f64::from(n)).cos()).collect();
-        let y = Plant::named("p885", 0.01).unwrap().run(&u).y.iter().map(|y| 1e6 * y).collect();
+        let y = Plant::named("p885", 0.01).unwrap().run(&u).y;
         let inspection = inspect(&Record::new(0.01, u, y).unwrap()).findings;
         assert!(inspection.iter().all(|f| f.detector.name != "drift"), "{n}: {inspection:?}");
     }
@@ -189,12 +189,13 @@ fn a_loop_of_a_clipped_or_drifting_sensor_is_called_wrong() {
 
 #[test]
 fn a_record_with_a_fatal_defect_is_an_error() {
-    let refused = |u: Vec<f64>, y: Vec<f64>| inspect(&Record::new(TS, u, y).unwrap()).sound().unwrap_err().to_string();
+    let refused =
+        |u: Vec<f64>, y: Vec<f64>| inspect(&Record::new(TS, u, y).unwrap()).require_usable().unwrap_err().to_string();
     let u = sine(28.0, 7.0, 100);
     assert!(refused(vec![2.0; 100], u.clone()).contains("the input is constant at 2 V over all 100 samples"));
     assert!(refused(u.clone(), vec![7.0; 100]).contains("the output is constant at 7 um over all 100 samples"));
     assert!(refused(u[..9].to_vec(), u[..9].to_vec()).contains("has 9 samples, but at least 16 are needed"));
-    assert_eq!(inspect(&Record::new(TS, u.clone(), u).unwrap()).sound(), Ok(()));
+    assert_eq!(inspect(&Record::new(TS, u.clone(), u).unwrap()).require_usable(), Ok(()));
 }
 
 #[test]
@@ -343,7 +344,7 @@ fn each_detector_finds_its_defect_with_its_consequence_and_nothing_in_sound_reco
         let Detection { samples, text } = (detector.run)(&Context::new(&record)).expect(detector.criterion);
         let inspection = inspect(&record);
         assert_eq!(inspection.findings, [Finding { detector, samples: samples.clone(), text }], "{detector:?}");
-        assert_eq!(inspection.sound().is_err(), detector.consequence.is_fatal(), "{detector:?}");
+        assert_eq!(inspection.require_usable().is_err(), detector.consequence.is_fatal(), "{detector:?}");
         let masks = detector.consequence == Consequence::Masked;
         assert_eq!(samples.is_empty(), !masks, "{detector:?}");
         for t in 0..record.len() {
@@ -373,7 +374,7 @@ fn swapped_columns_are_refused_for_smooth_and_sharp_drives() {
     for (name, record) in staged() {
         assert_eq!(found(&record), [""; 0], "{name}: {:?}", inspect(&record).findings);
         let swapped = Record::new(TS, record.y().to_vec(), record.u().to_vec()).unwrap();
-        let because = inspect(&swapped).sound().unwrap_err().to_string();
+        let because = inspect(&swapped).require_usable().unwrap_err().to_string();
         assert!(because.contains("swapped") && because.contains("exchange"), "{name}: {because}");
     }
 }
@@ -411,7 +412,7 @@ fn a_closed_loop_is_reported_and_a_noisy_measurement_of_the_input_is_not() {
     let inspection = inspect(&servo);
     assert_eq!(found(&servo), ["closed-loop"], "{:?}", inspection.findings);
     assert!(
-        inspection.sound().is_ok() && inspection.findings[0].text.contains("open loop"),
+        inspection.require_usable().is_ok() && inspection.findings[0].text.contains("open loop"),
         "{:?}",
         inspection.findings
     );

@@ -3,7 +3,7 @@
 use libm::cos;
 use nalgebra::Complex;
 use piezoid_numerics::complex::argument;
-use piezoid_numerics::fourier::{LINE, Transform};
+use piezoid_numerics::fourier::{LINE_WIDTH_BINS, Transform};
 use std::f64::consts::TAU;
 
 /// An input is a tone if its line has this share of the power.
@@ -25,7 +25,7 @@ pub(super) fn tone(u: &[f64], y: &[f64]) -> Option<Tone> {
     let (input, output) = (spectrum(u), spectrum(y));
     let power = |k: usize| input[k].norm_sqr();
     let top = (1..input.len()).max_by(|i, j| power(*i).total_cmp(&power(*j)))?;
-    let line = top.saturating_sub(LINE / 2).max(1)..(top + LINE / 2 + 1).min(input.len());
+    let line = top.saturating_sub(LINE_WIDTH_BINS / 2).max(1)..(top + LINE_WIDTH_BINS / 2 + 1).min(input.len());
     let share = line.clone().map(power).sum::<f64>() / (1..input.len()).map(power).sum::<f64>();
     let response: Complex<f64> = line.map(|k| input[k].conj() * output[k]).sum();
     (top >= MIN_PERIODS && share > MIN_LINE_POWER_SHARE)

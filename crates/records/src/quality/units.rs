@@ -1,4 +1,4 @@
-//! Units: strokes and voltages of no piezo actuator.
+//! Units: strokes and voltages that no piezo actuator has.
 //!
 //! Single layers move by 0.1 nm/V to 1 nm/V, stacks by up to 2 um/V, benders by up to 70 um/V. An amplifier in front of
 //! them, or a resonance, makes these up to 100 times larger. Only what is beyond is reported: a stack in a unit that is

@@ -5,7 +5,7 @@ use piezoid_numerics::series::ends;
 use std::ops::Range;
 
 /// A reversal counts when the input has moved back by this share of its range.
-pub const REVERSAL: f64 = 0.02;
+pub const MIN_REVERSAL_SHARE: f64 = 0.02;
 
 /// Upper limit of a regular input for the median second difference, over three cycles, of the logarithm of duration or
 /// amplitude. It is 0 for sweeps and for rising amplitudes. PRBS and multisines with random phases exceed it. A
@@ -27,7 +27,7 @@ pub struct Cycle {
 
 /// The complete cycles of `u`, with sampling period `ts` [s]; empty if `u` is not regular.
 pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
-    let reversals = reversals(u, REVERSAL);
+    let reversals = reversals(u, MIN_REVERSAL_SHARE);
     // The first reversal is skipped if it is a maximum.
     let first = usize::from(reversals.len() > 1 && u[reversals[0]] > u[reversals[1]]);
     let found: Vec<Cycle> = reversals[first.min(reversals.len())..]

@@ -12,8 +12,8 @@ use piezoid_numerics::series::mean;
 const BACK: f64 = 0.1;
 
 /// Cycles are steady if at least this share of them last as long as the median one, up to this relative difference.
-const MOST: f64 = 0.8;
-const EVEN: f64 = 0.1;
+const MIN_STEADY_CYCLE_SHARE: f64 = 0.8;
+const MAX_CYCLE_DEVIATION: f64 = 0.1;
 
 /// The rate of the cycles of `u` [Hz], with sampling period `ts` [s]; `None` if there is no whole cycle, or if the
 /// cycles differ in length, as those of random steps, of a PRBS and of a sweep.
@@ -30,8 +30,9 @@ pub fn cycle_rate(u: &[f64], ts: f64) -> Option<f64> {
     let is_fixed = fixed.len() >= own.len() && uneven(&fixed) < uneven(&own);
     let lengths = if is_fixed { fixed } else { own };
     let median = median(&lengths)?;
-    let even: Vec<f64> = lengths.iter().copied().filter(|length| (length / median - 1.0).abs() <= EVEN).collect();
-    let is_steady = even.len() as f64 >= MOST * lengths.len() as f64;
+    let even: Vec<f64> =
+        lengths.iter().copied().filter(|length| (length / median - 1.0).abs() <= MAX_CYCLE_DEVIATION).collect();
+    let is_steady = even.len() as f64 >= MIN_STEADY_CYCLE_SHARE * lengths.len() as f64;
     is_steady.then(|| 1.0 / (mean(&even) * ts))
 }
 

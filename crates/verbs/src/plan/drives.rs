@@ -1,6 +1,6 @@
 //! The drives of a plan: a shape between -1 and 1 about the middle, with the amplitude that the limits allow.
 
-use super::{MOST, PlannedDrive, Rig};
+use super::{MAX_DRIVE_SAMPLES, PlannedDrive, Rig};
 use libm::{cos, sin};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::{quantity, round};
@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 const PART: f64 = 0.9;
 
 /// Amplitude of the small signal, as a share of the range: its peak-to-peak is 2 %, where loops are still thin.
-const SMALL: f64 = 0.01;
+const SMALL_SIGNAL_RANGE_SHARE: f64 = 0.01;
 
 /// Amplitudes of the large signals, as shares of half the range. The path stays inside the sines: it validates the
 /// model, not an extrapolation.
@@ -57,7 +57,8 @@ pub(super) fn all(rig: &Rig, notes: &mut Vec<String>) -> Result<Vec<PlannedDrive
 
 /// A multisine up to nine tenths of the Nyquist frequency. Its lowest line is a tenth of the bandwidth or less.
 fn small(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
-    let period = ((10.0 / (rig.bandwidth * rig.ts)).max(2048.0).min(MOST as f64 / 4.0) as usize).next_power_of_two();
+    let period = ((10.0 / (rig.bandwidth * rig.ts)).max(2048.0).min(MAX_DRIVE_SAMPLES as f64 / 4.0) as usize)
+        .next_power_of_two();
     let (lead, ts) = (period / 8, rig.ts);
     let whole = Multisine {
         frequency_low: 0.99 / (period as f64 * ts),
@@ -69,17 +70,17 @@ fn small(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     let n = 2 * period + 2 * lead;
     let shape: Vec<f64> = (0..n).map(|t| sines[(t + period - lead) % period] * faded(t, n, lead)).collect();
     let purpose = "linear dynamics";
-    rig.drive("small", purpose, &shape, 2.0 * SMALL * rig.half(), "a small signal", notes)
+    rig.drive("small", purpose, &shape, 2.0 * SMALL_SIGNAL_RANGE_SHARE * rig.half(), "a small signal", notes)
 }
 
 /// A sine that rises to its amplitude, and falls to zero in its last periods.
 fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     let period = 1.0 / (hz * rig.ts);
-    let room = (MOST as f64 / period - FALL) as usize;
+    let room = (MAX_DRIVE_SAMPLES as f64 / period - FALL) as usize;
     if room < FEWEST {
-        let least = (FEWEST as f64 + FALL) / (hz * MOST as f64);
+        let least = (FEWEST as f64 + FALL) / (hz * MAX_DRIVE_SAMPLES as f64);
         let rule = format!(
-            "{FEWEST} periods of {} Hz, the slowest sine, would have more than {MOST} samples: take {} s or more, or \
+            "{FEWEST} periods of {} Hz, the slowest sine, would have more than {MAX_DRIVE_SAMPLES} samples: take {} s or more, or \
              raise the bandwidth",
             round(hz),
             round(least)
@@ -118,7 +119,7 @@ fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<Planned
 fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     const STEEPEST: f64 = 1.875; // slope of `moved`
     let (ts, a) = (rig.ts, STEP * rig.half());
-    let n = ((CREEP / ts) as usize).clamp(POINTS, MOST);
+    let n = ((CREEP / ts) as usize).clamp(POINTS, MAX_DRIVE_SAMPLES);
     let unhurried = (2.0 / rig.bandwidth).min(MOVES * n as f64 * ts);
     let fastest = PART * rig.limits.fastest();
     let move_of = |volts: f64| ((STEEPEST * volts / fastest).max(unhurried) / ts).ceil() as usize + 1;
@@ -141,7 +142,7 @@ fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     if (n as f64) * ts < 0.99 * CREEP {
         let (whole, each) = (round(n as f64 * ts), round(hold as f64 * ts));
         notes.push(format!(
-            "creep_u.csv: shortened from {CREEP} s to {whole} s, because it has at most {MOST} samples; it shows creep \
+            "creep_u.csv: shortened from {CREEP} s to {whole} s, because it has at most {MAX_DRIVE_SAMPLES} samples; it shows creep \
              up to {each} s. A longer sampling period shows slower creep"
         ));
     }
@@ -151,7 +152,7 @@ fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
 /// Sines up to the bandwidth with random phases, whose amplitude swells twice.
 fn path(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     let (ts, b) = (rig.ts, rig.bandwidth);
-    let n = (((60.0 / b).max(1.0) / ts).round() as usize).min(MOST);
+    let n = (((60.0 / b).max(1.0) / ts).round() as usize).min(MAX_DRIVE_SAMPLES);
     let sines = Multisine { frequency_low: b / 20.0, frequency_high: b, seed: 1, ..Multisine::default() };
     let sines = sines.samples(ts, n)?;
     let lead = ((2.0 / (b * ts)) as usize).clamp(1, n / 4);
@@ -185,8 +186,8 @@ impl Rig {
         if amplitude < LEAST * expected {
             let (slew, limit) = (quantity(step / peak * expected / self.ts, "V/s"), quantity(fastest, "V/s"));
             let rule = format!(
-                "{what} of {wants} slews {slew}{kind}, but driver and load allow {limit} ({allows}): lower the bandwidth or \
-                 the range, or take a driver with more current"
+                "{what} of {wants} needs {slew}{kind}, but driver and load allow {limit} (at most {allows}): lower \
+                 the bandwidth or the range, or take a driver with more current"
             );
             return Err(Error::parameter("bandwidth", format!("{} Hz", self.bandwidth), rule));
         }

@@ -21,7 +21,7 @@ use piezoid_records::record::Record;
 use serde_json::{Value, json};
 
 /// Maximum number of samples of a drive: identification takes minutes beyond it.
-const MOST: usize = 200_000;
+const MAX_DRIVE_SAMPLES: usize = 200_000;
 
 /// Sampling rate over bandwidth: half of it, the Nyquist frequency, is ten times the bandwidth.
 const OVER_BANDWIDTH: f64 = 20.0;
@@ -31,10 +31,10 @@ const OVER_RESONANCE: f64 = 5.0;
 
 /// Resonance over bandwidth from which the resonance does not set the sampling period, because the actuator follows
 /// statically.
-const FAR: f64 = 100.0;
+const STATIC_RESONANCE_RATIO: f64 = 100.0;
 
 options! {
-    /// What is to be identified, and with which driver.
+    /// How to plan: the range and bandwidth of the application, the actuator, and its driver.
     ///
     /// ```
     /// use piezoid_numerics::options::Options;
@@ -125,7 +125,7 @@ impl Rig {
 }
 
 impl PlanOptions {
-    /// The drives. With a first `model` they have its sampling period, and the plan has an advice.
+    /// The drives. With a first `model` they have its sampling period, and the plan contains advice.
     ///
     /// # Errors
     /// Returns an error for a range that is missing, empty, or beyond that of driver or actuator; for a bandwidth that
@@ -170,8 +170,8 @@ impl PlanOptions {
         {
             let range = format!("{} {}", round(low), round(high));
             let rule = format!(
-                "is about the middle of the supply of the bender `{name}`, but {driver} gives {} to {} V: name a driver \
-                 with limits about that middle, such as pl140, or give its limits in place of its name",
+                "is relative to mid-supply for the bender `{name}`, but {driver} gives {} to {} V: name a driver with \
+                 limits relative to mid-supply, such as pl140, or give limits instead of a driver",
                 round(least),
                 round(most)
             );
@@ -182,7 +182,7 @@ impl PlanOptions {
             if least.is_some_and(|least| low < least) || most.is_some_and(|most| high > most) {
                 let end = |end: Option<f64>| end.map_or("any".into(), round);
                 let (least, most) = (end(least), end(most));
-                let rule = format!("{who} {least} to {most} V: take a range within it, or another one");
+                let rule = format!("{who} {least} to {most} V: take a range within it, or another driver or actuator");
                 return Err(Error::parameter("range", range, rule));
             }
             limits.low = [limits.low, least].into_iter().flatten().reduce(f64::max);
@@ -214,11 +214,11 @@ impl PlanOptions {
     fn period(&self, resonance: Option<f64>, notes: &mut Vec<String>) -> f64 {
         let mut longest = 1.0 / (OVER_BANDWIDTH * self.bandwidth);
         match resonance {
-            Some(f) if f > FAR * self.bandwidth => {
+            Some(f) if f > STATIC_RESONANCE_RATIO * self.bandwidth => {
                 let (f, ts) = (quantity(f, "Hz"), quantity(1.0 / (OVER_RESONANCE * f), "s"));
                 notes.push(format!(
-                    "The resonance of {f} is more than {FAR} times the bandwidth: the actuator follows statically, and \
-                     the sampling period need not resolve it; {ts} would"
+                    "The resonance of {f} is more than {STATIC_RESONANCE_RATIO} times the bandwidth: the actuator follows statically, and \
+                     the sampling period need not resolve the resonance ({ts} would)"
                 ));
             }
             Some(f) => longest = longest.min(1.0 / (OVER_RESONANCE * f)),

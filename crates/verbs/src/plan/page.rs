@@ -8,8 +8,8 @@ use piezoid_records::excitation::Peak;
 const WHY: [(&str, &str); 6] = [
     (
         "small",
-        "a multisine of 2 % of the range, two periods and their beginning and end. Loops this small are thin, so \
-      it shows the linear dynamics alone: modes, lags and delay.",
+        "a multisine of 2 % of the range: two periods, with a fade-in before and a fade-out after them. Loops this \
+      small are thin, so it shows the linear dynamics alone: modes, lags and delay.",
     ),
     (
         "rise1",
@@ -25,8 +25,8 @@ const WHY: [(&str, &str); 6] = [
     ("creep", "a step up and a step down, each held: slow creep, which fast records do not separate from hysteresis."),
     (
         "path",
-        "a random path up to the bandwidth, of small and large amplitudes. It is of another kind than the training \
-      records, so its error is that of the application.",
+        "a random path up to the bandwidth, of small and large amplitudes. Its signal is of another kind than the \
+      training signals, so the error on it is the error to expect in the application.",
     ),
 ];
 
@@ -47,7 +47,7 @@ impl Plan {
             round(rig.bandwidth),
             self.ts
         );
-        page += "| drive | record | for | duration [s] | voltage [V] | slew [V/s] | current [A] |\n";
+        page += "| drive | record | purpose | duration [s] | voltage [V] | slew [V/s] | current [A] |\n";
         page += "|---|---|---|---|---|---|---|\n";
         for drive in &self.drives {
             page += &self.row(drive);
@@ -67,7 +67,7 @@ impl Plan {
                  back to 0 V only after the last record: a jump exceeds the current limit."
             ),
         };
-        let creep = "Wait ten seconds before each record, so that creep from before does not drift into it.";
+        let creep = "Wait ten seconds before each record, so that creep of the record before it decays.";
         let record = format!(
             "Play each drive sample by sample, every {} s, and record the voltage at the actuator and the displacement \
              at the same instants.",

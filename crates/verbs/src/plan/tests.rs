@@ -1,5 +1,5 @@
 use super::advice::{expected, information, uncertain};
-use super::{MOST, Plan, PlanOptions, PlannedDrive};
+use super::{MAX_DRIVE_SAMPLES, Plan, PlanOptions, PlannedDrive};
 use piezoid_models::creep::{Creep, Lag};
 use piezoid_models::hammerstein::Model;
 use piezoid_models::hysteresis::Proportional;
@@ -41,7 +41,7 @@ fn every_drive_is_within_the_limits_and_starts_and_ends_at_the_middle() {
             assert!(usage.slew.value <= 0.9 * fastest * (1.0 + 1e-9), "{request} {name}: {usage:?}");
             assert!(usage.lowest.value >= plan.rig.low && usage.highest.value <= plan.rig.high, "{request} {name}");
             assert_close(&[u[0], u[u.len() - 1]], &[middle; 2], 0.0, 1e-3 * plan.rig.half());
-            assert!(u.len() <= MOST && u.len() as f64 * plan.ts < 60.01, "{request} {name}: {}", u.len());
+            assert!(u.len() <= MAX_DRIVE_SAMPLES && u.len() as f64 * plan.ts < 60.01, "{request} {name}: {}", u.len());
         }
         assert_eq!(plan, planned(request).unwrap());
     }
@@ -87,10 +87,10 @@ fn impossible_requests_are_refused_with_the_limit_and_a_remedy() {
         ),
         (
             json!({"bandwidth": 500, "range": [0, 150], "driver": "kpz101", "capacitance": 1e-6}),
-            "a sine of 500 Hz of 71.25 V slews 220.2 kV/s, but driver and load allow 7.5 kV/s (2.184 V): lower the",
+            "a sine of 500 Hz of 71.25 V needs 220.2 kV/s, but driver and load allow 7.5 kV/s (at most 2.184 V)",
         ),
         (json!({"bandwidth": 20, "range": [0, 1], "ts": 2e-6}), "more than 200000 samples: take 1.5e-5 s or more"),
-        (json!({"bandwidth": 20, "range": [0, 1], "driver": "kpz101"}), "depends on the load: give it in farad"),
+        (json!({"bandwidth": 20, "range": [0, 1], "driver": "kpz101"}), "depends on the load: give its capacitance"),
         (json!({"bandwidth": 20, "actuator": "pl14"}), "did you mean `pl140`?"),
     ] {
         let message = refusal(input.clone());
@@ -198,7 +198,7 @@ fn the_expected_standard_error_is_that_of_theory() {
 #[test]
 fn a_bender_is_not_planned_for_a_driver_whose_limits_are_not_about_its_middle() {
     let message = refusal(json!({"bandwidth": 20, "driver": "e-610", "actuator": "pl140"}));
-    assert!(message.contains("is about the middle of the supply of the bender `pl140`"), "{message}");
+    assert!(message.contains("is relative to mid-supply for the bender `pl140`"), "{message}");
     assert!(planned(json!({"bandwidth": 20, "driver": "pl140", "actuator": "pl140"})).is_ok());
 }
 

@@ -52,14 +52,14 @@ use std::sync::Arc;
 
 /// Distance from a limit that counts as reached, and the smallest move for which a dead zone is crossed, relative to
 /// the range of z.
-const CLOSE: f64 = 1e-6;
+const REACHED_SHARE: f64 = 1e-6;
 
 /// Largest innovation, relative to the range of y; larger ones are clipped.
-const WILD: f64 = 10.0;
+const MAX_INNOVATION_RATIO: f64 = 10.0;
 
 /// Sensor delay at which the assumed noise has grown by a factor of sqrt(2) [samples]. Of 600 plants of +-20 % around
 /// `pl140`, none is unstable with sensor delays up to 20 samples; with 8 instead of 6, some are at 12 and 13.
-const CARRIED: f64 = 6.0;
+const NOISE_DELAY_SAMPLES: f64 = 6.0;
 
 /// The controller of a model.
 ///
@@ -239,7 +239,7 @@ impl Predictive {
     fn voltage(&self, parts: &Parts<'_>, free: f64, ends: (f64, f64)) -> f64 {
         let (low, high) = (parts.low[0], parts.high[0]);
         let z = parts.z[0].clamp(low, high);
-        let tiny = CLOSE * (self.major.1 - self.major.0);
+        let tiny = REACHED_SHARE * (self.major.1 - self.major.0);
         // In a dead zone z does not change; at its limit the voltage must still cross the zone.
         if z <= low + tiny && free < low - tiny {
             ends.0
@@ -264,7 +264,7 @@ impl Predictive {
             parts.unread.rotate_left(1);
         }
         let predicted = self.model.offset() + predicted;
-        let most = WILD * (self.major.1 - self.major.0) * self.horizon.gain;
+        let most = MAX_INNOVATION_RATIO * (self.major.1 - self.major.0) * self.horizon.gain;
         let innovation = Some(y).filter(|y| y.is_finite()).map_or(0.0, |y| (y - predicted).clamp(-most, most));
         let m = parts.s.len();
         let mut next = DVectorViewMut::from_slice(parts.next, m);
@@ -337,7 +337,7 @@ impl Controller for Predictive {
 }
 
 /// Smallest frequency up to which a model must be identified, as a share of the sampling rate.
-const KNOWN: f64 = 0.05;
+const MIN_BAND_RATE_SHARE: f64 = 0.05;
 
 pub(super) const ROW: ControllerKind = ControllerKind {
     name: "predictive",
@@ -345,7 +345,7 @@ pub(super) const ROW: ControllerKind = ControllerKind {
     reference: "Pannocchia & Rawlings 2003, DOI 10.1002/aic.690490213",
     uses_feed_forward: false,
     tune: |path, _| {
-        if let Some(known) = path.known_hz().filter(|known| *known < KNOWN / path.linear().ts()) {
+        if let Some(known) = path.known_hz().filter(|known| *known < MIN_BAND_RATE_SHARE / path.linear().ts()) {
             let because = format!(
                 "it was identified up to {} Hz only, and predictive control could excite a resonance above that: \
                 identify with a PRBS as well",
@@ -356,7 +356,7 @@ pub(super) const ROW: ControllerKind = ControllerKind {
         let slew = Some(path.slew).filter(|slew| slew.is_finite());
         let usual = PredictiveSettings::default();
         // A delayed measurement is propagated with model errors, so its noise counts as larger.
-        let noise = usual.noise * libm::hypot(path.delay_samples as f64 / CARRIED, 1.0);
+        let noise = usual.noise * libm::hypot(path.delay_samples as f64 / NOISE_DELAY_SAMPLES, 1.0);
         let settings =
             PredictiveSettings { voltage: path.limits, slew, delay_samples: path.delay_samples, noise, ..usual };
         Predictive::new(&path.model, settings).map(|c| Arc::new(c) as Arc<dyn Controller>)

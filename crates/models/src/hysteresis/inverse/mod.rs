@@ -45,7 +45,7 @@ pub struct Inverted {
 }
 
 /// Largest scratch space on the stack.
-const SMALL: usize = 256;
+const MAX_STACK_NUMBERS: usize = 256;
 
 /// The input between `ends` for which the next step gives `z`, by bracketing.
 pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {
@@ -59,7 +59,7 @@ pub(super) fn by_trials<H: Hysteresis + ?Sized>(operator: &H, x: &[f64], z: f64,
 
 /// Calls `run` with scratch space for `n` numbers.
 pub(crate) fn with_scratch<R: Copy + From<f64>, T>(n: usize, run: impl FnOnce(&mut [R]) -> T) -> T {
-    let mut small = [R::from(0.0); SMALL];
+    let mut small = [R::from(0.0); MAX_STACK_NUMBERS];
     match small.get_mut(..n) {
         Some(room) => run(room),
         None => run(&mut vec![R::from(0.0); n]),

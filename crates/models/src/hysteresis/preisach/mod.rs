@@ -41,7 +41,7 @@ const ROWS: usize = 30;
 const BEYOND: usize = 2;
 
 /// Maximum number of rows.
-const MOST: usize = 200;
+const MAX_ROWS: usize = 200;
 
 /// The block that runs.
 ///
@@ -147,8 +147,8 @@ impl Preisach {
 /// Returns an error unless the levels are ascending.
 fn check(levels: &[f64]) -> Result<(), Error> {
     finite("levels", levels)?;
-    if !(2..=MOST + 1).contains(&levels.len()) {
-        let rule = format!("must be 2 to {} numbers", MOST + 1);
+    if !(2..=MAX_ROWS + 1).contains(&levels.len()) {
+        let rule = format!("must be 2 to {} numbers", MAX_ROWS + 1);
         return Err(Error::parameter("levels", format!("{} numbers", levels.len()), rule));
     }
     match levels.windows(2).position(|w| w[0] >= w[1]) {
@@ -288,7 +288,7 @@ struct CellBasis {
 
 impl CellBasis {
     fn new(design: &BasisDesign) -> Result<Self, Error> {
-        let rows = design.elements.unwrap_or(ROWS).clamp(1, MOST - 2 * BEYOND);
+        let rows = design.elements.unwrap_or(ROWS).clamp(1, MAX_ROWS - 2 * BEYOND);
         let (low, high) = design.range;
         let h = (high - low) / rows as f64;
         let level = |k: usize| low + h * (k as f64 - BEYOND as f64);

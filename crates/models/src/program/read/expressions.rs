@@ -55,10 +55,10 @@ impl Reader<'_> {
             ("||", Op::Or),
         ];
         let mut left = self.unary()?;
-        while let Some((sign, op)) = OPS.into_iter().find(|(sign, op)| op.binds() >= least && self.is(sign)) {
+        while let Some((sign, op)) = OPS.into_iter().find(|(sign, op)| op.precedence() >= least && self.is(sign)) {
             self.expect(sign)?;
-            let right = self.binary(op.binds() + 1)?;
-            if op.binds() > Op::And.binds() && left.whole() != right.whole() {
+            let right = self.binary(op.precedence() + 1)?;
+            if op.precedence() > Op::And.precedence() && left.whole() != right.whole() {
                 return self.wrong(format!("`{sign}` mixes an integer and a real number"));
             }
             left = match (op, &left, &right) {

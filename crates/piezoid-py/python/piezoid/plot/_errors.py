@@ -48,7 +48,7 @@ def frequencies(
     }
     every = [run for some in runs.values() for run in some]
     if not every or not all(isinstance(run, Validation) for run in every):
-        raise PiezoidError("there is nothing but validations to draw here: give one, several, or several by name")
+        raise PiezoidError("only validations can be drawn here: give one, several, or a mapping from names to them")
     u, y = map(unit, every[0].record.units)
     measures = {
         "nrmse_percent": "rms error / std of y [%]",
@@ -112,7 +112,7 @@ def tracking(
     Returns an array of the Axes.
     """
     if not isinstance(comparison, Comparison):
-        raise PiezoidError(f"a {type(comparison).__name__} compares no controllers: give what pz.control gives")
+        raise PiezoidError(f"a {type(comparison).__name__} is no Comparison: give the result of pz.control")
     along = comparison.run(reference=reference)["reference"]
     names = [run["controller"] for run in comparison.runs] if controllers is None else controllers
     runs = [comparison.run(name, along) for name in dict.fromkeys(names)]
@@ -124,7 +124,7 @@ def tracking(
     r = runs[0]["r"]
     t = comparison.ts * np.arange(len(r))
     zero(left)
-    path.plot(t, r, color=COLOURS["reference"], linewidth=width(0.8), linestyle="--", label="wanted", zorder=3)
+    path.plot(t, r, color=COLOURS["reference"], linewidth=width(0.8), linestyle="--", label="reference", zorder=3)
     for k, run in enumerate(runs):
         colour = EQUALS[k % len(EQUALS)]
         path.plot(t, run["y"], color=colour, linewidth=width(), label=run["controller"])

@@ -129,7 +129,7 @@ def response(model: Model, *, ax: Any = None) -> Panels:
 
 def _checked(model: object) -> None:
     if not isinstance(model, Model):
-        raise PiezoidError(f"a {type(model).__name__} is no model: give what pz.identify or pz.load gives")
+        raise PiezoidError(f"a {type(model).__name__} is no model: give the result of pz.identify or pz.load")
 
 
 def _way(start: float, end: float, n: int) -> Array:

@@ -102,7 +102,7 @@ def residuals(validation: Validation, *, ax: Any = None) -> Panels:
     Returns an array of the Axes.
     """
     if not isinstance(validation, Validation):
-        raise PiezoidError(f"a {type(validation).__name__} leaves no residuals: give what Model.validate gives")
+        raise PiezoidError(f"a {type(validation).__name__} has no residuals: give the result of Model.validate")
     record, part = validation.record, slice(validation.start, None)
     axes = panels(ax, [[0, 0], [1, 2]], 0.85, ratios=[0.8, 1.0], shared=(False, False))
     over_time, noise, over_input = axes

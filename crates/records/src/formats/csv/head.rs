@@ -123,7 +123,7 @@ impl Head {
             self.rows = value.parse().ok();
         }
         let number = key.strip_prefix("NAME").and_then(|number| number.parse::<usize>().ok());
-        let Some(at) = number.filter(|at| *at < super::MOST) else { return key == "NDATA" };
+        let Some(at) = number.filter(|at| *at < super::MAX_COLUMNS) else { return key == "NDATA" };
         self.names.resize(self.names.len().max(at + 1), String::new());
         self.names[at] = value.into();
         self.line = line;

@@ -37,7 +37,7 @@ pub(super) fn write(ts: f64, columns: &[(&str, &[f64])], steps: &[String]) -> Re
 fn variable(name: &str, samples: &[f64]) -> Result<Vec<u8>, Error> {
     let of_word = |c: char| c.is_ascii_alphanumeric() || c == '_';
     if !(name.starts_with(|c: char| c.is_ascii_alphabetic()) && name.chars().all(of_word) && name.len() <= LONGEST) {
-        let rule = "is no name of a variable of MATLAB, which has a letter, then up to 62 letters, digits and _: write \
+        let rule = "is no name of a variable of MATLAB (a letter, then up to 62 letters, digits or _): write \
                     .npz or .csv, or give the column a unit of letters";
         return Err(Error::parameter("column name", format!("{name:?}"), rule));
     }

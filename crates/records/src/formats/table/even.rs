@@ -1,4 +1,4 @@
-//! Uneven times made even: the samples between straight lines, where a record is resampled anyway.
+//! Uneven times made even by linear interpolation, only for a record that is resampled.
 //!
 //! ```text
 //! x(k Ts) = x[i] + (k Ts - t[i]) / (t[i+1] - t[i]) (x[i+1] - x[i]),   t[i] <= k Ts < t[i+1]
@@ -15,7 +15,7 @@ use piezoid_numerics::number::{exact, round};
 use serde_json::Value;
 
 /// Maximum number of samples.
-const MOST: f64 = 1e8;
+const MAX_SAMPLES: f64 = 1e8;
 
 /// An even grid over uneven times.
 #[derive(Debug, PartialEq)]
@@ -50,8 +50,8 @@ impl Even {
         let ts = expected / (expected / median).round().max(1.0);
         let duration = t[t.len() - 1] - t[0];
         let count = (duration / ts + 1e-6).floor() + 1.0;
-        if count > MOST {
-            let least = round(duration / MOST);
+        if count > MAX_SAMPLES {
+            let least = round(duration / MAX_SAMPLES);
             let rule = format!("the record would have {} samples: choose {least} s or more", exact(count));
             return Err(Error::parameter("resample", format!("{} s", round(expected)), rule));
         }

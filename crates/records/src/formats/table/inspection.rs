@@ -10,9 +10,9 @@ use piezoid_numerics::number::exact;
 use serde_json::{Value, json};
 
 /// Relative deviation of a period that the user states from that of the file that is doubted.
-const DIFFERENT: f64 = 0.01;
+const MAX_PERIOD_DEVIATION: f64 = 0.01;
 /// Sampling period that nobody means [s].
-const LONG: f64 = 20.0;
+const MAX_PERIOD_S: f64 = 20.0;
 
 impl Table {
     /// All columns, with their units, ranges and roles.
@@ -37,7 +37,7 @@ impl Table {
         self.columns.iter().chain(&self.others).map(one).collect()
     }
 
-    /// What the user says, completed by the names and units that were found.
+    /// The selection, completed by the names and units that were found.
     pub fn profile(&self, selection: &ColumnSelection) -> ColumnSelection {
         let found = |role: Role| role.find(self, selection).ok();
         let name = |role: Role| role.requested(selection).cloned().or_else(|| Some(self.title(found(role)?)));
@@ -94,7 +94,7 @@ impl Table {
         let one = |role: Role| {
             let (stated, column) = (selection.stated_unit(role)?, role.find(self, selection).ok()?);
             let own = column.own_unit(role).filter(|own| *own != stated)?;
-            Some(format!("unit of the {} {stated} as stated, the file says {own}", role.what()))
+            Some(format!("unit of the {}: {stated} as stated; the file has {own}", role.what()))
         };
         let roles = if selection.period() == Ok(None) {
             &[Role::Time, Role::Input, Role::Output][..]
@@ -127,7 +127,7 @@ impl Table {
         stated.or(self.ts)?;
         let time = Role::Time.find(self, selection).ok();
         let stamps = time.and_then(|time| self.period(time, 0..time.samples.len(), selection, None).ok());
-        let differs = |a: f64, b: f64| (a / b - 1.0).abs() > DIFFERENT;
+        let differs = |a: f64, b: f64| (a / b - 1.0).abs() > MAX_PERIOD_DEVIATION;
         let Some(stated) = stated else {
             let own = self.ts?;
             if time.is_some_and(|time| time::period(&time.samples, "", &|_| 0).is_err()) {
@@ -150,12 +150,14 @@ impl Table {
             Some(own) if differs(own, stated) => {
                 let likely = if !differs(own, 1.0 / stated) { format!("; {likely}") } else { String::new() };
                 Some(format!(
-                    "the file says {} s for the sampling period, but {} s is stated{likely}",
+                    "the sampling period is {} s in the file, but {} s in the options{likely}",
                     exact(own),
                     exact(stated)
                 ))
             }
-            None if stated > LONG => Some(format!("the stated sampling period is {} s: {likely}", exact(stated))),
+            None if stated > MAX_PERIOD_S => {
+                Some(format!("the stated sampling period is {} s: {likely}", exact(stated)))
+            }
             _ => None,
         }
     }
