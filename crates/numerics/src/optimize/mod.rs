@@ -1,5 +1,6 @@
 //! Searches for the best parameters. The reason why a search ended is data ([`Minimum::reason`]), not an error.
 
+mod cholesky;
 #[cfg(feature = "clarabel")]
 pub mod least_absolute;
 pub mod levenberg_marquardt;

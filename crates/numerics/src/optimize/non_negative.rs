@@ -10,6 +10,7 @@
 //! 10.1090/S0025-5718-1994-1250776-4; C. L. Lawson, R. J. Hanson, Solving Least Squares Problems (1974), DOI
 //! 10.1137/1.9781611971217.
 
+use super::cholesky::cholesky;
 use nalgebra::{DMatrix, DVector};
 
 /// Maximum number of block exchanges in a row that do not reduce the number of violations.
@@ -18,9 +19,6 @@ const PATIENCE: usize = 4;
 /// Rounding tolerance below zero: of x relative to the largest x, and of the gradient relative to the largest g.
 const TINY: f64 = 1e-11;
 const LEVEL: f64 = 1e-9;
-
-/// Columns that are factorised at a time.
-const PANEL: usize = 16;
 
 /// Minimises ½ x' H x - g' x for x_k >= 0 where `signed[k]`. H is symmetric. `free` is the guess which x are positive;
 /// on return, it is the result. `None` if H is not positive definite.
@@ -93,31 +91,6 @@ fn solve(h: &DMatrix<f64>, g: &DVector<f64>, free: &[bool]) -> Option<DVector<f6
     let mut all = DVector::zeros(g.len());
     active.iter().zip(&x).for_each(|(&k, x)| all[k] = *x);
     Some(all)
-}
-
-/// The lower triangle L of A = L L', panel by panel. `None` if A is not positive definite.
-fn cholesky(mut a: DMatrix<f64>) -> Option<DMatrix<f64>> {
-    let diagonal = a.diagonal();
-    for from in (0..a.ncols()).step_by(PANEL) {
-        let width = PANEL.min(a.ncols() - from);
-        let (done, mut panel) = a.columns_range_pair_mut(..from, from..from + width);
-        let below = done.rows_range(from..);
-        panel.rows_range_mut(from..).gemm(-1.0, &below, &below.rows(0, width).transpose(), 1.0);
-        for j in 0..width {
-            let row = from + j;
-            let (before, mut column) = panel.columns_range_pair_mut(..j, j);
-            let mut column = column.rows_range_mut(row..);
-            for before in before.column_iter() {
-                column.axpy(-before[row], &before.rows_range(row..), 1.0);
-            }
-            if column[0].is_nan() || column[0] <= 1e-14 * diagonal[row] {
-                return None;
-            }
-            let pivot = column[0].sqrt();
-            column /= pivot;
-        }
-    }
-    Some(a)
 }
 
 #[cfg(test)]
