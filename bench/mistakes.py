@@ -205,7 +205,7 @@ def remarks(piezoid: str, record: Record) -> list[str]:
         np.savetxt(folder / "r.csv", np.c_[record.u, record.y], "%.9g", ",", header=f"u_V,y_{record.unit}", comments="")
         model = {"piezoid": 1, "ts": record.ts, "units": {"u": "V", "y": record.unit}, **GAIN}
         (folder / "m.json").write_text(json.dumps(model))
-        words = f"validate --model m.json --data r.csv --ts {record.ts!r} --offset free --json -".split()
+        words = f"validate r.csv --model m.json --ts {record.ts!r} --offset free --json -".split()
         done = subprocess.run([piezoid, *words], cwd=folder, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             return [done.stderr.strip()]

@@ -50,7 +50,7 @@ def measured(piezoid: str, folder: Path, options: list[str]) -> dict:
     names = sorted(truth)
     small = [n for n in names if n.startswith("small")]
     train = [n for n in names if n.startswith("train")]
-    words = ["--small-signal", *small, "--large-signal", *train] if small else ["--data", *train]
+    words = [*train, *(["--small-signal", *small] if small else [])]
     start = time.perf_counter()
     status, printed = run(
         piezoid, ["identify", *words, *options, "--quiet", "-o", "model.json", "--json", "fit.json"], folder
@@ -63,7 +63,7 @@ def measured(piezoid: str, folder: Path, options: list[str]) -> dict:
     row["order"] = len(model["linear"]["a"])
     for name in (n for n in names if n.startswith("test")):
         skip = SKIPPED * truth[name]["seconds"]
-        words = ["validate", "--model", "model.json", "--data", name, "--offset", "free", "--skip", f"{skip:g}"]
+        words = ["validate", name, "--model", "model.json", "--offset", "free", "--skip", f"{skip:g}"]
         status, _ = run(piezoid, [*words, "--json", "test.json", "--quiet"], folder)
         figures = json.loads((folder / "test.json").read_text())["total"] if status == 0 else {}
         kind = name.removeprefix("test_").removesuffix(".csv")

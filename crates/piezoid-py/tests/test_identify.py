@@ -36,7 +36,7 @@ def test_the_command_line_finds_the_same_to_the_bit(how: str, small: pz.Record, 
     u = pz.excite.sine(ts=5e-4, duration=1, amplitude=28, frequency=5)
     small.save(tmp_path / "small.csv")
     pz.plants["pl140"].measure(u, 5e-4).save(tmp_path / "sine.mat")
-    line = f"identify --small-signal small.csv --large-signal sine.mat {how} -o m.json".split()
+    line = f"identify sine.mat {how} --small-signal small.csv -o m.json".split()
     subprocess.run([BINARY, *line], cwd=tmp_path, check=True, capture_output=True)
     settings = dict(zip([word[2:] for word in how.split()[::2]], how.split()[1::2], strict=True))
     numbers = {name: int(value) for name, value in settings.items() if value.isdigit()}

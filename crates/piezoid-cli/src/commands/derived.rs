@@ -31,15 +31,12 @@ struct Common {
 /// The arguments of the operation `name`.
 pub(super) fn arguments(name: &'static str, command: Command) -> Command {
     let Ok(operation) = Operation::find(name) else { return command };
-    let files = operation.roles.iter().map(|role| {
+    // The files of the first role stand after the verb.
+    let files = operation.roles.iter().enumerate().map(|(place, role)| {
         let most = if role.many { usize::MAX } else { 1 };
         let help = format!("The {} {}", role.name.replace('_', " "), if role.many { "files" } else { "file" });
-        Arg::new(role.name)
-            .long(flag(role.name))
-            .value_name("FILE")
-            .help(help)
-            .num_args(1..=most)
-            .required(role.least > 0)
+        let files = Arg::new(role.name).value_name("FILE").help(help).num_args(1..=most).required(role.least > 0);
+        if place == 0 { files } else { files.long(flag(role.name)) }
     });
     Common::augment_args(command.args(files).args((operation.options)().iter().map(argument)))
 }

@@ -44,17 +44,11 @@ Examples:
 pub(crate) struct Identify {
     /// Large-signal records, which exercise the hysteresis: rising sines at some frequencies. Without a small-signal
     /// record, they are for the linear block too.
-    #[arg(value_name = "FILE")]
+    #[arg(value_name = "FILE", required_unless_present = "small_signal")]
     files: Vec<PathBuf>,
     /// Small-signal records for the linear block: a PRBS of about 1 V.
-    #[arg(long, alias = "linear", value_name = "FILE", num_args = 1..)]
-    small_signal: Vec<PathBuf>,
-    /// The same as <FILE>...
-    #[arg(long, alias = "rich", value_name = "FILE", num_args = 1.., required_unless_present_any = ["small_signal", "data", "files"])]
-    large_signal: Vec<PathBuf>,
-    /// The same as <FILE>...
     #[arg(long, value_name = "FILE", num_args = 1..)]
-    data: Vec<PathBuf>,
+    small_signal: Vec<PathBuf>,
     /// Repeat the identification of this model: with its options, roles and columns, from its files in any order.
     #[arg(long, value_name = "MODEL", conflicts_with_all = fixed_by_a_model())]
     again: Option<PathBuf>,
@@ -88,8 +82,7 @@ fn fixed_by_a_model() -> Vec<&'static str> {
 
 impl Run for Identify {
     fn run(mut self, console: &Console) -> Result<()> {
-        let large_signal = [self.large_signal, self.files, self.data].concat();
-        let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&large_signal).collect();
+        let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&self.files).collect();
         let results = [self.output.as_deref(), self.report.as_deref(), self.json.as_deref()];
         apart(&results, &paths)?;
         files::ready(&results)?;
@@ -101,7 +94,7 @@ impl Run for Identify {
         }
         let columns = self.columns.read()?;
         let before = self.again.as_ref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
-        let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&large_signal)?);
+        let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&self.files)?);
         let mut progress = console.progress();
         let result = match &before {
             Some(before) => before.again(&large, &mut progress),

@@ -21,7 +21,7 @@ Examples:
     piezoid inspect log.csv
   A scope recorded the input of an amplifier of gain 20 and a sensor of 5 um/V; the profile says so from now on:
     piezoid inspect scope.csv --input-col CH1 --input-scale 20 --output-col CH2 --output-scale 5um/V -o rig.toml
-    piezoid identify --data scope.csv --profile rig.toml -o model.json";
+    piezoid identify scope.csv --profile rig.toml -o model.json";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]

@@ -51,11 +51,8 @@ pub(crate) struct ValidationFlags {
     #[arg(long, value_name = "FILE")]
     pub(crate) model: PathBuf,
     /// The records to compare with.
-    #[arg(value_name = "FILE", required_unless_present = "data")]
+    #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
-    /// The same as <FILE>...
-    #[arg(long, value_name = "FILE", num_args = 1..)]
-    data: Vec<PathBuf>,
     #[command(flatten)]
     options: Flags<ValidateOptions>,
     #[command(flatten)]
@@ -65,15 +62,11 @@ pub(crate) struct ValidationFlags {
 impl ValidationFlags {
     /// The input files.
     pub(crate) fn inputs(&self) -> Vec<&PathBuf> {
-        self.records().chain([&self.model]).collect()
-    }
-
-    fn records(&self) -> impl Iterator<Item = &PathBuf> {
-        self.files.iter().chain(&self.data)
+        self.files.iter().chain([&self.model]).collect()
     }
 
     pub(crate) fn run(&self) -> Result<(Model, Validated)> {
-        let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::read_all(self.records())?);
+        let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::read_all(&self.files)?);
         let data = Source::all(data, &self.columns.read()?);
         let validated = self.options.0.run(&model, &data).map_err(failed)?;
         Ok((model, validated))

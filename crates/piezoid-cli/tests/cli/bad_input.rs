@@ -10,8 +10,8 @@ use std::sync::OnceLock;
 
 /// Words for long command lines. `HOW` contains the sampling period, because rewritten records have no time column.
 const WORDS: [(&str, &str); 3] = [
-    ("ALL", "identify --small-signal small.csv --large-signal r5.csv r17.csv r40.csv HOW"),
-    ("RICH", "identify --data r5.csv r17.csv r40.csv HOW"),
+    ("ALL", "identify r5.csv r17.csv r40.csv --small-signal small.csv HOW"),
+    ("RICH", "identify r5.csv r17.csv r40.csv HOW"),
     ("HOW", "--ts 5e-4 --operator prandtl-ishlinskii --elements 8 -o m.json"),
 ];
 const R: &str = "r5 r17 r40";
@@ -103,15 +103,15 @@ fn figures(bench: &Bench, arguments: &str) -> Value {
 fn left(records: &str, change: Change, row: &str) -> f64 {
     let bench = spoilt(records, change);
     check(&bench, row);
-    number(&figures(&bench, "--model m.json --data stairs.csv --offset free")["total"]["rms_pp_percent"])
+    number(&figures(&bench, "stairs.csv --model m.json --offset free")["total"]["rms_pp_percent"])
 }
 
 /// All verbs that read a record; the first four read its output too.
 const READS: &[&str] = &[
-    "refused | validate --model model.json --data {} --json figures.json | {}",
-    "refused | report --model model.json --data {} -o page.html | {}",
-    "refused | identify --data {} -o new.json --json found.json | {}",
-    "refused | identify --small-signal prbs.csv --large-signal sine5.csv {} -o new.json | {}",
+    "refused | validate {} --model model.json --json figures.json | {}",
+    "refused | report {} --model model.json -o page.html | {}",
+    "refused | identify {} -o new.json --json found.json | {}",
+    "refused | identify sine5.csv {} --small-signal prbs.csv -o new.json | {}",
     "refused | simulate --plant paper --input {} -o y.csv | {}",
     "refused | simulate --model model.json --input {} -o y.csv | {}",
 ];
@@ -202,8 +202,8 @@ fn what_is_no_table_or_cannot_be_opened_is_refused_by_every_verb_that_reads_it()
 #[test]
 fn a_bad_model_file_is_refused_by_every_verb_that_reads_it() {
     const READS: &[&str] = &[
-        "refused | validate --model {} --data sine5.csv --json f.json | {}",
-        "refused | report --model {} --data sine5.csv -o page.html | {}",
+        "refused | validate sine5.csv --model {} --json f.json | {}",
+        "refused | report sine5.csv --model {} -o page.html | {}",
         "refused | simulate --model {} --input drive5.csv -o y.csv | {}",
     ];
     let bench = bench();
@@ -239,9 +239,9 @@ fn another_unit_or_sampling_period_than_the_models_is_refused() {
         bench.write(&format!("{name}.csv"), bench.text("sine5.csv").replacen(old, new, 1));
     }
     const TABLE: &str = "
-        counts.csv | refused | validate --model model.json --data {} --json f.json | {} | counts | um | convert
-        mv.csv | refused | validate --model model.json --data {} | {} | mV | convert
-        mv.csv | refused | identify --small-signal prbs.csv --large-signal {} -o new.json | mV | convert
+        counts.csv | refused | validate {} --model model.json --json f.json | {} | counts | um | convert
+        mv.csv | refused | validate {} --model model.json | {} | mV | convert
+        mv.csv | refused | identify {} --small-signal prbs.csv -o new.json | mV | convert
         mv.csv | silent | simulate --model model.json --input {} -o y.csv | mV | convert
         raw.csv | refused | simulate --model model.json --input {} -o y.csv | {} | counts | convert
         r.csv | ok | excite sine --frequency 5 --amplitude 400 --unit mm --ts 5e-4 --duration 1 -o {}
@@ -252,11 +252,11 @@ fn another_unit_or_sampling_period_than_the_models_is_refused() {
             | times the stroke: check the unit of the reference";
     check(&bench, TABLE);
     const READS: &[&str] = &[
-        "refused | validate --model model.json --data {} --json f.json | {}",
+        "refused | validate {} --model model.json --json f.json | {}",
         "refused | simulate --model model.json --input {} -o y.csv | {}",
-        "refused | report --model model.json --data {} -o page.html | {}",
-        "refused | identify --small-signal prbs.csv --large-signal {} -o new.json",
-        "refused | identify --data r5.csv {} -o m.json",
+        "refused | report {} --model model.json -o page.html | {}",
+        "refused | identify {} --small-signal prbs.csv -o new.json",
+        "refused | identify r5.csv {} -o m.json",
     ];
     check_all(&bench, "slow.csv", READS, "0.001 s | 0.0005 s | resample");
 }
@@ -303,19 +303,19 @@ fn what_holds_nothing_to_validate_or_identify_is_refused() {
     rewritten(&bench, "sound.csv", "still.csv", |_, _, y| Some((3.0, y)));
     rewritten(&bench, "sound.csv", "dead.csv", |_, u, _| Some((u, 7.0)));
     const TABLE: &str = "
-        sine5.csv | refused | validate --model model.json --data {} --from 5 | {} | 0.9995 s
-        sine5.csv | refused | validate --model model.json --data {} --from 0.5 --to 0.2 | {}
-        sine5.csv | refused | validate --model model.json --data {} --skip 5 | {} \
+        sine5.csv | refused | validate {} --model model.json --from 5 | {} | 0.9995 s
+        sine5.csv | refused | validate {} --model model.json --from 0.5 --to 0.2 | {}
+        sine5.csv | refused | validate {} --model model.json --skip 5 | {} \
             | --skip 5 | less than the duration of this record, 1 s
         drive5.csv | refused | simulate --plant paper --input {} --from 5 -o y.csv | {}
         sine5.csv | refused | identify --small-signal {} -o new.json | cannot be identified | PRBS
-        stairs.csv | refused | identify --small-signal {} --large-signal r5.csv --order 6 -o m.json | needs 7 | PRBS
-        sound.csv | refused | identify --small-signal {} --large-signal {} -o new.json | one frequency (5 Hz) | PRBS
-        sound.csv | refused | identify --data {} --to 0.004 -o new.json | samples | at least
-        flat.csv | refused | identify --data {} -o new.json | cannot be identified
-        flat.csv | ok | validate --model model.json --data {} | note: | {} | is constant
-        still.csv | refused | identify --data {} --ts 5e-4 -o new.json | input is constant at 3 V
-        dead.csv | refused | identify --data {} --ts 5e-4 -o new.json | output is constant at 7 um | sensor";
+        stairs.csv | refused | identify r5.csv --small-signal {} --order 6 -o m.json | needs 7 | PRBS
+        sound.csv | refused | identify {} --small-signal {} -o new.json | one frequency (5 Hz) | PRBS
+        sound.csv | refused | identify {} --to 0.004 -o new.json | samples | at least
+        flat.csv | refused | identify {} -o new.json | cannot be identified
+        flat.csv | ok | validate {} --model model.json | note: | {} | is constant
+        still.csv | refused | identify {} --ts 5e-4 -o new.json | input is constant at 3 V
+        dead.csv | refused | identify {} --ts 5e-4 -o new.json | output is constant at 7 um | sensor";
     check(&bench, TABLE);
 }
 
@@ -341,20 +341,20 @@ const DEFECTS: &[(&str, Change, &str)] = &[
 fn each_defect_is_named_with_its_place_by_identify_validate_and_the_report() {
     let bench = bench();
     const NOTES: &[&str] = &[
-        "ok | validate --model model.json --data {} --ts 5e-4 | note: | {}",
-        "ok | identify --data {} --operator prandtl-ishlinskii --ts 5e-4 -o new.json | note: large-signal record: ",
+        "ok | validate {} --model model.json --ts 5e-4 | note: | {}",
+        "ok | identify {} --operator prandtl-ishlinskii --ts 5e-4 -o new.json | note: large-signal record: ",
     ];
     for (name, change, texts) in DEFECTS {
         rewritten(&bench, "sound.csv", name, change);
         check_all(&bench, name, NOTES, texts);
-        bench.run(&format!("report --model model.json --data {name} --ts 5e-4 -o page.html")).ok();
+        bench.run(&format!("report {name} --model model.json --ts 5e-4 -o page.html")).ok();
         // Sentences on the page begin with a capital letter.
         let text = &texts.split(" | ").next().unwrap()[1..];
         assert!(bench.text("page.html").contains(text), "{name}: `{text}` is not on the page");
     }
     for name in ["sound.csv", "sine5.csv", "sine20.csv", "prbs.csv"] {
         let defects = "outliers | saturated | frozen | drifts | clipped | missing";
-        check_all(&bench, name, &["silent | validate --model model.json --data {}"], defects);
+        check_all(&bench, name, &["silent | validate {} --model model.json"], defects);
     }
 }
 
@@ -415,11 +415,11 @@ fn a_model_that_cannot_be_trusted_is_noted() {
     let inverted = spoilt("small", |_, u, y| Some((u, -y)));
     check(&inverted, "inverted | ok | ALL | small-signal record: the residual is | sign");
     let short = spoilt("r5", |t, u, y| (t < 40).then_some((u, y)));
-    check(&short, "r5.csv | ok | identify --data {} HOW | few for | has a reversal");
+    check(&short, "r5.csv | ok | identify {} HOW | few for | has a reversal");
     const TABLE: &str = "
-        r5.csv | ok | identify --data {} {} r17.csv HOW | large-signal record 1 and large-signal record 2 are the same
-        small.csv | ok | identify --data {} HOW
-        stairs.csv | ok | validate --model m.json --data {} | note: | outside this range";
+        r5.csv | ok | identify {} {} r17.csv HOW | large-signal record 1 and large-signal record 2 are the same
+        small.csv | ok | identify {} HOW
+        stairs.csv | ok | validate {} --model m.json | note: | outside this range";
     check(&bench(), TABLE);
 }
 
@@ -428,10 +428,10 @@ fn a_model_that_cannot_be_trusted_is_noted() {
 fn an_unstable_model_is_noted_and_its_blow_up_writes_nothing() {
     let bench = bench();
     const TABLE: &str = "
-        wild.json | ok | identify --method paper --small-signal prbs.csv --large-signal sine5.csv --order 6 \
+        wild.json | ok | identify sine5.csv --method paper --small-signal prbs.csv --order 6 \
             --iterations 50 -o {} | note: the linear block is unstable | more iterations
         wild.json | refused | simulate --model {} --input drive5.csv -o y.csv | overflows at |  s: | unstable
-        wild.json | ok | validate --model {} --data sine5.csv --json f.json | note: | null in JSON";
+        wild.json | ok | validate sine5.csv --model {} --json f.json | note: | null in JSON";
     check(&bench, TABLE);
     assert!(bench.json("f.json")["total"]["rmse"].is_null());
 }
@@ -456,11 +456,11 @@ fn sign_unit_and_sampling_period_of_the_records_change_nothing() {
 #[test]
 fn known_units_are_converted() {
     let bench = bench();
-    let same = figures(&bench, "--model model.json --data sine5.csv");
+    let same = figures(&bench, "sine5.csv --model model.json");
     for (unit, factor) in [("mm", 1e-3), ("nm", 1e3), ("m", 1e-6)] {
         rewritten(&bench, "sine5.csv", "other.csv", |_, u, y| Some((u, factor * y)));
         bench.write("other.csv", bench.text("other.csv").replacen("um", unit, 1));
-        let other = figures(&bench, "--model model.json --data other.csv --ts 5e-4");
+        let other = figures(&bench, "other.csv --model model.json --ts 5e-4");
         let ratio = |key: &str| number(&other["total"][key]) / number(&same["total"][key]);
         assert!((ratio("rmse") / factor - 1.0).abs() < 1e-9, "{unit}");
         assert!((ratio("nrmse_percent") - 1.0).abs() < 1e-9, "{unit}");
@@ -509,7 +509,7 @@ fn the_same_record_in_another_dress_gives_the_same_figures() {
     bench.write("utf16.csv", encoded.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<_>>());
     bench.write("latin.csv", encoded.chars().map(|c| c as u8).collect::<Vec<_>>());
     let unnamed = |name: &str| {
-        let mut figures = figures(&bench, &format!("--model model.json --data {name}"));
+        let mut figures = figures(&bench, &format!("{name} --model model.json"));
         figures["files"][0]["file"].take();
         figures
     };

@@ -173,6 +173,6 @@ fn stock() -> BTreeMap<String, Vec<u8>> {
         bench.run(&format!("excite sine --ts 5e-4 --duration 1 --amplitude 30 --frequency {hz} -o {drive}")).ok();
         bench.run(&format!("simulate --plant paper --input {drive} -o sine{hz}.csv")).ok();
     }
-    bench.run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv -o model.json").ok();
+    bench.run("identify sine5.csv sine20.csv --method paper --small-signal prbs.csv -o model.json").ok();
     bench.files().into_iter().filter(|(name, _)| !["drive.csv", "drive20.csv"].contains(&name.as_str())).collect()
 }

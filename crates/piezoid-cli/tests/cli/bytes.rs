@@ -8,15 +8,13 @@ fn identify_gives_the_same_bytes_wherever_it_is_run() {
     let [once, again] = [(); 2].map(|()| {
         let bench = Bench::stocked();
         let run = bench
-            .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv -o m.json --json f.json")
+            .run("identify sine5.csv sine20.csv --method paper --small-signal prbs.csv -o m.json --json f.json")
             .ok();
         (run.out, bench.text("m.json"), bench.text("f.json"))
     });
     assert!(once == again);
     let bench = Bench::stocked();
-    bench
-        .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv sine20.csv --seed 2 -o m.json")
-        .ok();
+    bench.run("identify sine5.csv sine20.csv --method paper --small-signal prbs.csv --seed 2 -o m.json").ok();
     assert_ne!(bench.text("m.json"), once.1);
 }
 
@@ -26,11 +24,8 @@ fn a_model_tells_how_it_was_made_and_names_no_folder() {
     std::fs::create_dir(bench.path("lab")).unwrap();
     bench.write("lab/a b.csv", bench.bytes("sine20.csv"));
     let mut command = bench.command("identify --method paper --seed 7 --iterations 30");
-    command
-        .arg("--small-signal")
-        .arg(bench.path("prbs.csv"))
-        .arg(format!("--large-signal={}", bench.path("sine5.csv").display()));
-    command.arg("--large-signal").arg("lab/a b.csv").arg("-o").arg(bench.path("m.json"));
+    command.arg(bench.path("sine5.csv")).arg("lab/a b.csv").arg("--small-signal").arg(bench.path("prbs.csv"));
+    command.arg("-o").arg(bench.path("m.json"));
     assert!(command.output().unwrap().status.success());
     let text = bench.text("m.json");
     let folder = bench.path("").file_name().unwrap().to_str().unwrap().to_string();
@@ -50,7 +45,7 @@ fn files_are_named_with_the_hash_of_what_was_read() {
     let bench = Bench::new();
     let rows: String = (0..40).map(|t| format!("{},{},{}\n", f64::from(t) / 1024.0, t % 8, 2 * (t % 8))).collect();
     bench.write("r.csv", format!("t_s,u_V,y_um\n{rows}"));
-    bench.run("identify --data r.csv --operator proportional -o m.json").ok();
+    bench.run("identify r.csv --operator proportional -o m.json").ok();
     // The expected hash is that of `sha256sum` on the same bytes.
     let Ok(sum) = std::process::Command::new("sha256sum").arg(bench.path("r.csv")).output() else {
         skipped("no sha256sum to compare a hash with");

@@ -10,7 +10,8 @@ const RUN: &str = "control --plant paper --model plays.json --driver pl140";
 fn bench() -> Bench {
     static MODEL: OnceLock<Vec<u8>> = OnceLock::new();
     let bench = Bench::stocked();
-    let identify = "identify --small-signal prbs.csv --large-signal sine5.csv sine20.csv --operator prandtl-ishlinskii --no-creep -o plays.json";
+    let identify =
+        "identify sine5.csv sine20.csv --small-signal prbs.csv --operator prandtl-ishlinskii --no-creep -o plays.json";
     let identified = || {
         bench.run(identify).ok();
         bench.bytes("plays.json")
@@ -73,7 +74,7 @@ fn a_run_goes_into_a_record_that_can_be_read_again() {
     bench.run(&format!("{line} -o run.csv")).ok();
     assert!(bench.text("run.csv").starts_with("t_s,u_V,y_um,r_um\n"));
     bench.run("control --plant paper --model plays.json --controller pi --reference run.csv -o again.npz").ok();
-    bench.run("validate --model model.json --data run.csv again.npz").ok();
+    bench.run("validate run.csv again.npz --model model.json").ok();
 }
 
 #[test]

@@ -25,7 +25,7 @@ fn the_extension_selects_the_format_and_every_format_holds_the_same_record() {
         assert_eq!(bench.text("again.csv"), bench.text("sine5.csv"));
     }
     bench.write("y.csv", bench.text("sine5.csv").replace("y_um", "y_a.u."));
-    bench.run("identify --operator stop --data y.csv -o m.json").ok();
+    bench.run("identify y.csv --operator stop -o m.json").ok();
     bench
         .refused("simulate --model m.json --input drive.npz -o y.mat")
         .says(&["y.mat: column name = \"y_a.u.\": is no name of a variable of MATLAB"]);
@@ -37,7 +37,7 @@ fn a_failing_run_leaves_the_older_file_as_it_was() {
     for (name, line) in [
         ("old.json", "identify --small-signal sine5.csv -o old.json --json old.json.txt"),
         ("old.csv", "simulate --plant paper --input none.csv -o old.csv"),
-        ("old.html", "report --model model.json --data none.csv -o old.html"),
+        ("old.html", "report none.csv --model model.json -o old.html"),
         ("old.csv", "excite sine --ts 5e-4 --duration 1 --amplitude 99 --frequency 5 --driver pl140 -o old.csv"),
     ] {
         bench.write(name, "precious");
@@ -58,7 +58,7 @@ fn a_place_that_cannot_be_written_to_is_named_with_what_to_do() {
         for line in [
             format!("simulate --plant paper --input drive5.csv -o {place}"),
             format!("excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 -o {place}"),
-            format!("report --model model.json --data sine5.csv -o {place}"),
+            format!("report sine5.csv --model model.json -o {place}"),
             format!("plants --json {place}"),
         ] {
             let before = bench.names();
@@ -114,8 +114,8 @@ mod unix {
     #[test]
     fn a_record_is_read_from_a_pipe_and_hashed_as_read() {
         let bench = Bench::stocked();
-        bench.run("identify --operator stop --data sine5.csv -o file.json").ok();
-        let script = "cat sine5.csv | \"$0\" identify --operator stop --data /dev/stdin -o pipe.json";
+        bench.run("identify sine5.csv --operator stop -o file.json").ok();
+        let script = "cat sine5.csv | \"$0\" identify /dev/stdin --operator stop -o pipe.json";
         let mut sh = Command::new("sh");
         assert!(
             sh.args(["-c", script, env!("CARGO_BIN_EXE_piezoid")])
@@ -135,7 +135,7 @@ mod unix {
         let bench = Bench::stocked();
         let name = std::ffi::OsStr::from_bytes(b"sine\xff.csv");
         std::fs::write(bench.path("").join(name), bench.bytes("sine5.csv")).unwrap();
-        let output = bench.command("identify -o m.json --data").arg(name).output().unwrap();
+        let output = bench.command("identify -o m.json").arg(name).output().unwrap();
         assert!(output.status.success(), "{output:?}");
     }
 }

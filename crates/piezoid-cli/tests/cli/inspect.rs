@@ -42,13 +42,13 @@ fn a_profile_says_once_how_the_files_of_a_rig_are_read() {
     assert!(words.join(" ").contains("--input-col \"CH1\" --output-col \"CH2\""), "{inspection}");
     bench.run(&format!("inspect scope.csv {input} -o rig.toml")).ok().prints(&["u in V, y in um", "scaled by 5um/V"]);
     let figures = |flags: &str| {
-        let run = bench.run(&format!("validate --model model.json --data scope.csv --json - {flags}"));
+        let run = bench.run(&format!("validate scope.csv --model model.json --json - {flags}"));
         run.ok().out_json()["files"].clone()
     };
     assert_eq!(figures("--profile rig.toml"), figures(input));
     assert_ne!(figures("--profile rig.toml --output-scale 6um/V"), figures(input), "a flag counts more");
     let error = figures("--profile rig.toml")[0]["nrmse_percent"].as_f64().unwrap();
-    let plain = bench.run("validate --model model.json --data sine5.csv --json -").ok().out_json();
+    let plain = bench.run("validate sine5.csv --model model.json --json -").ok().out_json();
     assert!((error / plain["files"][0]["nrmse_percent"].as_f64().unwrap() - 1.0).abs() < 1e-6);
 }
 
@@ -58,7 +58,7 @@ fn how_a_record_was_read_is_told_and_travels_in_the_model() {
     bench.write("scope.csv", scope(&bench));
     bench.run("inspect scope.csv --input-col 2 --output-col 3 --input-scale 20 --output-scale 5um/V -o rig.toml").ok();
     bench
-        .run("identify --data scope.csv --profile rig.toml --operator proportional --order 1 -o new.json")
+        .run("identify scope.csv --profile rig.toml --operator proportional --order 1 -o new.json")
         .ok()
         .says(&["scope.csv: input scaled by 20", "output scaled by 5um/V"]);
     assert_eq!(bench.json("new.json")["fit"]["files"][0]["steps"][0], "input scaled by 20");
@@ -74,7 +74,7 @@ fn a_profile_with_faults_is_refused_by_name() {
         ("output_scale = \"um/V\"", "--output-scale um/V: must be a factor"),
     ] {
         bench.write("rig.toml", text);
-        bench.refused("validate --model model.json --data sine5.csv --profile rig.toml").says(&[says]);
+        bench.refused("validate sine5.csv --model model.json --profile rig.toml").says(&[says]);
     }
     bench.refused("inspect sine5.csv --profile none.toml").says(&["none.toml: there is no such file"]);
 }

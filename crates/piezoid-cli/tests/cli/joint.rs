@@ -19,7 +19,8 @@ fn stocked() -> Bench {
 #[test]
 fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_this_one() {
     let bench = stocked();
-    let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv --operator bouc-wen --verbose -o m.json --json f.json";
+    let line =
+        "identify rise5.csv rise40.csv --small-signal prbs.csv --operator bouc-wen --verbose -o m.json --json f.json";
     let run = bench.run(line).ok();
     let run = run.prints(&[
         "held-out error",
@@ -49,19 +50,19 @@ fn a_joint_model_foretells_what_it_has_not_seen_and_the_tables_say_why_it_is_thi
     let shares = form["poles"].as_array().unwrap().iter().map(|p| number(&p["share_percent"])).sum::<f64>();
     assert!((shares + number(&form["feed_through_percent"]) - 100.0).abs() < 1e-9, "{form}");
     assert!(number(&form["gain"]).is_finite() && number(&form["delay_s"]).abs() < 2e-3, "{form}");
-    bench.run("report --model m.json --data stairs.csv -o m.html").ok();
+    bench.run("report stairs.csv --model m.json -o m.html").ok();
     let page = bench.text("m.html");
     for text in ["Operators tried", "mode 1 frequency [Hz]", "Loops of the hysteresis block", "Frequency response"] {
         assert!(page.contains(text), "{text}");
     }
-    let left = bench.run("validate --model m.json --data stairs.csv --json -").ok().out_json();
+    let left = bench.run("validate stairs.csv --model m.json --json -").ok().out_json();
     assert!(number(&left["total"]["rms_pp_percent"]) < 0.02, "{}", left["total"]["rms_pp_percent"]);
 }
 
 #[test]
 fn auto_takes_the_law_the_actuator_has() {
     let bench = stocked();
-    let line = "identify --small-signal prbs.csv --large-signal rise5.csv rise40.csv --verbose -o m.json --json f.json";
+    let line = "identify rise5.csv rise40.csv --small-signal prbs.csv --verbose -o m.json --json f.json";
     let run = bench.run(line).ok().prints(&["preisach", "tellinen", "duhem"]);
     let found = bench.json("f.json");
     assert_eq!(found["operator"], "bouc-wen", "{}", run.out);
@@ -70,7 +71,7 @@ fn auto_takes_the_law_the_actuator_has() {
 #[test]
 fn records_of_one_amplitude_cannot_tell_minor_loops_and_the_note_says_so() {
     let bench = stocked();
-    let line = "identify --data sine5.csv sine20.csv --elements 6 -o m.json --json f.json";
+    let line = "identify sine5.csv sine20.csv --elements 6 -o m.json --json f.json";
     bench.run(line).ok().says(&["never turn back inside the range", "add a rising sine"]);
     let found = bench.json("f.json");
     let tried: Vec<&str> = found["trials"].as_array().unwrap().iter().filter_map(|t| t["operator"].as_str()).collect();
@@ -82,34 +83,31 @@ fn records_of_one_amplitude_cannot_tell_minor_loops_and_the_note_says_so() {
 fn settings_of_the_other_method_are_refused_and_a_driver_may_be_named() {
     let bench = stocked();
     for (line, says) in [
-        ("identify --data sine5.csv --bins 9 -o m.json", "--bins 9: is an option of the method paper"),
+        ("identify sine5.csv --bins 9 -o m.json", "--bins 9: is an option of the method paper"),
         (
-            "identify --data sine5.csv --global-best current -o m.json",
+            "identify sine5.csv --global-best current -o m.json",
             "--global-best current: is an option of the method paper",
         ),
-        (
-            "identify --data sine5.csv --method paper --no-creep -o m.json",
-            "--no-creep: is an option of the method joint",
-        ),
-        ("identify --data sine5.csv --driver bd300 -o m.json", "--capacitance"),
-        ("identify --data sine5.csv --driver bd30 -o m.json", "did you mean `bd300`?"),
+        ("identify sine5.csv --method paper --no-creep -o m.json", "--no-creep: is an option of the method joint"),
+        ("identify sine5.csv --driver bd300 -o m.json", "--capacitance"),
+        ("identify sine5.csv --driver bd30 -o m.json", "did you mean `bd300`?"),
     ] {
         bench.misused(line).says(&[says]);
     }
     bench.run("simulate --plant pl140 --input rise5.csv -o crept.csv").ok();
-    let line = "identify --data crept.csv --operator stop --driver pl140 --driver-lag 1e-4 --verbose -o m.json";
+    let line = "identify crept.csv --operator stop --driver pl140 --driver-lag 1e-4 --verbose -o m.json";
     bench.run(line).ok().prints(&["Driver: a lag of 0.1 ms, at most 60976 V/s", "Creep: ", " % (0.05 s)"]);
     let model = bench.json("m.json");
     assert!(
         (number(&model["driver"]["slew"]) * 8.2e-6 - 0.5).abs() < 1e-9 && number(&model["driver"]["lag_s"]) == 1e-4
     );
-    bench.run("validate --model m.json --data rise5.csv").ok();
+    bench.run("validate rise5.csv --model m.json").ok();
 }
 
 #[test]
 fn the_same_command_gives_the_same_bytes() {
     let bench = stocked();
-    let line = "identify --data rise5.csv rise40.csv --operator generalised-prandtl-ishlinskii -o m.json --json f.json";
+    let line = "identify rise5.csv rise40.csv --operator generalised-prandtl-ishlinskii -o m.json --json f.json";
     bench.run(line).ok();
     let first = (bench.text("m.json"), bench.text("f.json"));
     bench.run(line).ok();

@@ -30,13 +30,12 @@ fn the_papers_method_holds_on_the_second_half_of_a_measured_record() {
     let Some(folder) = data() else { return };
     let bench = Bench::new();
     let found =
-        run(&bench, "identify --method paper --data model_1Hz.csv --from 1.5 --to 20 --verbose -o m.json", &folder)
-            .ok();
+        run(&bench, "identify model_1Hz.csv --method paper --from 1.5 --to 20 --verbose -o m.json", &folder).ok();
     found.says(&["pure gain", "one frequency (1", "Hz)"]).prints(&["two-branch", "cmdV"]);
-    let total = run(&bench, "validate --model m.json --data model_1Hz.csv --from 20 --json -", &folder).ok().out_json();
+    let total = run(&bench, "validate model_1Hz.csv --model m.json --from 20 --json -", &folder).ok().out_json();
     let nrmse = number(&total["total"]["nrmse_percent"]);
     assert!(nrmse <= 4.0, "{nrmse}");
-    run(&bench, "report --model m.json --data model_1Hz.csv --from 20 -o report.html", &folder).ok();
+    run(&bench, "report model_1Hz.csv --model m.json --from 20 -o report.html", &folder).ok();
     assert_self_contained(&bench.text("report.html"));
 }
 
@@ -44,14 +43,13 @@ fn the_papers_method_holds_on_the_second_half_of_a_measured_record() {
 fn growing_amplitudes_are_told_to_be_beyond_the_method_and_why() {
     let Some(folder) = data() else { return };
     let bench = Bench::new();
-    run(&bench, "identify --method paper --data model_1Hz.csv --from 1.5 --to 20 --verbose -o m.json", &folder).ok();
-    let proof =
-        run(&bench, "validate --model m.json --data test_am_1Hz.csv --from 1.5 --offset free --json v.json", &folder);
+    run(&bench, "identify model_1Hz.csv --method paper --from 1.5 --to 20 --verbose -o m.json", &folder).ok();
+    let proof = run(&bench, "validate test_am_1Hz.csv --model m.json --from 1.5 --offset free --json v.json", &folder);
     proof.ok().says(&["note:", "two-branch block has no minor loops"]);
     let json = bench.json("v.json");
     assert!(number(&json["total"]["nrmse_percent"]) > 10.0, "{json}");
     assert!(json["files"][0]["remarks"][0].as_str().unwrap().contains("no minor loops"));
-    run(&bench, "report --model m.json --data test_am_1Hz.csv -o report.html", &folder).ok();
+    run(&bench, "report test_am_1Hz.csv --model m.json -o report.html", &folder).ok();
     let html = bench.text("report.html");
     assert!(html.contains("no minor loops"));
     assert_self_contained(&html);

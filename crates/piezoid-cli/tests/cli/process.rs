@@ -61,7 +61,7 @@ fn ctrl_c_ends_a_long_identification_in_good_order() {
     let bench = Bench::stocked();
     bench.write("m.json", "precious");
     let before = bench.files();
-    let line = "identify --method paper --small-signal prbs.csv --large-signal sine5.csv --iterations 2000000 -o m.json --json f.json";
+    let line = "identify sine5.csv --method paper --small-signal prbs.csv --iterations 2000000 -o m.json --json f.json";
     let child = bench.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let started = Instant::now();
     while !handles_interrupts(child.id()) && started.elapsed() < Duration::from_secs(30) {
@@ -82,7 +82,7 @@ fn ctrl_c_ends_a_long_identification_in_good_order() {
 #[cfg(target_os = "linux")]
 fn a_run_that_was_started_by_nohup_goes_on_after_its_terminal_is_gone() {
     let bench = Bench::stocked();
-    let line = "identify --method paper --small-signal prbs.csv --large-signal sine5.csv -o m.json";
+    let line = "identify sine5.csv --method paper --small-signal prbs.csv -o m.json";
     let mut run = Command::new("sh");
     run.args(["-c", "trap '' HUP; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_piezoid")]).args(line.split_whitespace());
     let child = run.current_dir(bench.path("")).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();

@@ -7,7 +7,7 @@ const FIGURES: [&str; 7] = ["n", "mse", "rmse", "nrmse_percent", "rms_pp_percent
 #[test]
 fn validate_gives_the_figures_of_the_contract_in_the_order_of_the_files() {
     let bench = Bench::stocked();
-    let run = bench.run("validate --model model.json --data sine20.csv sine5.csv --data prbs.csv --json v.json").ok();
+    let run = bench.run("validate sine20.csv sine5.csv prbs.csv --model model.json --json v.json").ok();
     run.prints(&["rmse [um]", "nrmse %", "sine20.csv", "sine5.csv", "prbs.csv", "total"]);
     let json = bench.json("v.json");
     let files = json["files"].as_array().unwrap();
@@ -23,7 +23,7 @@ fn validate_gives_the_figures_of_the_contract_in_the_order_of_the_files() {
     let n: Vec<f64> = files.iter().map(|f| number(&f["n"])).collect();
     assert_eq!((n.clone(), number(&json["total"]["n"])), (vec![2000.0, 2000.0, 4095.0], 8095.0));
 
-    let alone = bench.run("validate --model model.json --data sine5.csv --json -").ok();
+    let alone = bench.run("validate sine5.csv --model model.json --json -").ok();
     assert_eq!(alone.out_json()["files"][0], files[1]);
     assert_eq!(alone.err, "");
 }
@@ -32,7 +32,7 @@ fn validate_gives_the_figures_of_the_contract_in_the_order_of_the_files() {
 fn a_model_validated_against_its_own_simulation_is_perfect() {
     let bench = Bench::stocked();
     bench.run("simulate --model model.json --input drive5.csv --settled -o own.csv").ok();
-    let file = bench.run("validate --model model.json --data own.csv --json -").ok().out_json()["files"][0].take();
+    let file = bench.run("validate own.csv --model model.json --json -").ok().out_json()["files"][0].take();
     assert!(number(&file["mse"]) < 1e-18 && number(&file["fit_percent"]) > 99.999_999, "{file}");
 }
 
@@ -40,14 +40,14 @@ fn a_model_validated_against_its_own_simulation_is_perfect() {
 fn a_total_over_perfect_records_is_perfect() {
     let bench = Bench::stocked();
     bench.run("simulate --model model.json --input drive5.csv --settled -o own.csv").ok();
-    let total = bench.run("validate --model model.json --data own.csv --json -").ok().out_json()["total"].take();
+    let total = bench.run("validate own.csv --model model.json --json -").ok().out_json()["total"].take();
     assert_eq!((number(&total["nrmse_percent"]), number(&total["fit_percent"])), (0.0, 100.0), "{total}");
 }
 
 #[test]
 fn simulate_reproduces_the_figures_of_validate() {
     let bench = Bench::stocked();
-    let result = bench.run("validate --model model.json --data sine20.csv --json -").ok().out_json();
+    let result = bench.run("validate sine20.csv --model model.json --json -").ok().out_json();
     let (total, begin) = (&result["total"], result["files"][0]["initial_condition"].as_str().unwrap());
     bench.run(&format!("simulate --model model.json --input sine20.csv --begin {begin} -o run.csv")).ok();
     let column = |name: &str| -> Vec<f64> {
@@ -68,7 +68,7 @@ fn a_free_offset_takes_the_mean_error_away() {
     });
     bench.write("drifted.csv", format!("t_s,u_V,y_um\n{}", drifted.collect::<String>()));
     let rmse = |name: &str, offset: &str| {
-        let line = format!("validate --model model.json --data {name} --offset {offset} --json -");
+        let line = format!("validate {name} --model model.json --offset {offset} --json -");
         number(&bench.run(&line).ok().out_json()["total"]["rmse"])
     };
     assert!(rmse("drifted.csv", "kept") > 450.0);
@@ -91,7 +91,7 @@ fn what_noise_and_drift_make_of_an_error_is_told_and_drift_is_taken_away_if_aske
         format!("{head},{}\n", y.parse::<f64>().unwrap() + 4.0 * (t as f64 * 5e-4 - 2.0) + 0.5 * noise)
     });
     bench.write("drifted.csv", format!("t_s,u_V,y_um\n{}", rows.collect::<String>()));
-    let line = "validate --verbose --model model.json --data drifted.csv";
+    let line = "validate drifted.csv --verbose --model model.json";
     let observed = bench.run(&format!("{line} --json v.json")).ok();
     observed
         .prints(&["noise %", "% NRMSE, of which drift", "and noise"])
@@ -114,7 +114,7 @@ fn the_error_is_told_by_frequency_by_amplitude_by_loop_and_beside_the_floor() {
     bench.run("excite rising-sine --ts 5e-4 --duration 2 --amplitude 28 --frequency 5 -o drive.csv").ok();
     bench.run("simulate --plant pl140 --input drive.csv -o rising.csv").ok();
     bench.run("simulate --plant pl140 --input drive5.csv -o noisy.csv").ok();
-    let line = "validate --model model.json --data sine5.csv sine20.csv rising.csv noisy.csv";
+    let line = "validate sine5.csv sine20.csv rising.csv noisy.csv --model model.json";
     let run = bench.run(&format!("{line} --verbose --json v.json")).ok();
     run.prints(&["f [Hz]", "amplitude [V]", "width %", "floor [um]", "corr. with u", "the resonance at 146.7 Hz"]);
     let json = bench.json("v.json");
@@ -147,10 +147,10 @@ fn a_record_beyond_what_the_model_was_identified_on_is_told_so() {
     assert_eq!((number(&domain["u"][0]), number(&domain["u"][1])), (-30.0, 30.0));
     bench.run("excite sine --ts 5e-4 --duration 1 --amplitude 10 --frequency 20 --offset 18 -o drive.csv").ok();
     bench.run("simulate --plant paper --input drive.csv -o biased.csv").ok();
-    bench.run("validate --model model.json --data biased.csv").ok().says(&["has a mean of 18.00 V", "another bias"]);
+    bench.run("validate biased.csv --model model.json").ok().says(&["has a mean of 18.00 V", "another bias"]);
     bench.run("excite stepped-sine --ts 5e-4 --duration 1 --amplitude 28 --frequency 20 -o drive.csv").ok();
     bench.run("simulate --plant paper --input drive.csv -o steps.csv").ok();
-    bench.run("validate --model model.json --data steps.csv").ok().says(&["changes by up to", "V/s"]);
+    bench.run("validate steps.csv --model model.json").ok().says(&["changes by up to", "V/s"]);
 }
 
 #[test]
@@ -162,14 +162,10 @@ fn a_large_multisine_is_told_to_be_no_small_signal() {
         )
         .ok();
     bench.run("simulate --plant paper --input drive.csv -o large.csv").ok();
-    let found = bench
-        .run("identify --method paper --small-signal large.csv --large-signal sine5.csv -o m.json --json f.json")
-        .ok();
+    let found = bench.run("identify sine5.csv --method paper --small-signal large.csv -o m.json --json f.json").ok();
     found.says(&["large.csv: the record is not linear", "% of the output's rms"]);
     assert_eq!(bench.json("f.json")["linearity"][0]["is_linear"], false);
-    let sound = bench
-        .run("identify --method paper --small-signal prbs.csv --large-signal sine5.csv -o m.json --json f.json")
-        .ok();
+    let sound = bench.run("identify sine5.csv --method paper --small-signal prbs.csv -o m.json --json f.json").ok();
     assert!(!sound.err.contains("is not linear"), "{}", sound.err);
     assert_eq!(bench.json("f.json")["linearity"][0]["is_linear"], true);
 }

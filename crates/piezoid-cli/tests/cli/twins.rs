@@ -16,9 +16,9 @@ fn identified(plant: &str, ts: &str, seconds: f64, middle: f64, large: f64, smal
         bench.run(&format!("excite {kind} {drive} -o u.csv")).ok();
         bench.run(&format!("simulate --plant {plant} --input u.csv --begin settled -o {name}.csv")).ok();
     }
-    let records = "--small-signal small.csv --large-signal slow.csv fast.csv";
+    let records = "slow.csv fast.csv --small-signal small.csv";
     bench.run(&format!("identify {records} --operator prandtl-ishlinskii -o m.json --json found.json")).ok();
-    let left = bench.run("validate --model m.json --data other.csv --json -").ok().out_json();
+    let left = bench.run("validate other.csv --model m.json --json -").ok().out_json();
     let poles = bench.json("found.json")["linear"]["modal_form"]["poles"].clone();
     let pole = |p: &serde_json::Value| (p["kind"].as_str().unwrap().to_string(), number(&p["hz"]));
     (number(&left["total"]["rms_pp_percent"]), poles.as_array().unwrap().iter().map(pole).collect())

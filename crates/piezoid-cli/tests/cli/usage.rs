@@ -8,7 +8,7 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
     let lines: &[(&str, &[&str])] = &[
         ("frobnicate", &["frobnicate", "known are study, plan, inspect, prepare, excite"]),
         ("identfy", &["a similar subcommand exists: 'identify'"]),
-        ("validate --modle model.json --data sine5.csv", &["--modle", "'--model'"]),
+        ("validate sine5.csv --modle model.json", &["--modle", "'--model'"]),
         ("simulate --plant paper --input drive5.csv", &["--output"]),
         ("simulate --input drive5.csv -o y.csv", &["--plant", "--model"]),
         ("simulate --plant paper --model model.json --input drive5.csv -o y.csv", &["cannot be used with"]),
@@ -27,33 +27,33 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
             "excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --driver bd300 -o u.csv",
             &["bd300", "--capacitance", "farad"],
         ),
-        ("identify -o m.json", &["--large-signal"]),
-        ("identify --data sine5.csv", &["--output"]),
-        ("identify --method paper --data sine5.csv --order 0 -o m.json", &["--order 0", "at least 1"]),
-        ("identify --data sine5.csv --order 99 -o m.json", &["'99'", "--order"]),
-        ("identify --data sine5.csv --iterations 0 -o m.json", &["'0'", "--iterations", "1 or more"]),
-        ("identify --data sine5.csv --particles -3 -o m.json", &["'-3'", "--particles"]),
-        ("identify --data sine5.csv --bins 0 -o m.json", &["'0'", "--bins"]),
-        ("identify --data sine5.csv --global-best last -o m.json", &["'last'", "ever", "current"]),
-        ("identify --data sine5.csv --operator preisach,dhal -o m.json", &["`dhal`", "did you mean `dahl`"]),
+        ("identify -o m.json", &["--small-signal"]),
+        ("identify sine5.csv", &["--output"]),
+        ("identify sine5.csv --method paper --order 0 -o m.json", &["--order 0", "at least 1"]),
+        ("identify sine5.csv --order 99 -o m.json", &["'99'", "--order"]),
+        ("identify sine5.csv --iterations 0 -o m.json", &["'0'", "--iterations", "1 or more"]),
+        ("identify sine5.csv --particles -3 -o m.json", &["'-3'", "--particles"]),
+        ("identify sine5.csv --bins 0 -o m.json", &["'0'", "--bins"]),
+        ("identify sine5.csv --global-best last -o m.json", &["'last'", "ever", "current"]),
+        ("identify sine5.csv --operator preisach,dhal -o m.json", &["`dhal`", "did you mean `dahl`"]),
         (
             "excite stepped-sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --steps 2 -o u.csv",
             &["steps", "from 3 to"],
         ),
-        ("identify --data sine5.csv --method jiont -o m.json", &["'jiont'", "joint", "paper"]),
-        ("identify --data sine5.csv -o - --json -", &["stdout"]),
-        ("identify --data sine5.csv -o m.json --json m.json", &["m.json", "another file"]),
-        ("identify --data sine5.csv -o sine5.csv", &["sine5.csv", "overwritten"]),
+        ("identify sine5.csv --method jiont -o m.json", &["'jiont'", "joint", "paper"]),
+        ("identify sine5.csv -o - --json -", &["stdout"]),
+        ("identify sine5.csv -o m.json --json m.json", &["m.json", "another file"]),
+        ("identify sine5.csv -o sine5.csv", &["sine5.csv", "overwritten"]),
         ("simulate --plant paper --input drive5.csv -o drive5.csv", &["drive5.csv", "overwritten"]),
-        ("report --model model.json --data sine5.csv -o model.json", &["model.json", "overwritten"]),
-        ("validate --model model.json --data sine5.csv --json ./sine5.csv", &["sine5.csv", "overwritten"]),
-        ("loops --data sine5.csv --json sine5.csv", &["sine5.csv", "overwritten"]),
+        ("report sine5.csv --model model.json -o model.json", &["model.json", "overwritten"]),
+        ("validate sine5.csv --model model.json --json ./sine5.csv", &["sine5.csv", "overwritten"]),
+        ("loops sine5.csv --json sine5.csv", &["sine5.csv", "overwritten"]),
         ("validate --model model.json", &["<FILE>..."]),
-        ("validate --model model.json --data sine5.csv --skip -5", &["'-5'", "--skip", "0 or more"]),
-        ("validate --model model.json --data sine5.csv --skip nan", &["'nan'", "--skip"]),
-        ("validate --model model.json --data sine5.csv --from inf", &["'inf'", "--from"]),
-        ("validate --model model.json --data sine5.csv --ts 0", &["'0'", "--ts", "positive"]),
-        ("validate --model model.json --data sine5.csv --offset fre", &["'fre'", "free"]),
+        ("validate sine5.csv --model model.json --skip -5", &["'-5'", "--skip", "0 or more"]),
+        ("validate sine5.csv --model model.json --skip nan", &["'nan'", "--skip"]),
+        ("validate sine5.csv --model model.json --from inf", &["'inf'", "--from"]),
+        ("validate sine5.csv --model model.json --ts 0", &["'0'", "--ts", "positive"]),
+        ("validate sine5.csv --model model.json --offset fre", &["'fre'", "free"]),
         ("study --plant papr", &["`papr`", "paper"]),
         ("study --seed minus", &["'minus'", "--seed"]),
         ("completions tcsh", &["'tcsh'", "zsh"]),
@@ -70,11 +70,11 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
 #[test]
 fn an_operation_without_output_of_its_own_is_a_verb_by_its_row() {
     let bench = Bench::stocked();
-    let found = bench.run("loops --data sine5.csv --bins 8").ok().out_json();
+    let found = bench.run("loops sine5.csv --bins 8").ok().out_json();
     assert_eq!(found["units"]["y"], "um");
     // A quarter of 0.2 s, in samples of 0.5 ms.
     assert_eq!((&found["loop"]["frequency_hz"], &found["reversals"][0]), (&5.0.into(), &100.into()));
-    bench.run("loops --data sine5.csv --bins 0").exits(2).says(&["'0'", "--bins"]);
+    bench.run("loops sine5.csv --bins 0").exits(2).says(&["'0'", "--bins"]);
 }
 
 #[test]
@@ -84,15 +84,15 @@ fn an_unknown_name_is_answered_with_the_nearest_one() {
         ("simulate --plant papr --input drive5.csv -o y.csv", "`paper`"),
         ("simulate --plant pl14o --input drive5.csv -o y.csv", "`pl140`"),
         ("plants --show pl1400", "`pl140`"),
-        ("identify --data sine5.csv --operator twobranch -o m.json", "`two-branch`"),
-        ("identify --method paper --data sine5.csv --estimator swrm -o m.json", "`swarm`"),
+        ("identify sine5.csv --operator twobranch -o m.json", "`two-branch`"),
+        ("identify sine5.csv --method paper --estimator swrm -o m.json", "`swarm`"),
         ("excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --driver pl40 -o u.csv", "`pl140`"),
     ];
     for (line, meant) in lines {
         bench.misused(line).says(&["known are", "did you mean", meant]);
     }
     // Only the file can show that this name is wrong.
-    let line = "validate --model model.json --data sine5.csv --output-col y_u";
+    let line = "validate sine5.csv --model model.json --output-col y_u";
     bench.refused(line).says(&["known are", "did you mean", "`y_um`"]);
 }
 
