@@ -25,7 +25,7 @@ fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
         ("excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --clip -o u.csv", &["--driver"]),
         (
             "excite sine --ts 5e-4 --duration 1 --amplitude 1 --frequency 5 --driver bd300 -o u.csv",
-            &["bd300", "--capacitance", "farad"],
+            &["bd300", "--capacitance", "8.2e-6 F"],
         ),
         ("identify -o m.json", &["--small-signal"]),
         ("identify sine5.csv", &["--output"]),
