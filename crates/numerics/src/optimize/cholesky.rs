@@ -97,9 +97,12 @@ mod tests {
         let l = cholesky(a.clone()).unwrap();
         let mut plain = a;
         for j in 0..n {
+            let sum = |plain: &DMatrix<f64>, i: usize| {
+                (0..j).fold(plain[(i, j)], |sum, k| sum - plain[(j, k)] * plain[(i, k)])
+            };
+            let root = sum(&plain, j).sqrt();
             for i in j..n {
-                let sum = (0..j).fold(plain[(i, j)], |sum, k| sum - plain[(j, k)] * plain[(i, k)]);
-                plain[(i, j)] = if i == j { sum.sqrt() } else { sum / plain[(j, j)] };
+                plain[(i, j)] = sum(&plain, i) / root;
                 assert_eq!(plain[(i, j)].to_bits(), l[(i, j)].to_bits(), "{i} {j}");
             }
         }

@@ -159,6 +159,17 @@ mod tests {
     }
 
     #[test]
+    fn the_page_draws_series_in_the_colours_of_reports() {
+        let style = include_str!("../../../../web/style.css");
+        let roles = [Role::Measured, Role::Accent1, Role::Accent2, Role::Accent3, Role::Accent4, Role::Accent5];
+        for role in roles {
+            let Colour { light, dark, .. } = ROLES[role as usize];
+            let of = |colour: &str| style.matches(&format!("--plot-{}: {colour};", role.number())).count();
+            assert_eq!((of(light), of(dark)), (1, 2), "{}", role.name());
+        }
+    }
+
+    #[test]
     fn every_role_finds_its_own_row() {
         assert_eq!(Role::Ascending.name(), "ascending");
         assert_eq!(Role::Muted.name(), "muted");
