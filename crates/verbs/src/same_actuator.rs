@@ -73,7 +73,7 @@ pub(super) fn matched(
         return Ok((spec, None));
     }
     let [at, model_at, plant_at] = [middle, of_model(middle), of_plant(middle)].map(short);
-    spec.sensor.zero_m += apart / factor;
+    spec.sensor.zero_m += 1e-6 * apart / factor;
     let note = format!(
         "At {at} {u} the model is at {model_at} {y}, the plant `{name}` at {plant_at} {y}: the zeros of their sensors \
          differ. The zero of the plant is moved by {} {y}, so that both agree at {at} {u}",
