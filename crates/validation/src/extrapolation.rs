@@ -79,7 +79,7 @@ pub(super) static BAND: Remark = Remark {
 
 pub(super) static RATE: Remark = Remark {
     name: "rate",
-    when: "u changes more than 10 % faster than in the identification data",
+    when: "u changes more than 10 % faster than in the training data",
     text: |c| {
         let ((identified, domain), unit) = (c.domains.as_ref()?, &c.model.units().u);
         (domain.slew > (1.0 + RATE_MARGIN) * identified.slew).then(|| {
@@ -95,7 +95,7 @@ pub(super) static RATE: Remark = Remark {
 
 pub(super) static BIAS: Remark = Remark {
     name: "bias",
-    when: "the mean of u is outside those of the identification data by more than 20 % of the identified range",
+    when: "the mean of u is outside those of the training data by more than 20 % of the identified range",
     text: |c| {
         let ((identified, domain), unit) = (c.domains.as_ref()?, &c.model.units().u);
         let slack = MEAN_MARGIN * (identified.u[1] - identified.u[0]);
