@@ -10,7 +10,7 @@ mod web;
 mod words;
 
 use skipped::Skipped;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode, ExitStatus};
 use std::time::Instant;
 
@@ -103,6 +103,7 @@ fn test() -> Result<(), String> {
     step(&mut cargo(&["check", "--package", "piezoid", "--no-default-features"]))?;
     step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
     tidy::tidy()?;
+    build_workspace()?;
     skipped.step(&mut cargo(&["test", "--workspace"]))?;
     // Each of these keeps about one core busy.
     let mut of_page = Skipped::default();
@@ -134,7 +135,22 @@ fn for_the_web(skipped: &mut Skipped, test: &str) -> Result<bool, String> {
     }
 }
 
-/// Builds the Python package into a separate environment, and runs its tests there.
+/// Builds all that is built for tests, with the features of the whole workspace: what is then tried outside of
+/// `cargo test` needs no second build.
+fn build_workspace() -> Result<(), String> {
+    step(&mut cargo(&["build", "--workspace", "--lib", "--bins", "--tests", "--examples"]))
+}
+
+/// The file that [`build_workspace`] made.
+fn built(file: &str) -> PathBuf {
+    target().join("debug").join(file)
+}
+
+fn target() -> PathBuf {
+    std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |d| root().join(d))
+}
+
+/// Installs the Python package in a separate environment, and runs its tests there.
 fn python_package() -> Result<(), String> {
     let mut skipped = Skipped::default();
     python_tests(&mut skipped)?;
@@ -147,23 +163,24 @@ fn python_tests(skipped: &mut Skipped) -> Result<(), String> {
     let home = root().join("target/python");
     let inside = || Command::new(home.join(if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" }));
     let package = root().join("crates/piezoid-py");
-    let extras = "plot,learn,fleet,progress,test";
     let ready = || {
         if !home.join("pyvenv.cfg").exists() {
             step(python().args(["-m", "venv"]).arg(&home))?;
         }
-        step(inside().args(["-m", "pip", "install", "--quiet", "maturin>=1.9,<2"]))
+        step(inside().arg("xtask/src/install.py").arg(&package).args(["plot", "learn", "fleet", "progress", "test"]))
     };
     match ready() {
         Err(what) if std::env::var_os("CI").is_none() => {
-            let missing = format!("no Python 3.10 with venv, or no packages from PyPI ({what})");
+            let missing = format!("no Python 3.11 with venv, or no packages from PyPI ({what})");
             skipped.add("the Python package, all tests", &missing);
             return Ok(());
         }
         ready => ready?,
     }
-    let build = ["-m", "maturin", "develop", "--profile", "dev", "--quiet", "--extras", extras, "--manifest-path"];
-    step(inside().args(build).arg(package.join("Cargo.toml")).env("VIRTUAL_ENV", &home).env_remove("CONDA_PREFIX"))?;
+    build_workspace()?;
+    let library = format!("{}_piezoid{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let module = package.join("python/piezoid").join(if cfg!(windows) { "_piezoid.pyd" } else { "_piezoid.abi3.so" });
+    std::fs::copy(built(&library), &module).map_err(|e| format!("{}: {e}", module.display()))?;
     let settings = package.join("pyproject.toml");
     skipped.step(inside().args(["-m", "pytest", "-rs", "--config-file"]).arg(settings).arg(package.join("tests")))
 }

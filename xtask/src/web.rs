@@ -1,6 +1,6 @@
 //! `cargo xtask web`: the modules of the page, the lists, and the scripts, in web/dist.
 
-use super::{Skipped, WEB, announced, cargo, for_the_web, root, step, succeeded};
+use super::{Skipped, WEB, announced, build_workspace, built, cargo, for_the_web, root, step, succeeded, target};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
@@ -101,8 +101,7 @@ fn module(profile: &str, features: &[&str], names: &[&str]) -> Result<(), String
     let mut build = cargo(&["build", "--profile", profile, "--package", "piezoid-wasm", "--target", WEB]);
     let flags = flags().join("\x1f");
     step(build.args(["--features", &features.join(",")]).env("CARGO_ENCODED_RUSTFLAGS", flags))?;
-    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |d| root().join(d));
-    let built = target.join(WEB).join(profile).join("piezoid_wasm.wasm");
+    let built = target().join(WEB).join(profile).join("piezoid_wasm.wasm");
     names.iter().map(|name| written(&format!("{name}.wasm"))).try_for_each(|module| {
         std::fs::copy(&built, &module).map(drop).map_err(|e| format!("{}: {e}", module.display()))
     })
@@ -119,10 +118,10 @@ fn flags() -> Vec<String> {
 
 /// The lists for menus and forms, of all modules.
 fn lists() -> Result<(), String> {
-    let mut print = cargo(&["run", "--package", "piezoid-operations", "--example", "catalogue"]);
+    build_workspace()?;
+    let mut print = Command::new(built("examples/catalogue"));
     let line = announced(&print);
-    let printed = print.current_dir(root()).stderr(Stdio::inherit()).output();
-    let printed = printed.map_err(|e| format!("cannot start `{line}`: {e}"))?;
+    let printed = print.stderr(Stdio::inherit()).output().map_err(|e| format!("cannot start `{line}`: {e}"))?;
     succeeded(&line, printed.status)?;
     std::fs::write(written("lists.json"), printed.stdout).map_err(|e| format!("lists.json: {e}"))
 }
