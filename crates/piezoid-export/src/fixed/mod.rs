@@ -56,11 +56,11 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 /// Largest allowed error, over the stroke.
 const MAX_ERROR_SHARE: f64 = 1e-4;
 
-/// Largest number of operations of a sample, over all entries: their test runs then take seconds. The largest of the
-/// operators with default sizes has 2e4.
+/// Largest mean number of operations of a sample in a test run: these then take seconds. The largest of the operators
+/// with default sizes has 2e4.
 const OPERATIONS: f64 = 5e4;
 
-/// Samples on which operations are counted.
+/// Samples of which a run takes at least the mean: some take many times as long as others.
 const TRIED: usize = 16;
 
 /// The exported program with integers.
@@ -113,20 +113,6 @@ impl Fixed {
     /// The program with integers, its errors against the program `exact`.
     fn of(whole: &ExportedProgram, exact: &Program, request: &ExportRequest) -> Result<Self, Error> {
         let test_inputs = test_inputs(whole, request);
-        let mut operations = 0.0;
-        for (entry, TestInputs { inputs, .. }) in whole.entries.iter().zip(&test_inputs) {
-            let mut machine = Machine::new(&whole.program, entry.state, false);
-            inputs.iter().take(TRIED).try_for_each(|input| machine.call(entry.step, input).map(drop))?;
-            operations += machine.counts.total() as f64 / TRIED as f64;
-        }
-        if operations > OPERATIONS {
-            let because = format!(
-                "a sample takes {} operations, but range and error are computed for at most {}",
-                short(operations),
-                short(OPERATIONS)
-            );
-            return Err(Error::Unsuited { what: "export in fixed point".into(), because });
-        }
         let (mut machines, mut outputs) = (Vec::new(), Vec::new());
         for (entry, TestInputs { starts, inputs }) in whole.entries.iter().zip(&test_inputs) {
             let runs = |mut machine: Machine<'_>| {
@@ -237,9 +223,26 @@ impl Fixed {
 }
 
 /// Runs a machine from a state.
+///
+/// # Errors
+/// Returns an error as soon as that takes too many operations.
 fn run(machine: &mut Machine, entry: &Entry, start: &[f64], inputs: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
     machine.state().copy_from_slice(start);
-    inputs.iter().map(|row| Ok(machine.call(entry.step, row)?[0])).collect()
+    let before = machine.counts.total();
+    let output = |(t, row): (usize, &Vec<f64>)| {
+        let output = machine.call(entry.step, row)?[0];
+        let each = (machine.counts.total() - before) as f64 / TRIED.max(t + 1) as f64;
+        if each > OPERATIONS {
+            let because = format!(
+                "a sample takes {} operations, but range and error are computed for at most {}",
+                short(each),
+                short(OPERATIONS)
+            );
+            return Err(Error::Unsuited { what: "export in fixed point".into(), because });
+        }
+        Ok(output)
+    };
+    inputs.iter().enumerate().map(output).collect()
 }
 
 /// The output of an entry.
