@@ -106,7 +106,7 @@ pub(crate) fn cross_validate(
         .filter(|fold| segments.iter().any(|s| s.fold == Some(*fold) && s.judged && s.samples > 0.0))
         .collect();
     // Each smoothness starts from the signs of the one before.
-    let signs = vec![true; prior.current().len()];
+    let signs = prior.positive();
     let mut held_out: Vec<_> =
         folds.iter().map(|&fold| HeldOutFold::new(estimate, segments, fold, signs.clone())).collect();
     let mut tried: Vec<HeldOut> = Vec::new();

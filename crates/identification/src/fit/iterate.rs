@@ -79,7 +79,7 @@ impl Iterate {
 
     /// The sum of squares and penalties at the solution of the linearised equations.
     pub(crate) fn predicted(&self, lambda: f64) -> f64 {
-        let mut positive = vec![true; self.prior.current().len()];
+        let mut positive = self.prior.positive();
         let x = self.prior.solve(&self.normal, lambda, INITIAL_DAMPING, self.free, &mut positive);
         x.map_or(f64::INFINITY, |x| self.cost_at(&x, lambda))
     }

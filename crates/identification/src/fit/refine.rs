@@ -170,7 +170,7 @@ fn lower(
     free: FreeParameters,
 ) -> Option<Iterate> {
     let slowest = slowest_observable(runs.iter().map(|run| run.record));
-    let (mut positive, mut harder) = (vec![true; point.prior.current().len()], 2.0);
+    let (mut positive, mut harder) = (point.prior.positive(), 2.0);
     for _ in 0..MAX_TRIES {
         let x = point.prior.solve(&point.normal, lambda, *damping, free, &mut positive)?;
         if cost.is_finite() && 1.0 - point.cost_at(&x, lambda) / cost < MIN_PREDICTED_DECREASE {

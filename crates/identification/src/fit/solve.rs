@@ -92,6 +92,12 @@ impl Prior {
         &self.current
     }
 
+    /// A guess which parameters are positive: those that are, or all if no weight is known yet.
+    pub(crate) fn positive(&self) -> Vec<bool> {
+        let is_known = self.current.rows_range(self.layout.weights.clone()).iter().any(|weight| *weight > 0.0);
+        self.current.iter().map(|value| !is_known || *value > 0.0).collect()
+    }
+
     /// The current values that must not be negative.
     pub(crate) fn signed(&self) -> impl Iterator<Item = f64> {
         self.current.iter().zip(&self.signed).filter(|(_, signed)| **signed).map(|(value, _)| *value)

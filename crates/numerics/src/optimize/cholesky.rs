@@ -16,7 +16,7 @@ const COLUMNS: usize = 4;
 const ROWS: usize = 8;
 
 /// Smallest pivot, over the diagonal of A.
-const MIN_PIVOT: f64 = 1e-14;
+pub(super) const MIN_PIVOT: f64 = 1e-14;
 
 /// The lower triangle L of A = L L'; above it are other numbers. `None` if A is not positive definite.
 pub(super) fn cholesky(mut a: DMatrix<f64>) -> Option<DMatrix<f64>> {
