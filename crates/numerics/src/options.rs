@@ -207,6 +207,7 @@ impl OptionRow {
     pub fn fit(&self, value: Value) -> Result<Value, Error> {
         let whole = |value: &Value| value.as_u64().or_else(|| value.as_f64().and_then(exactly));
         let is_number = |value: &Value| value.as_f64().is_some_and(f64::is_finite);
+        let if_it_fits = |fits: bool| fits.then(|| value.clone());
         let fitted = match (self.values, &value) {
             (OptionKind::Switch | OptionKind::Bit, Value::Bool(_)) => Some(value.clone()),
             (OptionKind::Bit, _) => whole(&value).filter(|n| *n < 2).map(|n| Value::Bool(n == 1)),
@@ -216,21 +217,15 @@ impl OptionRow {
             (OptionKind::Number { .. }, Value::String(text)) => return self.parse(text),
             (OptionKind::Number { least, open, below }, _) => {
                 let fits = |x: f64| x.is_finite() && x < below && (x > least || x == least && !open);
-                value.as_f64().is_some_and(fits).then(|| value.clone())
+                if_it_fits(value.as_f64().is_some_and(fits))
             }
-            (OptionKind::Pair, Value::Array(two)) => {
-                (two.len() == 2 && two.iter().all(is_number)).then(|| value.clone())
-            }
-            (OptionKind::Numbers, Value::Array(several)) => several.iter().all(is_number).then(|| value.clone()),
-            (OptionKind::Choice(known), Value::String(text)) => {
-                known.iter().any(|(name, _)| name == text).then(|| value.clone())
-            }
+            (OptionKind::Pair, Value::Array(two)) => if_it_fits(two.len() == 2 && two.iter().all(is_number)),
+            (OptionKind::Numbers, Value::Array(several)) => if_it_fits(several.iter().all(is_number)),
+            (OptionKind::Choice(known), Value::String(text)) => if_it_fits(known.iter().any(|(name, _)| name == text)),
             (OptionKind::Text(_), Value::String(_)) => Some(value.clone()),
             (OptionKind::Text(_), Value::Number(number)) => Some(number.to_string().into()),
             (OptionKind::Texts(_), Value::String(_)) => Some(Value::Array(vec![value.clone()])),
-            (OptionKind::Texts(_), Value::Array(several)) => {
-                several.iter().all(Value::is_string).then(|| value.clone())
-            }
+            (OptionKind::Texts(_), Value::Array(several)) => if_it_fits(several.iter().all(Value::is_string)),
             _ => None,
         };
         let shown = || value.as_str().map_or_else(|| value.to_string(), str::to_string);

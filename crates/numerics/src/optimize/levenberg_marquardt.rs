@@ -138,7 +138,9 @@ fn check(problem: &impl SumOfSquares, start: &[f64], settings: &SearchSettings) 
 /// The damped step and the predicted decrease of e'e; `None` if the factorisation fails.
 fn step(normal: &NormalEquations, mu: f64) -> Option<(Vec<f64>, f64)> {
     let d = normal.gradient.len();
-    let size = sizes(normal);
+    // Lengths of the columns of J; 1 for a column of zeros, whose unknown then does not move.
+    let length = |i: usize| normal.hessian[i * d + i].sqrt();
+    let size: Vec<f64> = (0..d).map(|i| if length(i) > 0.0 { length(i) } else { 1.0 }).collect();
     let scaled =
         DMatrix::from_fn(d, d, |i, j| normal.hessian[i * d + j] / (size[i] * size[j]) + if i == j { mu } else { 0.0 });
     let downhill = DVector::from_fn(d, |i, _| -normal.gradient[i] / size[i]);
@@ -146,13 +148,6 @@ fn step(normal: &NormalEquations, mu: f64) -> Option<(Vec<f64>, f64)> {
     let predicted = h.dot(&(&h * mu + downhill));
     let h: Vec<f64> = h.iter().zip(&size).map(|(h, size)| h / size).collect();
     h.iter().all(|h| h.is_finite()).then_some((h, predicted))
-}
-
-/// Lengths of the columns of J; 1 for a column of zeros, whose unknown then does not move.
-fn sizes(normal: &NormalEquations) -> Vec<f64> {
-    let d = normal.gradient.len();
-    let length = |i: usize| normal.hessian[i * d + i].sqrt();
-    (0..d).map(|i| if length(i) > 0.0 { length(i) } else { 1.0 }).collect()
 }
 
 impl NormalEquations {

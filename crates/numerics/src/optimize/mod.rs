@@ -11,6 +11,7 @@ pub mod swarm;
 pub use least_absolute::least_absolute;
 pub use non_negative::non_negative;
 
+use crate::error::Error;
 use serde::{Deserialize, Serialize};
 
 /// The result of a search.
@@ -46,26 +47,10 @@ pub enum Reason {
 
 /// The bounds of a search: it starts and stays in this box.
 #[doc(hidden)]
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "Corners")]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Bounds {
     low: Vec<f64>,
     high: Vec<f64>,
-}
-
-/// File format of [`Bounds`].
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Corners {
-    low: Vec<f64>,
-    high: Vec<f64>,
-}
-
-impl TryFrom<Corners> for Bounds {
-    type Error = crate::error::Error;
-    fn try_from(Corners { low, high }: Corners) -> Result<Self, crate::error::Error> {
-        Bounds::new(low, high)
-    }
 }
 
 impl Bounds {
@@ -73,18 +58,18 @@ impl Bounds {
     ///
     /// # Errors
     /// Returns an error unless both are finite, of equal length, not empty, and `low < high` in every dimension.
-    pub fn new(low: Vec<f64>, high: Vec<f64>) -> Result<Self, crate::error::Error> {
+    pub fn new(low: Vec<f64>, high: Vec<f64>) -> Result<Self, Error> {
         if low.len() != high.len() {
             let (left, right) = ("the lower corner".into(), "the upper corner".into());
-            return Err(crate::error::Error::Lengths { left, left_len: low.len(), right, right_len: high.len() });
+            return Err(Error::Lengths { left, left_len: low.len(), right, right_len: high.len() });
         }
         let narrow = low.iter().zip(&high).position(|(l, h)| !(l < h && (h - l).is_finite()));
         if let Some(d) = narrow {
             let value = format!("{} to {}", low[d], high[d]);
-            return Err(crate::error::Error::parameter(format!("bounds[{d}]"), value, "must be finite and not empty"));
+            return Err(Error::parameter(format!("bounds[{d}]"), value, "must be finite and not empty"));
         }
         if low.is_empty() {
-            return Err(crate::error::Error::parameter("bounds", "no dimension", "must have at least one"));
+            return Err(Error::parameter("bounds", "no dimension", "must have at least one"));
         }
         Ok(Bounds { low, high })
     }
@@ -92,15 +77,5 @@ impl Bounds {
     /// Number of dimensions.
     pub fn dimension(&self) -> usize {
         self.low.len()
-    }
-
-    /// Lower corner.
-    pub fn low(&self) -> &[f64] {
-        &self.low
-    }
-
-    /// Upper corner.
-    pub fn high(&self) -> &[f64] {
-        &self.high
     }
 }

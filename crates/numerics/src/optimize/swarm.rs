@@ -27,7 +27,7 @@ use crate::progress::{Progress, Stage};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error as _};
+use serde::{Deserialize, Serialize};
 
 /// Maximum number of particles and of iterations.
 const MAX_PARTICLES_OR_ITERATIONS: usize = 10_000_000;
@@ -104,24 +104,12 @@ impl Default for SwarmSettings {
     }
 }
 
-/// A swarm between two iterations. It can be serialised as a checkpoint; a search resumed from it is bit-identical to
-/// one without interruption.
-///
-/// ```
-/// use piezoid_numerics::optimize::{Bounds, swarm::{Swarm, SwarmSettings}};
-/// let sphere = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
-/// let bounds = Bounds::new(vec![-5.0; 3], vec![5.0; 3])?;
-/// let mut swarm = Swarm::new(&sphere, bounds, SwarmSettings { iterations: 200, ..SwarmSettings::default() })?;
-/// let minimum = swarm.run(&sphere, &mut piezoid::progress::Stage::ignore);
-/// assert!(minimum.cost < 1e-9);
-/// # Ok::<(), piezoid::Error>(())
-/// ```
-#[doc(hidden)]
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(remote = "Self", deny_unknown_fields)]
-pub struct Swarm {
+/// A swarm between two iterations.
+#[derive(Debug, Clone)]
+struct Swarm {
     settings: SwarmSettings,
     bounds: Bounds,
+    streams: Vec<ChaCha8Rng>,
     x: Vec<f64>,
     v: Vec<f64>,
     p_best: Vec<f64>,
@@ -132,37 +120,22 @@ pub struct Swarm {
     improved: usize,
 }
 
-impl Serialize for Swarm {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        Swarm::serialize(self, to)
-    }
-}
-
-/// Returns an error if the parts of a checkpoint do not fit together.
-impl<'de> Deserialize<'de> for Swarm {
-    fn deserialize<D: Deserializer<'de>>(from: D) -> Result<Self, D::Error> {
-        let c = Swarm::deserialize(from)?;
-        check(&c.settings).map_err(D::Error::custom)?;
-        let (s, d) = (c.settings.particles, c.bounds.dimension());
-        let fits = [&c.x, &c.v, &c.p_best].iter().all(|x| x.len() == s * d)
-            && c.p_cost.len() == s
-            && c.g_best.len() == d
-            && (1..=c.settings.iterations + 1).contains(&c.history.len())
-            && c.courses.len() == c.history.len()
-            && c.improved < c.history.len();
-        if fits {
-            return Ok(c);
-        }
-        let why = format!("this is not a checkpoint of {s} particles in {d} dimensions: its parts have other lengths");
-        Err(D::Error::custom(why))
-    }
-}
-
 impl SwarmSettings {
-    /// Steps 1 to 7 of the paper's algorithm in one call.
+    /// Steps 1 to 7 of the paper's algorithm. `progress` is called before every iteration.
+    ///
+    /// ```
+    /// use piezoid_numerics::optimize::{Bounds, swarm::SwarmSettings};
+    /// let sphere = |x: &[f64]| x.iter().map(|v| v * v).sum::<f64>();
+    /// let bounds = Bounds::new(vec![-5.0; 3], vec![5.0; 3])?;
+    /// let settings = SwarmSettings { iterations: 200, ..SwarmSettings::default() };
+    /// let minimum = settings.minimise(&sphere, bounds, &mut piezoid::progress::Stage::ignore)?;
+    /// assert!(minimum.cost < 1e-9);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
     ///
     /// # Errors
-    /// The errors of [`Swarm::new`].
+    /// Returns an error if there are no particles or iterations, if an inertia weight is not between 0 and 1, or if the
+    /// largest velocity is not positive.
     pub fn minimise(self, cost: &impl Cost, bounds: Bounds, progress: &mut Progress) -> Result<Minimum, Error> {
         Ok(Swarm::new(cost, bounds, self)?.run(cost, progress))
     }
@@ -170,14 +143,16 @@ impl SwarmSettings {
 
 impl Swarm {
     /// Draws random positions and velocities of the particles and evaluates them (steps 1 to 5).
-    ///
-    /// # Errors
-    /// Returns an error if there are no particles or iterations, if an inertia weight is not between 0 and 1, or if the
-    /// largest velocity is not positive.
-    pub fn new(cost: &impl Cost, bounds: Bounds, settings: SwarmSettings) -> Result<Self, Error> {
+    fn new(cost: &impl Cost, bounds: Bounds, settings: SwarmSettings) -> Result<Self, Error> {
         check(&settings)?;
         let (s, d) = (settings.particles, bounds.dimension());
+        let stream = |m: usize| {
+            let mut random = ChaCha8Rng::seed_from_u64(settings.seed);
+            random.set_stream(m as u64);
+            random
+        };
         let mut swarm = Swarm {
+            streams: (0..s).map(stream).collect(),
             x: vec![0.0; s * d],
             v: vec![0.0; s * d],
             p_best: vec![0.0; s * d],
@@ -189,8 +164,7 @@ impl Swarm {
             settings,
             bounds,
         };
-        for m in 0..s {
-            let mut random = swarm.stream(m, 0);
+        for (m, random) in swarm.streams.iter_mut().enumerate() {
             for i in 0..d {
                 let (low, width) = (swarm.bounds.low[i], swarm.bounds.high[i] - swarm.bounds.low[i]);
                 swarm.x[m * d + i] = low + width * random.random::<f64>();
@@ -204,16 +178,12 @@ impl Swarm {
     }
 
     /// Number of iterations so far.
-    pub fn iteration(&self) -> usize {
+    fn iteration(&self) -> usize {
         self.history.len() - 1
     }
 
-    /// Runs the search to its end. `progress` is called before every iteration; if it breaks, the swarm can be kept as
-    /// a checkpoint.
-    pub fn run(&mut self, cost: &impl Cost, progress: &mut Progress) -> Minimum {
-        let d = self.bounds.dimension();
-        let mut streams: Vec<_> =
-            (0..self.settings.particles).map(|m| self.stream(m, words(d, self.iteration()))).collect();
+    /// Runs the search to its end.
+    fn run(mut self, cost: &impl Cost, progress: &mut Progress) -> Minimum {
         let reason = loop {
             let (done, total) = (self.iteration(), self.settings.iterations);
             if let Some(reason) = self.ended() {
@@ -223,12 +193,11 @@ impl Swarm {
             if progress(Stage { figures, ..Stage::new("swarm", done, total) }).is_break() {
                 break Reason::Cancelled;
             }
-            self.advance(&mut streams);
+            self.advance();
             self.update_bests(cost);
         };
-        let best = self.history[self.iteration()];
-        let (history, courses) = (self.history.clone(), self.courses.clone());
-        Minimum { x: courses[self.iteration()].clone(), cost: best, history, courses, reason }
+        let (x, cost) = (self.courses[self.iteration()].clone(), self.history[self.iteration()]);
+        Minimum { x, cost, history: self.history, courses: self.courses, reason }
     }
 
     /// Step 7: the reason to end the search, if there is one.
@@ -246,12 +215,12 @@ impl Swarm {
     }
 
     /// Step 6: moves every particle by (2) and (3), with the coefficients of (5) to (7) at this iteration.
-    fn advance(&mut self, streams: &mut [ChaCha8Rng]) {
+    fn advance(&mut self) {
         let (s, d) = (&self.settings, self.bounds.dimension());
         let share = (self.iteration() + 1) as f64 / s.iterations as f64;
         let (c1, c2) = (2.5 - 2.0 * share, 0.5 + 2.0 * share);
         let w = s.inertia_max - (s.inertia_max - s.inertia_min) * share;
-        for (m, random) in streams.iter_mut().enumerate() {
+        for (m, random) in self.streams.iter_mut().enumerate() {
             let (r1, r2): (f64, f64) = (random.random(), random.random());
             for i in 0..d {
                 let k = m * d + i;
@@ -303,20 +272,6 @@ impl Swarm {
         self.history.push(best);
         self.courses.push(course);
     }
-
-    /// The random stream of particle `m`, from the 32-bit word `at` on.
-    fn stream(&self, m: usize, at: u128) -> ChaCha8Rng {
-        let mut random = ChaCha8Rng::seed_from_u64(self.settings.seed);
-        random.set_stream(m as u64);
-        random.set_word_pos(at);
-        random
-    }
-}
-
-/// 32-bit words that a particle has drawn after `iterations`: two 64-bit numbers per dimension at the start, two per
-/// iteration.
-fn words(dimension: usize, iterations: usize) -> u128 {
-    4 * (dimension as u128 + iterations as u128)
 }
 
 fn check(s: &SwarmSettings) -> Result<(), Error> {
@@ -355,10 +310,9 @@ mod tests {
         let settings = SwarmSettings { particles: 3, iterations: 10, ..SwarmSettings::default() };
         let before = Swarm::new(&rosenbrock, bounds(2), settings).unwrap();
         let mut after = before.clone();
-        let mut streams: Vec<_> = (0..3).map(|m| before.stream(m, words(2, 0))).collect();
-        after.advance(&mut streams);
+        after.advance();
         for m in 0..3 {
-            let mut random = before.stream(m, 8);
+            let mut random = before.streams[m].clone();
             let (r1, r2): (f64, f64) = (random.random(), random.random());
             for i in 0..2 {
                 let k = 2 * m + i;
@@ -377,10 +331,9 @@ mod tests {
         for global_best in [GlobalBest::Ever, GlobalBest::Current] {
             let settings = SwarmSettings { particles: 8, iterations: 40, global_best, ..SwarmSettings::default() };
             let mut swarm = Swarm::new(&rosenbrock, bounds(2), settings).unwrap();
-            let mut streams: Vec<_> = (0..8).map(|m| swarm.stream(m, words(2, 0))).collect();
             let mut differing = 0;
             for _ in 0..40 {
-                swarm.advance(&mut streams);
+                swarm.advance();
                 swarm.update_bests(&rosenbrock);
                 let best = swarm.history[swarm.iteration()];
                 let now = swarm.x.chunks(2).map(rosenbrock).fold(f64::MAX, f64::min);
@@ -393,24 +346,12 @@ mod tests {
     }
 
     #[test]
-    fn an_interrupted_search_is_bit_identical_to_one_without_interruption() {
+    fn a_cancelled_search_is_the_beginning_of_a_whole_one() {
         let settings = SwarmSettings { iterations: 120, ..SwarmSettings::default() };
         let whole = settings.clone().minimise(&rosenbrock, bounds(3), &mut Stage::ignore).unwrap();
-        let mut swarm = Swarm::new(&rosenbrock, bounds(3), settings).unwrap();
         let until_70 = |s: Stage| if s.done == 70 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
-        let part = swarm.run(&rosenbrock, &mut { until_70 });
-        assert_eq!((part.reason, part.history.len()), (Reason::Cancelled, 71));
-        let checkpoint = serde_json::to_string(&swarm).unwrap();
-        let mut resumed: Swarm = serde_json::from_str(&checkpoint).unwrap();
-        assert_eq!(resumed.run(&rosenbrock, &mut Stage::ignore), whole);
-        let cut = checkpoint.replace("\"g_best\":[", "\"g_best\":[0.0,");
-        assert!(
-            serde_json::from_str::<Swarm>(&cut).unwrap_err().to_string().contains("not a checkpoint of 50 particles")
-        );
-        assert_eq!(serde_json::to_string(&resumed).unwrap(), {
-            swarm.run(&rosenbrock, &mut Stage::ignore);
-            serde_json::to_string(&swarm).unwrap()
-        });
+        let part = settings.minimise(&rosenbrock, bounds(3), &mut { until_70 }).unwrap();
+        assert_eq!((part.reason, &part.history[..]), (Reason::Cancelled, &whole.history[..71]));
     }
 
     #[test]
