@@ -29,7 +29,7 @@ use std::f64::consts::TAU;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fir {
     ts: f64,
-    taps: Vec<f64>,
+    pub(super) taps: Vec<f64>,
     ahead: usize,
 }
 
@@ -47,11 +47,6 @@ impl Fir {
         Ok(Fir { ts, taps, ahead })
     }
 
-    /// f_0, f_1, ...
-    pub fn taps(&self) -> &[f64] {
-        &self.taps
-    }
-
     /// Preview on a whole record, which is the delay as a system [samples].
     pub fn ahead(&self) -> usize {
         self.ahead
@@ -60,17 +55,7 @@ impl Fir {
     /// The response to a whole record, which is constant before its first sample and after its last.
     pub fn whole(&self, x: &[f64]) -> Vec<f64> {
         let last = x.len() as isize - 1;
-        self.filtered(x, |t| t.clamp(0, last))
-    }
-
-    /// The steady-state response to one period of a periodic record.
-    pub fn periodic(&self, x: &[f64]) -> Vec<f64> {
-        let n = x.len() as isize;
-        self.filtered(x, |t| t.rem_euclid(n))
-    }
-
-    fn filtered(&self, x: &[f64], place: impl Fn(isize) -> isize) -> Vec<f64> {
-        let at = |t: usize, k: usize| x[place((t + self.ahead) as isize - k as isize) as usize];
+        let at = |t: usize, k: usize| x[((t + self.ahead) as isize - k as isize).clamp(0, last) as usize];
         (0..x.len()).map(|t| self.taps.iter().enumerate().map(|(k, f)| f * at(t, k)).sum()).collect()
     }
 
@@ -93,11 +78,6 @@ impl Fir {
         let sum: Complex<f64> = self.taps.iter().enumerate().map(|(k, f)| f * polar(1.0, -angle * k as f64)).sum();
         let sum = sum * polar(1.0, angle * self.ahead as f64);
         Response { hz, gain: modulus(sum), phase: argument(sum) }
-    }
-
-    /// Rms of the output for white noise of rms 1.
-    pub fn noise_gain(&self) -> f64 {
-        self.taps.iter().map(|f| f * f).sum::<f64>().sqrt()
     }
     /// The filter as a program, sample by sample: a block `preview` with a function of that name, initially settled at
     /// `at_rest`.
@@ -176,8 +156,6 @@ mod tests {
         let x: Vec<f64> = (0..60).map(|t| f64::from(t * t % 17)).collect();
         let delayed = fir.resume(&mut fir.settled(x[0]), &x);
         assert_close(&delayed[2..], &fir.whole(&x)[..58], 0.0, 1e-12);
-        let around = [&x[..], &x[..], &x[..]].concat();
-        assert_close(&fir.periodic(&x), &fir.whole(&around)[60..120], 0.0, 1e-12);
     }
 
     #[test]
@@ -189,7 +167,7 @@ mod tests {
         let sine = |gain: f64, phase: f64| -> Vec<f64> {
             (0..200).map(|t| gain * (TAU * 0.04 * f64::from(t) + phase).sin()).collect()
         };
-        assert_close(&both.periodic(&sine(1.0, 0.0)), &sine(r.gain, r.phase), 0.0, 1e-12);
+        assert_close(&both.whole(&sine(1.0, 0.0))[2..199], &sine(r.gain, r.phase)[2..199], 0.0, 1e-12);
         assert!(Fir::new(1e-3, vec![], 0).is_err() && a.then(&Fir::new(2e-3, vec![1.0], 0).unwrap()).is_err());
     }
 }

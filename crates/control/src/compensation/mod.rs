@@ -161,11 +161,8 @@ impl FeedForward {
     /// for invalid limits, and for limits in volts if the input of the model has another unit.
     pub fn new(model: &Model, settings: FeedForwardSettings) -> Result<Self, Error> {
         let (whole, delay_samples) = (FirDesign::WHOLE, model.linear().delay());
-        FeedForward::with(
-            model,
-            settings,
-            FirDesign { ahead: whole.ahead + delay_samples, taps: whole.taps + delay_samples, ..whole },
-        )
+        let design = FirDesign { ahead: whole.ahead + delay_samples, taps: whole.taps + delay_samples };
+        FeedForward::with(model, settings, design)
     }
 
     /// With this design of the inverse of the linear block.

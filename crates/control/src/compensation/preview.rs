@@ -30,6 +30,12 @@ const GRID: usize = 2048;
 /// Largest number of taps: the solution costs their cube.
 const MAX_TAPS: usize = 1024;
 
+/// Corner f_c of the weight, as a share of half the sampling rate [-].
+const CORNER: f64 = 0.02;
+
+/// Price m on effort [-].
+const EFFORT: f64 = 1e-9;
+
 /// Design of the inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FirDesign {
@@ -37,19 +43,15 @@ pub(crate) struct FirDesign {
     pub ahead: usize,
     /// Number of taps.
     pub taps: usize,
-    /// Corner f_c of the weight, as a share of half the sampling rate [-].
-    pub corner: f64,
-    /// Price m on effort [-].
-    pub effort: f64,
 }
 
 impl FirDesign {
     /// For whole records.
-    pub(crate) const WHOLE: FirDesign = FirDesign { ahead: 64, taps: 192, corner: 0.02, effort: 1e-9 };
+    pub(crate) const WHOLE: FirDesign = FirDesign { ahead: 64, taps: 192 };
 
     /// Sample by sample, with a delay of `ahead` samples.
     pub(crate) fn delayed(ahead: usize) -> Self {
-        FirDesign { ahead, taps: 48 + 2 * ahead, ..FirDesign::WHOLE }
+        FirDesign { ahead, taps: 48 + 2 * ahead }
     }
 }
 
@@ -66,16 +68,11 @@ impl Preview {
     /// # Errors
     /// [`Error::NoInverse`] for a block that is unstable or has no gain at 0 Hz; an error for invalid settings.
     pub(crate) fn new(block: &Arx, design: FirDesign) -> Result<Self, Error> {
-        let FirDesign { ahead, taps, corner, effort } = design;
+        let FirDesign { ahead, taps } = design;
         if !(1..=MAX_TAPS).contains(&taps) || taps <= ahead {
-            return Err(Error::parameter(
-                "taps",
-                taps,
-                format!("must be from {} to {MAX_TAPS}", ahead.saturating_add(1)),
-            ));
+            let rule = format!("must be from {} to {MAX_TAPS}", ahead.saturating_add(1));
+            return Err(Error::parameter("taps", taps, rule));
         }
-        piezoid_numerics::error::positive("corner", corner, "shares of half the sampling rate")?;
-        piezoid_numerics::error::positive("effort", effort, "mean squares")?;
         let g = block.dc_gain();
         let none = |because: String| Err(Error::NoInverse { kind: "bounded", because });
         if !block.is_stable() {
@@ -100,7 +97,7 @@ impl Preview {
             let angle = PI * (k as f64 + 0.5) / GRID as f64;
             let r = block.response(0.5 * angle / (PI * block.ts()));
             let h = polar(r.gain, r.phase) / g;
-            let weight = (1.0 + (angle / (PI * corner)).powi(2)).powi(-2) / GRID as f64;
+            let weight = (1.0 + (angle / (PI * CORNER)).powi(2)).powi(-2) / GRID as f64;
             let rotation = polar(1.0, angle);
             let (mut rotated, mut lag) = (polar(1.0, -angle * ahead as f64) * h.conj(), Complex::from(h.norm_sqr()));
             for j in 0..taps {
@@ -110,7 +107,7 @@ impl Preview {
                 rotated *= rotation;
             }
         }
-        own[0] += effort;
+        own[0] += EFFORT;
         let normal = DMatrix::from_fn(taps + 1, taps + 1, |i, j| match (i == taps, j == taps) {
             (false, false) => own[i.abs_diff(j)],
             (true, true) => 0.0,
@@ -118,11 +115,10 @@ impl Preview {
         });
         right[taps] = 1.0;
         let solved = normal.lu().solve(&right).filter(|f| f.iter().all(|f| f.is_finite()));
-        let unsolved = || Error::NoInverse {
-            kind: "bounded",
-            because: "the least-squares problem of its inverse has no solution".into(),
+        let Some(solved) = solved else {
+            return none("the least-squares problem of its inverse has no solution".into());
         };
-        let mut f: Vec<f64> = solved.ok_or_else(unsolved)?.iter().take(taps).copied().collect();
+        let mut f: Vec<f64> = solved.iter().take(taps).copied().collect();
         let sum: f64 = f.iter().sum();
         f.iter_mut().for_each(|f| *f /= sum * g);
         Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, block: block.clone() })
@@ -160,7 +156,7 @@ mod tests {
         for (delay_samples, ahead) in [(0, 0), (0, 3), (2, 3)] {
             let block = Arx::new(1e-3, Vec::new(), [vec![0.0; delay_samples], vec![4.0]].concat()).unwrap();
             let fir = Preview::new(&block, FirDesign::delayed(ahead)).unwrap().fir().clone();
-            assert_eq!((fir.taps().len(), fir.ahead()), (ahead - delay_samples + 1, ahead));
+            assert_eq!((fir.taps.len(), fir.ahead()), (ahead - delay_samples + 1, ahead));
             let x = fir.whole(&[1.0, 2.0, 5.0, 5.0, 5.0, 5.0, 5.0]);
             assert_eq!(
                 block.resume(&mut block.settled(x[0]), &x)[delay_samples..4],
@@ -192,8 +188,9 @@ mod tests {
         let block = Arx::new(5e-4, vec![0.8], vec![0.1, 0.1]).unwrap();
         assert!(block.invert_whole(&[1.0, 2.0]).is_err());
         let inverse = Preview::new(&block, FirDesign::WHOLE).unwrap();
-        assert!(inverse.error(100.0) < 1e-3 && inverse.fir().noise_gain() * block.dc_gain() < 20.0);
-        let taps = inverse.fir().taps();
+        let taps = &inverse.fir().taps;
+        let noise_gain = taps.iter().map(|f| f * f).sum::<f64>().sqrt();
+        assert!(inverse.error(100.0) < 1e-3 && noise_gain * block.dc_gain() < 20.0);
         let largest = taps.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         assert!(taps[0].abs().max(taps[taps.len() - 1].abs()) < 0.01 * largest);
     }
@@ -213,7 +210,7 @@ mod tests {
         assert!(refused(vec![1.0], vec![1.0]).contains("no bounded inverse"));
         assert!(refused(vec![], vec![1.0, -1.0]).contains("gain at 0 Hz is 0"));
         assert!(refused(vec![1.1], vec![1.0]).contains("unstable"));
-        let none = FirDesign { taps: 3, ahead: 3, ..FirDesign::WHOLE };
+        let none = FirDesign { taps: 3, ahead: 3 };
         assert!(Preview::new(&beam(), none).unwrap_err().to_string().starts_with("taps = 3: must be from 4"));
     }
 }

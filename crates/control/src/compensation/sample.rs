@@ -48,11 +48,8 @@ impl Causal {
     /// The errors of [`FeedForward::new`].
     pub fn new(model: &Model, settings: FeedForwardSettings, delay_samples: usize) -> Result<Self, Error> {
         if delay_samples > Causal::MAX_DELAY_SAMPLES {
-            return Err(Error::parameter(
-                "delay_samples",
-                delay_samples,
-                format!("must be at most {} samples", Causal::MAX_DELAY_SAMPLES),
-            ));
+            let rule = format!("must be at most {} samples", Causal::MAX_DELAY_SAMPLES);
+            return Err(Error::parameter("delay_samples", delay_samples, rule));
         }
         let settings = FeedForwardSettings { clip: true, ..settings };
         Ok(Causal { inverse: FeedForward::with(model, settings, FirDesign::delayed(delay_samples))? })

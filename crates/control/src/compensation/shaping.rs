@@ -192,8 +192,8 @@ mod tests {
             let (zv, zvd) = (Fir::zv(TS, hz, damping).unwrap(), Fir::zvd(TS, hz, damping).unwrap());
             let exact = oscillator(hz, damping);
             assert!(rings(&zv, &exact) < 1e-9 && rings(&zvd, &exact) < 1e-9, "{hz}");
-            assert!(zv.taps().iter().all(|f| *f >= 0.0));
-            assert_close(&[zv.taps().iter().sum()], &[1.0], 1e-12, 0.0);
+            assert!(zv.taps.iter().all(|f| *f >= 0.0));
+            assert_close(&[zv.taps.iter().sum()], &[1.0], 1e-12, 0.0);
             let off = oscillator(1.05 * hz, damping);
             assert!(rings(&zvd, &off) < 0.3 * rings(&zv, &off), "{hz}");
         }
@@ -211,7 +211,7 @@ mod tests {
     #[test]
     fn a_smoothed_step_has_no_corner_and_no_shift() {
         let bell = Fir::smooth(TS, 0.02).unwrap();
-        assert_eq!((bell.taps().len(), bell.ahead()), (41, 20));
+        assert_eq!((bell.taps.len(), bell.ahead()), (41, 20));
         let step: Vec<f64> = (0..200).map(|t| f64::from(u8::from(t >= 100))).collect();
         let moved = bell.whole(&step);
         let jump = moved.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).abs()).fold(0.0, f64::max);

@@ -123,10 +123,7 @@ impl ControlLoop {
     pub(crate) fn margins(&self, controller: &dyn Controller, slope: f64) -> Option<Margins> {
         let law = controller.law()?;
         let grid = grid(&[self.linear(), &law], self.delay_samples);
-        let l = open(&grid, self.linear(), slope, self.delay_s())
-            .zip(at(&grid, &law))
-            .map(|(g, c)| g * c)
-            .collect::<Vec<_>>();
+        let l: Vec<_> = self.opened(&grid, &law, slope).collect();
         let stable = self.closed(&law, slope).is_ok_and(|t| t.is_stable());
         Some(Margins {
             gain_db: 20.0 * log10(growths(&l).filter(|&k| k > 1.0).fold(f64::INFINITY, f64::min)),
@@ -140,8 +137,12 @@ impl ControlLoop {
     /// |S| with a controller at this slope and these frequencies [Hz]; `None` if its law is not linear.
     pub(crate) fn sensitivity(&self, controller: &dyn Controller, slope: f64, hz: &[f64]) -> Option<Vec<f64>> {
         let law = controller.law()?;
-        let l = open(hz, self.linear(), slope, self.delay_s()).zip(at(hz, &law)).map(|(g, c)| g * c);
-        Some(l.map(|l| 1.0 / modulus(1.0 + l)).collect())
+        Some(self.opened(hz, &law, slope).map(|l| 1.0 / modulus(1.0 + l)).collect())
+    }
+
+    /// L with a linear law.
+    fn opened<'a>(&'a self, grid: &'a [f64], law: &'a Arx, slope: f64) -> impl Iterator<Item = Complex<f64>> + 'a {
+        open(grid, self.linear(), slope, self.delay_s()).zip(at(grid, law)).map(|(g, c)| g * c)
     }
 
     /// The closed loop from r to y with a linear law.
@@ -158,14 +159,11 @@ impl ControlLoop {
 
 /// Returns an error for a sensor delay that is too long for tuning.
 pub(super) fn check_delay(delay_samples: usize) -> Result<(), Error> {
-    match delay_samples <= ControlLoop::MAX_DELAY_SAMPLES {
-        true => Ok(()),
-        false => Err(Error::parameter(
-            "delay_samples",
-            delay_samples,
-            format!("must be at most {} samples", ControlLoop::MAX_DELAY_SAMPLES),
-        )),
+    if delay_samples <= ControlLoop::MAX_DELAY_SAMPLES {
+        return Ok(());
     }
+    let rule = format!("must be at most {} samples", ControlLoop::MAX_DELAY_SAMPLES);
+    Err(Error::parameter("delay_samples", delay_samples, rule))
 }
 
 /// Smallest and largest slope of the hysteresis on a major loop and on minor loops. The step after a reversal is

@@ -221,19 +221,11 @@ impl TunedScheme {
     /// # Errors
     /// Returns an error for series that are not finite or differ in length, and different sampling periods.
     pub fn run(&self, plant: &dyn System, r: &[f64], feed_forward: &FeedForwardResult) -> Result<ClosedLoopRun, Error> {
-        let (limits, delay_samples, ahead, before) =
-            (self.path.limits, self.path.delay_samples, self.ahead, feed_forward.after.as_deref());
+        let ControlLoop { limits, slew, delay_samples, .. } = self.path;
         let start = r.first().map_or(0.0, |r| self.model().static_input(*r, limits));
-        let closed_loop = ClosedLoop {
-            r,
-            feed_forward: &feed_forward.u,
-            limits,
-            slew: self.path.slew,
-            delay_samples,
-            ahead,
-            start,
-            before,
-        };
+        let (ahead, before) = (self.ahead, feed_forward.after.as_deref());
+        let closed_loop =
+            ClosedLoop { r, feed_forward: &feed_forward.u, limits, slew, delay_samples, ahead, start, before };
         closed_loop.run(plant, &*self.controller)
     }
 }

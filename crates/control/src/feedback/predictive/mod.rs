@@ -42,12 +42,12 @@ use kalman::Observer;
 use nalgebra::{DVectorView, DVectorViewMut};
 use piezoid_models::hammerstein::Model;
 use piezoid_models::linear::Arx;
-use piezoid_numerics::error::{Error, finite};
+use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use piezoid_numerics::series::dot;
 use piezoid_numerics::system::System;
 use realisation::Realisation;
-use state::{Parts, StateLayout};
+use state::Parts;
 use std::sync::Arc;
 
 /// Distance from a limit that counts as reached, and the smallest move for which a dead zone is crossed, relative to
@@ -158,33 +158,6 @@ impl Predictive {
         }
     }
 
-    /// The settings.
-    pub fn settings(&self) -> &PredictiveSettings {
-        &self.settings
-    }
-
-    /// Number of samples of the reference that a step uses, with the present one.
-    pub fn preview(&self) -> usize {
-        self.plant.delay + self.settings.horizon
-    }
-
-    /// Checks that every value of `reference` [output unit] can be held; the plan handles its speed.
-    ///
-    /// # Errors
-    /// Returns an error for the first sample that is not finite or is out of the range within voltage and displacement
-    /// limits.
-    pub fn check(&self, reference: &[f64]) -> Result<(), Error> {
-        finite("reference", reference)?;
-        let (mut low, mut high) = self.reachable();
-        if let Some(allowed) = self.settings.displacement {
-            (low, high) = (low.max(allowed.0), high.min(allowed.1));
-        }
-        reference.iter().position(|r| !(low..=high).contains(r)).map_or(Ok(()), |t| {
-            let rule = format!("must be from {low} to {high}, the range within voltage and displacement limits");
-            Err(Error::parameter(format!("reference[{t}]"), reference[t], rule))
-        })
-    }
-
     /// The lowest and the highest static displacement within the voltage limits [output unit].
     fn reachable(&self) -> (f64, f64) {
         let crept = 1.0 + self.model.creep().lags().iter().map(|lag| lag.gain).sum::<f64>();
@@ -196,29 +169,17 @@ impl Predictive {
         (a.min(b), a.max(b))
     }
 
-    fn layout(&self) -> StateLayout {
-        let program = &self.horizon.program;
-        StateLayout {
-            observer: self.plant.order(),
-            delay_samples: self.settings.delay_samples,
-            model: self.model.order(),
-            horizon: self.settings.horizon,
-            rows: program.sigma.len(),
-            scratch: program.scratch(),
-        }
-    }
-
     /// The same as [`Controller::step`], with the whole plan. `r` is the reference from this sample on, `y` the last
     /// measurement [output unit].
     pub fn plan(&self, x: &mut [f64], r: &[f64], y: f64) -> Plan {
         let (u, ended) = self.advance(x, r, y);
-        let parts = self.layout().parts(x);
+        let parts = self.parts(x);
         let y = self.horizon.response(parts.s, parts.z).add_scalar(self.model.offset());
         Plan { z: parts.z.to_vec(), y: y.as_slice().to_vec(), u, solved: ended.solved, changes: ended.changes }
     }
 
     fn advance(&self, x: &mut [f64], r: &[f64], y: f64) -> (f64, SolveResult) {
-        let mut parts = self.layout().parts(x);
+        let mut parts = self.parts(x);
         self.observe(&mut parts, y);
         self.without_limits(&mut parts, r);
         let free = parts.z[0];
@@ -306,7 +267,7 @@ impl Controller for Predictive {
     }
 
     fn order(&self) -> usize {
-        self.layout().length()
+        self.lengths().iter().sum()
     }
 
     fn initial(&self) -> Vec<f64> {
@@ -316,7 +277,7 @@ impl Controller for Predictive {
     fn settled(&self, u: f64) -> Vec<f64> {
         let z = self.model.settled_hidden(u);
         let mut x = vec![0.0; self.order()];
-        let parts = self.layout().parts(&mut x);
+        let parts = self.parts(&mut x);
         parts.s.copy_from_slice(&self.plant.settled(self.model.creep(), self.model.linear(), z));
         parts.unread.fill(self.predicted(parts.s, z));
         parts.last.copy_from_slice(&[z, u]);
@@ -324,7 +285,7 @@ impl Controller for Predictive {
         x
     }
 
-    /// Uses up to [`Predictive::preview`] samples of the reference; after the last known one it counts as constant.
+    /// Uses the reference up to its delay and horizon; after the last known sample it counts as constant.
     /// Without any, z stays constant. Values of the reference and measurements that are not finite are ignored;
     /// innovations are clipped to ten strokes. The feed-forward is ignored.
     fn step(&self, x: &mut [f64], input: &ControllerInput) -> f64 {

@@ -1,5 +1,8 @@
 //! Layout of the state.
 
+use super::Predictive;
+use piezoid_numerics::system::System;
+
 /// The parts of a state, in this order.
 pub(super) struct Parts<'x> {
     /// The estimated state of linear block, creep and disturbance.
@@ -23,41 +26,22 @@ pub(super) struct Parts<'x> {
     pub(super) scratch: &'x mut [f64],
 }
 
-/// Their lengths.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct StateLayout {
-    pub(super) observer: usize,
-    pub(super) delay_samples: usize,
-    pub(super) model: usize,
-    pub(super) horizon: usize,
-    pub(super) rows: usize,
-    pub(super) scratch: usize,
-}
-
-impl StateLayout {
-    pub(super) fn length(self) -> usize {
-        2 * self.observer + self.delay_samples + 2 + 2 * self.model + 2 * self.horizon + 2 * self.rows + self.scratch
+impl Predictive {
+    /// Their lengths.
+    pub(super) fn lengths(&self) -> [usize; 11] {
+        let (observer, model, horizon) = (self.plant.order(), self.model.order(), self.settings.horizon);
+        let (rows, scratch) = (self.horizon.program.sigma.len(), self.horizon.program.scratch());
+        let delay_samples = self.settings.delay_samples;
+        [observer, delay_samples, 2, model, model, observer, horizon, horizon, rows, rows, scratch]
     }
 
-    pub(super) fn parts(self, x: &mut [f64]) -> Parts<'_> {
+    pub(super) fn parts<'x>(&self, x: &'x mut [f64]) -> Parts<'x> {
         let mut rest = x;
-        let mut cut = |length: usize| {
+        let [s, unread, last, model, trial, next, errors, z, low, high, scratch] = self.lengths().map(|length| {
             let (part, left) = std::mem::take(&mut rest).split_at_mut(length);
             rest = left;
             part
-        };
-        Parts {
-            s: cut(self.observer),
-            unread: cut(self.delay_samples),
-            last: cut(2),
-            model: cut(self.model),
-            trial: cut(self.model),
-            next: cut(self.observer),
-            errors: cut(self.horizon),
-            z: cut(self.horizon),
-            low: cut(self.rows),
-            high: cut(self.rows),
-            scratch: cut(self.scratch),
-        }
+        });
+        Parts { s, unread, last, model, trial, next, errors, z, low, high, scratch }
     }
 }
