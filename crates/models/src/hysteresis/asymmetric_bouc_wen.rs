@@ -73,14 +73,6 @@ impl Law for AsymmetricBoucWen {
         require(unloading.abs() < 1.0, "unloading_skew", unloading, rule)
     }
 
-    fn responses(&self) -> usize {
-        2
-    }
-
-    fn order(&self) -> usize {
-        1
-    }
-
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [beta, ratio, loading, unloading] = [shape[0], shape[1], shape[2], shape[3]];
         let one = R::from(1.0);
@@ -112,15 +104,6 @@ impl Law for AsymmetricBoucWen {
             ShapeParameter { name: "loading_skew", value: self.loading_skew, low: -0.9, high: 0.9 },
             ShapeParameter { name: "unloading_skew", value: self.unloading_skew, low: -0.9, high: 0.9 },
         ]
-    }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        AsymmetricBoucWen {
-            beta: shape[0],
-            gamma_over_beta: shape[1],
-            loading_skew: shape[2],
-            unloading_skew: shape[3],
-        }
     }
 }
 

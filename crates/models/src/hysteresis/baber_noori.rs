@@ -149,10 +149,6 @@ impl Law for BaberNoori {
         require((0.0..1.0).contains(&self.pinch), "pinch", self.pinch, "must be at least 0 and below 1")
     }
 
-    fn responses(&self) -> usize {
-        2
-    }
-
     fn order(&self) -> usize {
         2
     }
@@ -195,10 +191,6 @@ impl Law for BaberNoori {
             ShapeParameter { name: "pinch", value: self.pinch, low: 0.0, high: 0.95 },
             ShapeParameter { name: "pinch_width", value: self.pinch_width, low: 0.05, high: 1.0 },
         ]
-    }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        BaberNoori::of(shape)
     }
 }
 

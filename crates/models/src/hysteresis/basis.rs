@@ -53,7 +53,9 @@ pub trait Basis: Debug + Send + Sync {
     fn order(&self) -> usize;
 
     /// The state at rest, where every phi is 0.
-    fn initial(&self) -> Vec<f64>;
+    fn initial(&self) -> Vec<f64> {
+        vec![0.0; self.order()]
+    }
 
     /// One sample: advances the state `x` by the input `u` and writes the responses to `phi`.
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]);
@@ -110,6 +112,14 @@ pub(super) fn counted(operator: &str, what: &str, have: usize, need: usize) -> R
         return Ok(());
     }
     Err(Error::parameter(what, format!("{have} numbers"), format!("must be {need} numbers for this {operator}")))
+}
+
+/// Returns an error unless `what` has from `least` to `most` numbers.
+pub(super) fn counted_within(what: &str, have: usize, least: usize, most: usize) -> Result<(), Error> {
+    if (least..=most).contains(&have) {
+        return Ok(());
+    }
+    Err(Error::parameter(what, format!("{have} numbers"), format!("must be {least} to {most} numbers")))
 }
 
 /// Second differences of the weights `from` up to `to`.

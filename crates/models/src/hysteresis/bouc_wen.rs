@@ -110,14 +110,6 @@ impl Law for BoucWen {
         require(ratio > -1.0 && ratio.is_finite(), "gamma_over_beta", ratio, rule)
     }
 
-    fn responses(&self) -> usize {
-        2
-    }
-
-    fn order(&self) -> usize {
-        1
-    }
-
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [beta, gamma] = [shape[0], shape[0] * shape[1]];
         let way = input.direction();
@@ -154,10 +146,6 @@ fn hysteresis(x: hysteresis, u) {
             ShapeParameter { name: "beta", value: self.beta, low, high },
             ShapeParameter { name: "gamma_over_beta", value: self.gamma_over_beta, low: -0.95, high: 2.0 },
         ]
-    }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        BoucWen { beta: shape[0], gamma_over_beta: shape[1] }
     }
 }
 

@@ -57,7 +57,7 @@ fn near<R: Real>(y: R, s: R, exponent: R) -> R {
     }
     // y = y_0 (1 - q t)^(1/q), in a form that allows q = 0.
     let q = R::from(1.0) - exponent;
-    let t = s / y.powf(q);
+    let t = s / (q * y.ln()).exp();
     if (q * t).value() >= 1.0 { 0.0.into() } else { y * (-t * (-q * t).log_growth()).exp() }
 }
 
@@ -93,14 +93,6 @@ impl Law for Dahl {
         positive("exponent", self.exponent, "no unit").map(|_| ())
     }
 
-    fn responses(&self) -> usize {
-        2
-    }
-
-    fn order(&self) -> usize {
-        1
-    }
-
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
         let [breakaway, exponent] = [shape[0], shape[1]];
         let way = input.direction();
@@ -122,10 +114,6 @@ impl Law for Dahl {
             ShapeParameter { name: "breakaway", value: self.breakaway, low: 0.03 * half, high: 30.0 * half },
             ShapeParameter { name: "exponent", value: self.exponent, low: 0.1, high: 4.0 },
         ]
-    }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        Dahl { breakaway: shape[0], exponent: shape[1] }
     }
 }
 

@@ -121,10 +121,6 @@ impl Law for Duhem {
         let (low, high) = bends(half);
         vec![ShapeParameter { name: "alpha", value: self.alpha, low, high }]
     }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        Duhem { alpha: shape[0], ..self.clone() }
-    }
 }
 
 /// S: the largest |u| of the range [input unit].

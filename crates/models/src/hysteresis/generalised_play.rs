@@ -157,12 +157,6 @@ impl Law for GeneralisedPlay {
     fn shape(&self, _: f64, _: f64) -> Vec<ShapeParameter> {
         self.bends().map(|(name, value, (low, high))| ShapeParameter { name, value, low, high }).into()
     }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        let mut bends = [0.0; 4];
-        bends.copy_from_slice(shape);
-        GeneralisedPlay::new(self.thresholds.clone(), self.dead_zones.clone(), bends)
-    }
 }
 
 /// The quadratic and the cubic term of an envelope at `u`; 0 at u = 0, constant outside the range [input unit].

@@ -17,7 +17,7 @@
 //! inverse.
 
 use super::Operator;
-use super::basis::{BasisDesign, ShapeParameter};
+use super::basis::{BasisDesign, ShapeParameter, counted_within};
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use crate::program::Block;
@@ -96,14 +96,7 @@ impl Law for Krasnoselskii {
     fn check(&self) -> Result<(), Error> {
         finite("levels", &self.levels)?;
         positive("ridge", self.ridge, "input units")?;
-        let n = self.levels.len();
-        if !(1..=MAX_LEVELS).contains(&n) {
-            return Err(Error::parameter(
-                "levels",
-                format!("{n} numbers"),
-                format!("must be 1 to {MAX_LEVELS} numbers"),
-            ));
-        }
+        counted_within("levels", self.levels.len(), 1, MAX_LEVELS)?;
         let nearest = self.levels.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
         match self.levels.windows(2).position(|w| w[0] >= w[1]) {
             None if nearest.is_finite() && self.ridge < NARROWEST * nearest => {
@@ -166,10 +159,6 @@ impl Law for Krasnoselskii {
     fn shape(&self, half: f64, _: f64) -> Vec<ShapeParameter> {
         let cell = 2.0 * half / self.levels.len() as f64;
         vec![ShapeParameter { name: "ridge", value: self.ridge, low: 0.25 * cell, high: 6.0 * cell }]
-    }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        Krasnoselskii { ridge: shape[0], ..self.clone() }
     }
 }
 

@@ -89,14 +89,14 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         &[]
     }
 
-    /// Number of responses phi; by default that of the input, then one per threshold.
+    /// Number of responses phi; by default that of the input, then one per threshold, or one of a law without them.
     fn responses(&self) -> usize {
-        1 + self.thresholds().len()
+        1 + self.thresholds().len().max(1)
     }
 
-    /// Length of the state, which is 0 at rest; by default one number per threshold.
+    /// Length of the state, which is 0 at rest; by default one number per threshold, or one of a law without them.
     fn order(&self) -> usize {
-        self.thresholds().len()
+        self.thresholds().len().max(1)
     }
 
     /// One sample: advances `x` and passes every phi_k, in order, to `phi`.
@@ -151,9 +151,11 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         Vec::new()
     }
 
-    /// The same law with other shape parameters.
-    fn reshaped(&self, _shape: &[f64]) -> Self {
-        self.clone()
+    /// The same law with other shape parameters, which are fields of its file.
+    fn reshaped(&self, shape: &[f64]) -> Result<Self, Error> {
+        let mut fields = document(self);
+        fields.extend(self.shape(1.0, 1.0).iter().zip(shape).map(|(p, value)| (p.name.into(), (*value).into())));
+        parse(Self::ROW.name, fields.into())
     }
 }
 
@@ -314,10 +316,6 @@ impl<L: Law> Basis for Weighted<L> {
         System::order(self)
     }
 
-    fn initial(&self) -> Vec<f64> {
-        System::initial(self)
-    }
-
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
         self.advance(&self.shape, x, u, |k, value| phi[k] = value);
     }
@@ -338,7 +336,7 @@ impl<L: Law> Basis for Weighted<L> {
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error> {
         finite("shape", shape)?;
         counted(L::ROW.name, "shape", shape.len(), self.shape.len())?;
-        Self::basis(self.ts, self.params.range, self.params.law.reshaped(shape))
+        Self::basis(self.ts, self.params.range, self.params.law.reshaped(shape)?)
     }
 
     fn slope(&self, j: usize, weights: &[f64], u: &[f64]) -> Vec<f64> {

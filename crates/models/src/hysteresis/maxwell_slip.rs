@@ -127,10 +127,6 @@ impl Law for MaxwellSlip {
             ShapeParameter { name: "attraction", value: self.attraction, low: 0.3 * ts, high: 1e4 * ts },
         ]
     }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        MaxwellSlip { rise: shape[0], rate: shape[1], attraction: shape[2], ..self.clone() }
-    }
 }
 
 /// [`Law::step`], weighted.

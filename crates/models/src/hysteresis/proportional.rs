@@ -115,10 +115,6 @@ impl Basis for Proportional {
         0
     }
 
-    fn initial(&self) -> Vec<f64> {
-        Vec::new()
-    }
-
     fn step(&self, _: &mut [f64], u: f64, phi: &mut [f64]) {
         phi[0] = u;
     }

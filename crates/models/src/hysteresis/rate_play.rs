@@ -108,10 +108,6 @@ impl Law for RatePlay {
             ShapeParameter { name: "rate", value: self.rate, low, high },
         ]
     }
-
-    fn reshaped(&self, shape: &[f64]) -> Self {
-        RatePlay { growth: shape[0], rate: shape[1], ..self.clone() }
-    }
 }
 
 /// [`Law::step`], weighted.

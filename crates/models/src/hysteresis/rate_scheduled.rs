@@ -13,7 +13,7 @@
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
-use super::real::Dual;
+use super::real::Real;
 use super::two_branch::{READ, example, read, read_slope};
 use super::{Basis, BasisDesign, Branches, HeldInput, Hysteresis, Operator, document, parse};
 use crate::elementary::ln;
@@ -119,17 +119,10 @@ impl RateScheduled {
         [(above - 1, 1.0 - share), (above, share)]
     }
 
-    /// z at `u` for movement in `direction` at `frequency` [Hz].
-    fn interpolate(&self, u: f64, direction: f64, frequency: f64) -> f64 {
+    /// What `read` returns for the pairs on both sides of `frequency` [Hz], by their shares.
+    fn interpolate<R: Real>(&self, frequency: f64, read: impl Fn(&Branches) -> R) -> R {
         let [low, high] = self.shares(frequency);
-        let z = |(k, share): (usize, f64)| share * read(&self.params.pairs[k].branches, u, direction);
-        z(low) + z(high)
-    }
-
-    /// [`interpolate`](Self::interpolate) with the slope.
-    fn slope(&self, u: f64, direction: f64, frequency: f64) -> Dual {
-        let [low, high] = self.shares(frequency);
-        let z = |(k, share): (usize, f64)| Dual::from(share) * read_slope(&self.params.pairs[k].branches, u, direction);
+        let z = |(k, share): (usize, f64)| R::from(share) * read(&self.params.pairs[k].branches);
         z(low) + z(high)
     }
 
@@ -190,7 +183,7 @@ impl System for RateScheduled {
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
         let (direction, frequency) = self.follow(x, u);
-        self.interpolate(u, direction, frequency)
+        self.interpolate(frequency, |branches| read(branches, u, direction))
     }
 }
 
@@ -208,7 +201,7 @@ impl Hysteresis for RateScheduled {
         let ahead = |u| {
             trial.copy_from_slice(x);
             let (direction, frequency) = self.follow(&mut trial, u);
-            self.slope(u, direction, frequency)
+            self.interpolate(frequency, |branches| read_slope(branches, u, direction))
         };
         by_slopes(x[0], z, ends, ahead).unwrap_or_else(|| by_trials(self, x, z, ends))
     }
@@ -349,10 +342,6 @@ impl Basis for RateScheduledBasis {
         self.schedule.order()
     }
 
-    fn initial(&self) -> Vec<f64> {
-        self.schedule.initial()
-    }
-
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
         let (direction, frequency) = self.schedule.follow(x, u);
         let n = self.nodes.len();
@@ -421,7 +410,7 @@ mod tests {
     #[test]
     fn between_two_frequencies_the_loop_width_is_linear_in_the_logarithm() {
         let block = block();
-        let width = |hz| block.interpolate(0.0, -1.0, hz) - block.interpolate(0.0, 1.0, hz);
+        let width = |hz| block.interpolate(hz, |branches| branches.descending(0.0) - branches.ascending(0.0));
         assert_close(&[1.0, 5.0, 20.0, 80.0, 300.0].map(width), &[2.0, 2.0, 4.0, 6.0, 6.0], 1e-12, 0.0);
     }
 

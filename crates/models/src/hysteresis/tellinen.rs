@@ -312,10 +312,6 @@ impl Basis for TellinenBasis {
         self.operator.order()
     }
 
-    fn initial(&self) -> Vec<f64> {
-        self.operator.initial()
-    }
-
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
         phi[0] = self.operator.step(x, u);
     }

@@ -1,6 +1,6 @@
 //! Thresholds of play and stop operators.
 
-use super::basis::BasisDesign;
+use super::basis::{BasisDesign, counted_within};
 use piezoid_numerics::error::{Error, finite};
 
 /// Default number: one per thirtieth of half the range.
@@ -28,14 +28,7 @@ pub(super) fn example_weights(first: f64) -> Vec<f64> {
 /// Returns an error unless the thresholds are positive and ascending.
 pub(super) fn check(thresholds: &[f64]) -> Result<(), Error> {
     finite("thresholds", thresholds)?;
-    let n = thresholds.len();
-    if !(1..=MAX_THRESHOLDS).contains(&n) {
-        return Err(Error::parameter(
-            "thresholds",
-            format!("{n} numbers"),
-            format!("must be 1 to {MAX_THRESHOLDS} numbers"),
-        ));
-    }
+    counted_within("thresholds", thresholds.len(), 1, MAX_THRESHOLDS)?;
     let mut below = 0.0;
     for (k, &r) in thresholds.iter().enumerate() {
         if r <= below {

@@ -258,10 +258,6 @@ impl Basis for TwoBranchBasis {
         2
     }
 
-    fn initial(&self) -> Vec<f64> {
-        vec![0.0; 2]
-    }
-
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
         x[1] = HeldInput::Held.direction(x[0], u, x[1]);
         x[0] = u;

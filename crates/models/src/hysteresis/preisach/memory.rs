@@ -46,7 +46,8 @@ impl Memory {
     /// (empty at rest), and the present value, which the caller updates.
     pub(super) fn travel(self, x: &mut [f64], u: f64) -> (BranchStart, &[f64], &mut [f64]) {
         self.remember(x, u);
-        self.wipe_out(x, u);
+        // Deletes the loops that the movement closes.
+        x[0] = kept(|i| self.reversal(x, i), count(x), x[1], u) as f64;
         x[1] = u;
         let n = count(x);
         let (now, past) = x[2..].split_at_mut(self.value);
@@ -94,11 +95,6 @@ impl Memory {
         let at = self.place(count(x));
         x.copy_within(1..2 + self.value, at);
         x[0] += 1.0;
-    }
-
-    /// Deletes the loops that a movement to `u` closes.
-    fn wipe_out(self, x: &mut [f64], u: f64) {
-        x[0] = kept(|i| self.reversal(x, i), count(x), x[1], u) as f64;
     }
 
     /// Deletes the two neighbours i and i + 1 with the fewest relays between them, in the rectangle of their own

@@ -20,7 +20,7 @@ mod grid;
 mod memory;
 mod reversible;
 
-use super::basis::{Basis, BasisDesign, counted, curvature};
+use super::basis::{Basis, BasisDesign, counted, counted_within, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials};
 use super::real::{Dual, Real};
 use super::{Hysteresis, Operator, document, parse};
@@ -147,10 +147,7 @@ impl Preisach {
 /// Returns an error unless the levels are ascending.
 fn check(levels: &[f64]) -> Result<(), Error> {
     finite("levels", levels)?;
-    if !(2..=MAX_ROWS + 1).contains(&levels.len()) {
-        let rule = format!("must be 2 to {} numbers", MAX_ROWS + 1);
-        return Err(Error::parameter("levels", format!("{} numbers", levels.len()), rule));
-    }
+    counted_within("levels", levels.len(), 2, MAX_ROWS + 1)?;
     match levels.windows(2).position(|w| w[0] >= w[1]) {
         None => Ok(()),
         Some(k) => {
@@ -307,10 +304,6 @@ impl Basis for CellBasis {
 
     fn order(&self) -> usize {
         self.memory.order()
-    }
-
-    fn initial(&self) -> Vec<f64> {
-        vec![0.0; self.memory.order()]
     }
 
     fn step(&self, x: &mut [f64], u: f64, phi: &mut [f64]) {
