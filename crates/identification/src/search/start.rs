@@ -73,7 +73,7 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
         return of_order(&with_driver, n);
     }
     let limits = OrderSearch { order: max_order, delay: POLICY.max_delay, parallel: true, ..OrderSearch::default() };
-    let found = select_order(&with_driver, &limits, &mut Stage::ignore)?;
+    let found = select_order(&with_driver, &limits)?;
     let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
     if !creeps(&found.fit.arx) {
         return Ok((found.fit.arx, found.reason));

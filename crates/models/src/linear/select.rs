@@ -14,56 +14,39 @@
 //! error then stands for the held-out error, s = (n + p) / (n - p) sum e^2 / n, and the only criterion is the gain that
 //! a higher order must have.
 //!
-//! For comparison the table has AIC = n ln(sum e^2 / n) + 2 p and BIC = n ln(sum e^2 / n) + p ln n, of the free run
-//! over the first part, with p counting parameters, pasts and offsets. Both assume white noise.
-//!
 //! Hastie, Tibshirani & Friedman 2009, The Elements of Statistical Learning, 7.10 (doi:10.1007/978-0-387-84858-7);
-//! Akaike 1974 (doi:10.1109/TAC.1974.1100705); Schwarz 1978 (doi:10.1214/aos/1176344136).
+//! Akaike 1974 (doi:10.1109/TAC.1974.1100705).
 //!
 //! Why: docs/decisions/linear-block.md, "A higher order must reduce the held-out rms by 2 %".
 //! Why: docs/decisions/linear-block.md, "A sweep is fitted and judged as a whole".
 
 use super::free_run::{FreeRun, FreeRunError};
 use super::output_error::{OutputError, Refinement, StartRecords, checked, search};
-use super::{Arx, Orders, Pole};
-use libm::log;
+use super::{Arx, Orders};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::fourier::plain_power;
 use piezoid_numerics::number::short;
 pub use piezoid_numerics::optimize::levenberg_marquardt::{self, SumOfSquares};
-use piezoid_numerics::progress::{Progress, Stage};
+use piezoid_numerics::progress::Stage;
 use piezoid_numerics::series::{ends, mean, scatter};
 use piezoid_records::record::Record;
 use rayon::prelude::*;
 
-/// Candidates and criteria of the choice.
+/// Candidates of the choice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrderSearch {
     /// Highest order.
     pub order: usize,
     /// Longest delay [samples].
     pub delay: usize,
-    /// Share of each record that is held out, at its end.
-    pub held_out: f64,
-    /// Share by which a higher order must lower the held-out rms to be accepted.
-    pub worth: f64,
-    /// Refinement of the chosen block on all samples; its weights hold from the start.
-    pub refinement: Refinement,
     /// Fits candidates on the threads of the current rayon pool; the result is the same.
     pub parallel: bool,
 }
 
 impl Default for OrderSearch {
-    /// Orders to 8, delays to 3, a quarter held out, 2 % gain.
+    /// Orders to 8, delays to 3.
     fn default() -> Self {
-        OrderSearch {
-            order: 8,
-            delay: 3,
-            held_out: 0.25,
-            worth: 0.02,
-            refinement: Refinement::default(),
-            parallel: false,
-        }
+        OrderSearch { order: 8, delay: 3, parallel: false }
     }
 }
 
@@ -74,24 +57,14 @@ pub struct Candidate {
     pub orders: Orders,
     /// The block fitted to the first parts.
     pub arx: Arx,
-    /// Akaike's criterion.
-    pub aic: f64,
-    /// Schwarz's criterion.
-    pub bic: f64,
-    /// Rms error of the free run over the first parts, weighted like the records [output unit].
-    pub rms: f64,
-    /// Rms error of the free run over the held-out parts, weighted like the records [output unit].
+    /// Rms error of the free run over the held-out parts [output unit].
     pub held_out: f64,
-    /// The same as a percentage of the peak-to-peak output.
-    pub held_out_pp_percent: f64,
     /// Held-out mean square less that of the best candidate [output unit squared].
     pub excess: f64,
     /// Standard error of `excess`, from its means over intervals of time.
     pub excess_error: f64,
     /// True if it predicts held-out data as well as the best.
     pub as_good: bool,
-    /// The least damped pole that oscillates.
-    pub resonance: Option<Pole>,
 }
 
 /// The choice.
@@ -99,8 +72,6 @@ pub struct Candidate {
 pub struct OrderSelection {
     /// All fitted candidates, by order, then delay.
     pub candidates: Vec<Candidate>,
-    /// The orders that could not be fitted, and why.
-    pub refused: Vec<(Orders, String)>,
     /// Index of the chosen candidate.
     pub chosen: usize,
     /// The reason of the choice.
@@ -108,6 +79,12 @@ pub struct OrderSelection {
     /// The chosen orders fitted to all samples.
     pub fit: OutputError,
 }
+
+/// Share of each record that is held out, at its end.
+const HELD_OUT: f64 = 0.25;
+
+/// Share by which a higher order must lower the held-out rms to be accepted.
+const WORTH: f64 = 0.02;
 
 /// Share of the peak-to-peak output below which errors are negligible.
 const NEGLIGIBLE: f64 = 1e-4;
@@ -131,24 +108,20 @@ const ROUGH: levenberg_marquardt::SearchSettings =
 /// Chooses order and delay of the linear block of `records`.
 ///
 /// # Errors
-/// Returns an error for order 0, shares out of range, records too short for the highest order, if no candidate can be
-/// fitted (see [`OutputError::fit`]), and [`Error::Cancelled`].
-pub fn select(records: &[Record], settings: &OrderSearch, progress: &mut Progress) -> Result<OrderSelection, Error> {
+/// Returns an error for order 0, records too short for the highest order, if no candidate can be
+/// fitted (see [`OutputError::fit`]).
+pub fn select(records: &[Record], settings: &OrderSearch) -> Result<OrderSelection, Error> {
     let highest = Orders { delay: settings.delay, ..Orders::of(settings.order) };
     if settings.order == 0 {
         return Err(Error::parameter("order", 0, "must be at least 1"));
     }
-    for (name, share, least) in [("held_out", settings.held_out, f64::MIN_POSITIVE), ("worth", settings.worth, 0.0)] {
-        if !(least..1.0).contains(&share) {
-            return Err(Error::parameter(name, share, "must be a share, below 1"));
-        }
-    }
-    let weights = checked(records, highest, &settings.refinement)?;
-    let (training, held_out) = cut(records, settings.held_out)?;
+    let refinement = Refinement::default();
+    let weights = checked(records, highest, &refinement)?;
+    let (training, held_out) = cut(records)?;
     let is_swept = is_a_sweep(&training, &held_out);
     let (training, held_out) = if is_swept { (records.to_vec(), records.to_vec()) } else { (training, held_out) };
-    checked(&training, highest, &settings.refinement)?;
-    checked(&held_out, highest, &settings.refinement).map_err(|error| match error {
+    checked(&training, highest, &refinement)?;
+    checked(&held_out, highest, &refinement).map_err(|error| match error {
         Error::TooShort { what, have, need, remedy } => {
             Error::TooShort { what: format!("the part of {what} that is held out"), have, need, remedy }
         }
@@ -156,12 +129,8 @@ pub fn select(records: &[Record], settings: &OrderSearch, progress: &mut Progres
     })?;
     let start_records = StartRecords::new(&training, highest)?;
 
-    let (mut fitted, mut refused): (Vec<OutputError>, Vec<_>) = (Vec::new(), Vec::new());
+    let (mut fitted, mut refused) = (Vec::<OutputError>::new(), None);
     for n in 1..=settings.order {
-        let stage = Stage::new("order and delay", n - 1, settings.order);
-        if progress(stage).is_break() {
-            return Err(Error::Cancelled { what: "the choice of an order".into(), done: n - 1, total: settings.order });
-        }
         let fit = |delay| {
             let orders = Orders { delay, ..Orders::of(n) };
             let problem = FreeRunError { records: &training, weights: &weights, orders };
@@ -171,30 +140,29 @@ pub fn select(records: &[Record], settings: &OrderSearch, progress: &mut Progres
                 Some(lower) if lower.minimum.cost < problem.cost(&start) => with_idle_pole(lower),
                 _ => start,
             });
-            let rough = Refinement { search: ROUGH, ..settings.refinement.clone() };
-            (orders, start.and_then(|start| search(&problem, &start, &rough, &mut Stage::ignore)))
+            let rough = Refinement { search: ROUGH, ..Refinement::default() };
+            start.and_then(|start| search(&problem, &start, &rough, &mut Stage::ignore))
         };
         let all: Vec<_> = if settings.parallel {
             (0..=settings.delay).into_par_iter().map(fit).collect()
         } else {
             (0..=settings.delay).map(fit).collect()
         };
-        for (orders, fit) in all {
+        for fit in all {
             match fit {
                 Ok(fit) => fitted.push(fit),
-                Err(why) => refused.push((orders, why.to_string())),
+                Err(why) => drop(refused.get_or_insert(why)),
             }
         }
     }
-    let Some((candidates, chosen, reason)) = choose(&fitted, &training, &held_out, &weights, settings.worth, is_swept)
-    else {
-        let because = refused.first().map_or_else(String::new, |(_, why)| why.clone());
+    let Some((candidates, chosen, reason)) = choose(&fitted, &held_out, &weights, is_swept) else {
+        let because = refused.map_or_else(String::new, |why| why.to_string());
         return Err(Error::Unidentifiable { what: "a linear block of any order".into(), because });
     };
     let start = &fitted[chosen];
     let problem = FreeRunError { records, weights: &weights, orders: start.orders };
-    let fit = search(&problem, &start.minimum.x, &settings.refinement, progress)?;
-    Ok(OrderSelection { candidates, refused, chosen, reason, fit })
+    let fit = search(&problem, &start.minimum.x, &refinement, &mut Stage::ignore)?;
+    Ok(OrderSelection { candidates, chosen, reason, fit })
 }
 
 /// The theta of the same block with one more pole and a zero that cancels it.
@@ -209,10 +177,10 @@ fn with_idle_pole(fit: &OutputError) -> Vec<f64> {
     [times(a, -1.0), times(b, 0.0)].concat()
 }
 
-/// The first part of each record, and the held-out `share` at its end.
-fn cut(records: &[Record], share: f64) -> Result<(Vec<Record>, Vec<Record>), Error> {
+/// The first part of each record, and the held-out one at its end.
+fn cut(records: &[Record]) -> Result<(Vec<Record>, Vec<Record>), Error> {
     let parts = records.iter().map(|r| {
-        let at = ((1.0 - share) * r.len() as f64).round() as usize;
+        let at = ((1.0 - HELD_OUT) * r.len() as f64).round() as usize;
         Ok::<_, Error>((r.slice(0..at)?, r.slice(at..r.len())?))
     });
     Ok(parts.collect::<Result<Vec<_>, _>>()?.into_iter().unzip())
@@ -256,10 +224,8 @@ fn is_a_sweep(first: &[Record], last: &[Record]) -> bool {
 /// The table, the index of the choice and its reason; `None` without candidates.
 fn choose(
     fitted: &[OutputError],
-    training: &[Record],
     held_out: &[Record],
     weights: &[f64],
-    worth: f64,
     is_swept: bool,
 ) -> Option<(Vec<Candidate>, usize, String)> {
     let squares: Vec<Vec<f64>> = fitted.iter().map(|fit| held_out_errors(fit, held_out, weights)).collect();
@@ -270,33 +236,24 @@ fn choose(
     let means: Vec<f64> = fitted.iter().zip(&squares).map(predicted).collect();
     let best = (0..fitted.len()).min_by(|&p, &q| means[p].total_cmp(&means[q]))?;
     let (low, high) = ends(held_out.iter().flat_map(|r| r.y()).copied());
-    let n: f64 = training.iter().map(|r| r.len() as f64).sum();
     let candidate = |k: usize| {
         let fit = &fitted[k];
         let differences: Vec<f64> = squares[k].iter().zip(&squares[best]).map(|(s, s0)| s - s0).collect();
         let (excess, excess_error) = (mean(&differences), standard_error(&differences));
-        let fit_error = n * log(fit.minimum.cost / n);
-        let p = n - fit.freedom as f64;
-        let oscillating = fit.arx.poles().into_iter().filter(|p| p.z.im > 0.0);
         Candidate {
             orders: fit.orders,
             arx: fit.arx.clone(),
-            aic: fit_error + 2.0 * p,
-            bic: fit_error + p * log(n),
-            rms: (fit.minimum.cost / n).sqrt(),
             held_out: means[k].sqrt(),
-            held_out_pp_percent: 100.0 * means[k].sqrt() / (high - low),
             excess,
             excess_error,
             as_good: (!is_swept && excess <= excess_error)
-                || means[k].sqrt() <= ((1.0 + worth) * means[best].sqrt()).max(NEGLIGIBLE * (high - low)),
-            resonance: oscillating.min_by(|p, q| p.damping.total_cmp(&q.damping)),
+                || means[k].sqrt() <= ((1.0 + WORTH) * means[best].sqrt()).max(NEGLIGIBLE * (high - low)),
         }
     };
     let candidates: Vec<Candidate> = (0..fitted.len()).map(candidate).collect();
     let order = candidates.iter().filter(|c| c.as_good).map(|c| c.orders.na).min()?;
     let chosen = candidates.iter().rposition(|c| c.orders.na == order && c.as_good)?;
-    let reason = reason(&candidates, chosen, best, is_swept, training.first()?.units().y.as_str());
+    let reason = reason(&candidates, chosen, best, is_swept, held_out.first()?.units().y.as_str());
     Some((candidates, chosen, reason))
 }
 
@@ -357,11 +314,11 @@ mod tests {
     fn the_pl140_has_order_5_or_6_for_any_noise() {
         for seed in 1..=5 {
             let settings = OrderSearch { delay: 2, ..OrderSearch::default() };
-            let found = select(&[pl140(seed, 4094)], &settings, &mut Stage::ignore).unwrap();
+            let found = select(&[pl140(seed, 4094)], &settings).unwrap();
             let Orders { na, delay, .. } = found.fit.orders;
             assert!((5..=6).contains(&na) && delay <= 1, "seed {seed}: {}", found.reason);
             assert!((0.19..0.212).contains(&found.fit.rms[0]), "{:?}", found.fit.rms);
-            let resonance = found.candidates[found.chosen].resonance.unwrap();
+            let resonance = found.fit.arx.resonance().unwrap();
             assert_close(&[resonance.hz, resonance.damping], &[166.3, 0.03], 2e-3, 3e-4);
         }
     }
@@ -381,12 +338,8 @@ mod tests {
     #[test]
     fn the_true_order_and_delay_are_chosen() {
         for seed in 0..10 {
-            let found = select(&[delayed(seed)], &OrderSearch::default(), &mut Stage::ignore).unwrap();
+            let found = select(&[delayed(seed)], &OrderSearch::default()).unwrap();
             assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "seed {seed}: {}", found.reason);
-            let best = |f: fn(&Candidate) -> f64| {
-                found.candidates.iter().min_by(|p, q| f(p).total_cmp(&f(q))).map(|c| (c.orders.na, c.orders.delay))
-            };
-            assert_eq!(best(|c| c.bic), Some((3, 2)));
         }
     }
 
@@ -396,7 +349,7 @@ mod tests {
         let sweep = Chirp { frequency_start: 1.0, frequency_end: 120.0, logarithmic: true, ..Chirp::default() };
         let u = sweep.samples(TS, 6000).unwrap();
         let y = mode.simulate(&u).iter().zip(noise(3, 6000)).map(|(y, e)| y + 0.05 * e).collect();
-        let found = select(&[Record::new(TS, u, y).unwrap()], &OrderSearch::default(), &mut Stage::ignore).unwrap();
+        let found = select(&[Record::new(TS, u, y).unwrap()], &OrderSearch::default()).unwrap();
         assert_eq!(found.fit.orders.na, 2, "{}", found.reason);
         assert_close(found.fit.arx.a(), mode.a(), 1e-3, 0.0);
         assert!(found.reason.contains("a sweep"), "{}", found.reason);
@@ -410,7 +363,7 @@ mod tests {
         let prbs = Prbs::default().samples(TS, 2047).unwrap();
         for u in [sine(10.67), two, square, prbs, noise(1, 2000)] {
             let records = [Record::new(TS, u.clone(), u).unwrap()];
-            let (first, last) = cut(&records, 0.25).unwrap();
+            let (first, last) = cut(&records).unwrap();
             assert!(!is_a_sweep(&first, &last));
         }
     }
@@ -419,9 +372,9 @@ mod tests {
     fn threads_do_not_change_the_choice_for_several_records() {
         let records = [delayed(1).part(0.0, 0.5).unwrap(), delayed(2).part(0.5, 1.0).unwrap()];
         let few = OrderSearch { order: 4, delay: 3, ..OrderSearch::default() };
-        let one = select(&records, &few, &mut Stage::ignore).unwrap();
+        let one = select(&records, &few).unwrap();
         assert_eq!((one.fit.orders.na, one.fit.orders.delay), (3, 2), "{}", one.reason);
-        assert_eq!(select(&records, &OrderSearch { parallel: true, ..few }, &mut Stage::ignore).unwrap(), one);
+        assert_eq!(select(&records, &OrderSearch { parallel: true, ..few }).unwrap(), one);
     }
 
     #[test]
@@ -438,24 +391,17 @@ mod tests {
         let truth = delayed_block();
         let u = Prbs::default().samples(TS, 2047).unwrap();
         let record = Record::new(TS, u.clone(), truth.simulate(&u)).unwrap();
-        let found = select(&[record], &OrderSearch::default(), &mut Stage::ignore).unwrap();
+        let found = select(&[record], &OrderSearch::default()).unwrap();
         assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "{}", found.reason);
     }
 
     #[test]
     fn bad_settings_and_constant_records_are_errors() {
-        let message =
-            |settings: OrderSearch| select(&[delayed(1)], &settings, &mut Stage::ignore).unwrap_err().to_string();
+        let message = |settings: OrderSearch| select(&[delayed(1)], &settings).unwrap_err().to_string();
         assert!(message(OrderSearch { order: 0, ..OrderSearch::default() }).starts_with("order = 0"));
-        assert!(message(OrderSearch { held_out: 1.0, ..OrderSearch::default() }).starts_with("held_out = 1"));
         assert!(message(OrderSearch { order: 200, ..OrderSearch::default() }).contains("at least"));
         let still = Record::new(TS, vec![1.0; 900], vec![2.0; 900]).unwrap();
-        assert!(
-            select(&[still], &OrderSearch::default(), &mut Stage::ignore)
-                .unwrap_err()
-                .to_string()
-                .contains("any order")
-        );
+        assert!(select(&[still], &OrderSearch::default()).unwrap_err().to_string().contains("any order"));
     }
 
     #[test]
@@ -465,7 +411,7 @@ mod tests {
         let noise = |t: usize| (t * t * 7919 % 1031) as f64 / 1031.0 - 0.5;
         let y = truth.simulate(&u).iter().enumerate().map(|(t, y)| y + noise(t)).collect();
         let few = OrderSearch { order: 3, delay: 1, ..OrderSearch::default() };
-        let chosen = select(&[Record::new(5e-4, u, y).unwrap()], &few, &mut Stage::ignore).unwrap();
+        let chosen = select(&[Record::new(5e-4, u, y).unwrap()], &few).unwrap();
         assert_eq!((chosen.fit.orders.na, chosen.fit.orders.delay), (2, 1));
     }
 }
