@@ -32,6 +32,15 @@ pub struct Root {
     pub im: f64,
 }
 
+impl Pole {
+    /// The pole `z` of a block sampled every `ts` [s].
+    pub(super) fn of(z: Root, ts: f64) -> Self {
+        let s = complex::log(Complex::new(z.re, z.im)) / ts;
+        let damping = if modulus(s) == 0.0 { 0.0 } else { -s.re / modulus(s) };
+        Pole { hz: modulus(s) / TAU, damping, z }
+    }
+}
+
 impl Root {
     /// Distance from the origin.
     pub fn modulus(&self) -> f64 {
@@ -66,15 +75,10 @@ impl Arx {
     /// delays and not listed; an integrator has frequency and damping 0.
     pub fn poles(&self) -> Vec<Pole> {
         let used = self.a().iter().rposition(|&a| a != 0.0).map_or(0, |last| last + 1);
-        let characteristic: Vec<f64> = std::iter::once(1.0).chain(self.a()[..used].iter().map(|a| -a)).collect();
-        let mut poles: Vec<Pole> = roots(&characteristic)
+        let mut poles: Vec<Pole> = roots(&self.denominator()[..=used])
             .into_iter()
             .filter(|z| z.im >= 0.0 || z.im.is_nan())
-            .map(|z| {
-                let s = complex::log(Complex::new(z.re, z.im)) / self.ts();
-                let damping = if modulus(s) == 0.0 { 0.0 } else { -s.re / modulus(s) };
-                Pole { hz: modulus(s) / TAU, damping, z }
-            })
+            .map(|z| Pole::of(z, self.ts()))
             .collect();
         poles.sort_by(|p, q| p.hz.total_cmp(&q.hz));
         poles

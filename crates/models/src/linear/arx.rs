@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 /// # Ok::<(), piezoid::Error>(())
 /// ```
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(try_from = "ArxDocument", into = "ArxDocument")]
+#[serde(try_from = "ArxDocument")]
 pub struct Arx {
     ts: f64,
     a: Vec<f64>,
@@ -34,8 +34,8 @@ pub struct Arx {
 /// Maximum length of `a` and of `b`: finding the poles takes the cube of it.
 const LONGEST: usize = 512;
 
-/// The JSON form of an [`Arx`].
-#[derive(Serialize, Deserialize)]
+/// The JSON form of an [`Arx`], before its numbers are checked.
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct ArxDocument {
     ts: f64,
@@ -47,12 +47,6 @@ impl TryFrom<ArxDocument> for Arx {
     type Error = Error;
     fn try_from(c: ArxDocument) -> Result<Self, Error> {
         Arx::new(c.ts, c.a, c.b)
-    }
-}
-
-impl From<Arx> for ArxDocument {
-    fn from(arx: Arx) -> Self {
-        ArxDocument { ts: arx.ts, a: arx.a, b: arx.b }
     }
 }
 

@@ -12,7 +12,7 @@
 use super::Pole;
 use super::analysis::Root;
 use nalgebra::{Complex, DMatrix, DVector};
-use piezoid_numerics::complex::{self, modulus};
+use piezoid_numerics::complex::modulus;
 use piezoid_numerics::series::ends;
 use piezoid_records::record::Record;
 use std::f64::consts::TAU;
@@ -88,11 +88,7 @@ pub fn free_decay_modes(records: &[Record]) -> Vec<Pole> {
         .iter()
         .zip(energy)
         .filter(|(z, energy)| z.im > 0.0 && *energy > MIN_MODE_ENERGY_SHARE * total)
-        .map(|(z, energy)| {
-            let s = complex::log(*z) / ts;
-            let damping = -s.re / modulus(s);
-            (energy, Pole { hz: modulus(s) / TAU, damping, z: Root { re: z.re, im: z.im } })
-        })
+        .map(|(z, energy)| (energy, Pole::of(Root { re: z.re, im: z.im }, ts)))
         .filter(|(_, pole)| pole.damping < MAX_MODE_DAMPING && pole.hz < HIGHEST / ts && fades(pole))
         .collect();
     modes.sort_by(|p, q| q.0.total_cmp(&p.0));

@@ -22,18 +22,13 @@ const ON_THE_CIRCLE: f64 = 1e-9;
 /// Samples over which the noise gain is summed.
 const IMPULSE: usize = 1 << 14;
 
-/// Equation (8) as a system: displacement in, hidden variable out.
-///
-/// State: the last outputs of the block, newest first, then the last z, newest first.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Inverse(Arx);
-
 impl Arx {
-    /// The causal inverse (8).
+    /// The causal inverse (8): displacement in, hidden variable out. Its state has the last outputs of the block and the
+    /// last z.
     ///
     /// # Errors
     /// [`Error::NoInverse`], with the zeros, if b0 = 0 or a zero is not inside the unit circle.
-    pub fn inverse(&self) -> Result<Inverse, Error> {
+    pub fn inverse(&self) -> Result<Arx, Error> {
         if self.b()[0] == 0.0 {
             let because = format!(
                 "b0 = 0: the input is delayed by {} samples, and the inverse, equation (8) of the paper, divides by b0",
@@ -58,7 +53,7 @@ impl Arx {
         let b0 = self.b()[0];
         let a = self.b()[1..].iter().map(|b| -b / b0).collect();
         let b = std::iter::once(1.0 / b0).chain(self.a().iter().map(|a| -a / b0)).collect();
-        Ok(Inverse(Arx::new(self.ts(), a, b)?))
+        Arx::new(self.ts(), a, b)
     }
 
     /// The bounded input for the whole output `y`: forward in time for the zeros inside the unit circle, backward for
@@ -115,24 +110,6 @@ impl Arx {
         impulse[IMPULSE / 2] = 1.0;
         let response = self.invert_whole(&impulse).ok()?;
         Some(response.iter().map(|z| z * z).sum::<f64>().sqrt())
-    }
-}
-
-impl System for Inverse {
-    fn ts(&self) -> f64 {
-        self.0.ts()
-    }
-
-    fn order(&self) -> usize {
-        self.0.order()
-    }
-
-    fn settled(&self, y: f64) -> Vec<f64> {
-        self.0.settled(y)
-    }
-
-    fn step(&self, x: &mut [f64], y: f64) -> f64 {
-        self.0.step(x, y)
     }
 }
 

@@ -22,8 +22,8 @@
 use super::{Arx, Pole, Root};
 use nalgebra::Complex;
 use piezoid_numerics::complex::{self, modulus};
-use piezoid_numerics::error::{Error, positive};
-use piezoid_numerics::number::{round, short};
+use piezoid_numerics::number::{join, round, short};
+use piezoid_numerics::system::System;
 use serde::Serialize;
 use std::f64::consts::{PI, TAU};
 
@@ -64,8 +64,10 @@ impl PoleShare {
     /// The mode as an oscillator of this stiffness [N/m] at the point where the displacement is measured. `None` if the
     /// pole is not a mode, or not damped.
     pub fn oscillator(&self, stiffness: f64) -> Option<Oscillator> {
-        let mode = (self.kind() == PoleKind::Mode).then_some(self.pole)?;
-        Oscillator::new(mode.hz, mode.damping, stiffness).ok()
+        let Pole { hz, damping, .. } = self.pole;
+        let w = TAU * hz;
+        (self.kind() == PoleKind::Mode && damping >= 0.0)
+            .then(|| Oscillator { mass: stiffness / (w * w), damper: 2.0 * damping * stiffness / w })
     }
 }
 
@@ -134,9 +136,12 @@ impl ModalForm {
     pub fn images(&self) -> Option<String> {
         let images: Vec<String> =
             self.poles.iter().filter(|p| p.kind() == PoleKind::Image).map(|p| round(p.pole.hz)).collect();
-        let (last, others) = images.split_last()?;
-        let (poles, are) = if others.is_empty() { ("pole", "is an image") } else { ("poles", "are images") };
-        let listed = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
+        let (poles, are) = match images.len() {
+            0 => return None,
+            1 => ("pole", "is an image"),
+            _ => ("poles", "are images"),
+        };
+        let listed = join(&images);
         Some(format!(
             "The {poles} at {listed} Hz, near half the sampling rate or above, {are} of delay or of faster modes: \
              there may be no mode at that frequency."
@@ -151,24 +156,6 @@ pub struct Oscillator {
     pub mass: f64,
     /// Damping constant [N s/m].
     pub damper: f64,
-    /// Stiffness [N/m].
-    pub stiffness: f64,
-}
-
-impl Oscillator {
-    /// The oscillator of `stiffness` [N/m] at the point where the displacement is measured that has this natural
-    /// frequency [Hz] and damping ratio. A stiffness of 1 gives mass and damper per unit of stiffness.
-    ///
-    /// # Errors
-    /// Returns an error unless frequency and stiffness are positive and the damping is not negative.
-    pub fn new(hz: f64, damping: f64, stiffness: f64) -> Result<Self, Error> {
-        let w = TAU * positive("frequency", hz, "hertz")?;
-        let stiffness = positive("stiffness", stiffness, "newtons per metre")?;
-        if !(damping >= 0.0 && damping.is_finite()) {
-            return Err(Error::parameter("damping", damping, "must be a damping ratio of 0 or more"));
-        }
-        Ok(Oscillator { mass: stiffness / (w * w), damper: 2.0 * damping * stiffness / w, stiffness })
-    }
 }
 
 impl Arx {
@@ -198,7 +185,7 @@ impl Arx {
         ModalForm {
             gain,
             feed_through: 1.0 - poles.iter().map(|p| p.share).sum::<f64>(),
-            delay: self.lag_at_rest() - 0.5 * self.time_step() - poles.iter().map(lag).sum::<f64>(),
+            delay: self.lag_at_rest() - 0.5 * self.ts() - poles.iter().map(lag).sum::<f64>(),
             poles,
         }
     }
@@ -213,7 +200,7 @@ impl Arx {
         if pole.z.im == 0.0 {
             return (rho / (1.0 - z)).re;
         }
-        let s = complex::log(z) / self.time_step();
+        let s = complex::log(z) / self.ts();
         let unit = s.norm_sqr() / Complex::new(0.0, 2.0 * s.im) * (z - 1.0) / s;
         (rho / unit).re.signum() * modulus(rho) / modulus(unit)
     }
@@ -222,11 +209,7 @@ impl Arx {
     fn lag_at_rest(&self) -> f64 {
         let centre = |c: &[f64], first: f64| c.iter().zip(0..).map(|(c, k)| (first + f64::from(k)) * c).sum::<f64>();
         let (b, still) = (self.b().iter().sum::<f64>(), 1.0 - self.a().iter().sum::<f64>());
-        self.time_step() * (centre(self.b(), 0.0) / b + centre(self.a(), 1.0) / still)
-    }
-
-    fn time_step(&self) -> f64 {
-        piezoid_numerics::system::System::ts(self)
+        self.ts() * (centre(self.b(), 0.0) / b + centre(self.a(), 1.0) / still)
     }
 }
 
@@ -289,11 +272,11 @@ mod tests {
     }
 
     #[test]
-    fn a_spring_without_stiffness_is_an_error() {
-        assert!(Oscillator::new(100.0, 0.1, 0.0).unwrap_err().to_string().starts_with("stiffness = 0"));
+    fn mass_and_damper_follow_from_the_stiffness() {
+        let mode = |hz, damping| held(&[(hz, damping, 27.0)], 0.0, 0.0).modal_form().poles[0];
         // The PL140 at 500 N/m: 0.46 g move, of the 1.9 g that the free part weighs.
-        assert_close(&[1e3 * Oscillator::new(166.3, 0.03, 500.0).unwrap().mass], &[0.458], 1e-3, 0.0);
-        let unit = Oscillator::new(100.0, 0.1, 1.0).unwrap();
-        assert_close(&[unit.damper / (2.0 * unit.mass.sqrt())], &[0.1], 1e-12, 0.0);
+        assert_close(&[1e3 * mode(166.3, 0.03).oscillator(500.0).unwrap().mass], &[0.458], 1e-3, 0.0);
+        let unit = mode(100.0, 0.1).oscillator(1.0).unwrap();
+        assert_close(&[unit.damper / (2.0 * unit.mass.sqrt())], &[0.1], 1e-9, 0.0);
     }
 }
