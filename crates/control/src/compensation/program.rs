@@ -38,7 +38,7 @@ impl Causal {
             "let from = low;\n    let to = high;"
         };
         let last = if fir.order() > 0 { "s.preview.past[0]" } else { "0.0" };
-        let (hidden, moves) = (model.hidden_call("s", "u"), program.function("hysteresis_move").is_some());
+        let (hidden, moves) = (model.hidden_call("", "u"), program.function("hysteresis_move").is_some());
         let moves = match (model.creep().order() > 0, model.driver().is_some()) {
             (true, _) => format!("creep(s.creep, {hidden});"),
             // The value of z is not needed.
@@ -66,8 +66,8 @@ fn ff_step(s: ff_state, r) {{
 }}
 ",
             preview = if fir.order() > 0 { "preview(s.preview, last)" } else { "preview(last)" },
-            back = model.creep_call("s", "creep_inverse", "shaped"),
-            inverse = model.hidden_inverse_call("s", "z, from, to"),
+            back = model.creep_call("creep_inverse", "shaped"),
+            inverse = model.hidden_call("_inverse", "z, from, to"),
         );
         let at_rest = model.offset() / model.linear().dc_gain();
         let state = state.constant("low", low).constant("high", high).constant("at_rest", at_rest);

@@ -282,12 +282,8 @@ impl Model {
             return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
         }
         let measured: Vec<f64> = y.iter().map(|y| y - self.offset).collect();
-        Ok(self
-            .linear
-            .predict(&self.simulate_before_linear(u), &measured)
-            .into_iter()
-            .map(|y| y + self.offset)
-            .collect())
+        let predicted = self.linear.predict(&self.simulate_before_linear(u), &measured);
+        Ok(predicted.iter().map(|y| y + self.offset).collect())
     }
 
     /// The parts of a state: hysteresis, creep, linear, driver.

@@ -44,8 +44,8 @@ fn step(s: state, u) {{
     return {linear} + offset;
 }}
 ",
-            self.hidden_call("s", "u"),
-            self.creep_call("s", "creep", "z"),
+            self.hidden_call("", "u"),
+            self.creep_call("creep", "z"),
         );
         program.add(state.constant("offset", self.offset()).text(&text))?;
         Ok(program)
@@ -76,29 +76,20 @@ fn step(s: state, u) {{
         if self.creep().order() > 0 { block.part("creep", "creep") } else { block }
     }
 
-    /// The call that gives z for the input `u`, with the state called `x`.
-    pub fn hidden_call(&self, x: &str, u: &str) -> String {
+    /// The call that gives z for the input in `arguments`, with the state called `s`; with `_inverse` as `suffix` the
+    /// one that gives the input for a z between two ends.
+    pub fn hidden_call(&self, suffix: &str, arguments: &str) -> String {
         match (self.hysteresis().order() > 0, self.driver().is_some()) {
-            (false, false) => format!("hysteresis({u})"),
-            (true, false) => format!("hysteresis({x}.hysteresis, {u})"),
-            (false, true) => format!("hidden({x}.driver, {u})"),
-            (true, true) => format!("hidden({x}.hysteresis, {x}.driver, {u})"),
+            (false, false) => format!("hysteresis{suffix}({arguments})"),
+            (true, false) => format!("hysteresis{suffix}(s.hysteresis, {arguments})"),
+            (false, true) => format!("hidden{suffix}(s.driver, {arguments})"),
+            (true, true) => format!("hidden{suffix}(s.hysteresis, s.driver, {arguments})"),
         }
     }
 
-    /// The call that gives the input for a z between two ends, with the state called `x`.
-    pub fn hidden_inverse_call(&self, x: &str, requested: &str) -> String {
-        match (self.hysteresis().order() > 0, self.driver().is_some()) {
-            (false, false) => format!("hysteresis_inverse({requested})"),
-            (true, false) => format!("hysteresis_inverse({x}.hysteresis, {requested})"),
-            (false, true) => format!("hidden_inverse({x}.driver, {requested})"),
-            (true, true) => format!("hidden_inverse({x}.hysteresis, {x}.driver, {requested})"),
-        }
-    }
-
-    /// The call of `function` of the creep block for `z`, with the state called `x`; without creep, `z`.
-    pub fn creep_call(&self, x: &str, function: &str, z: &str) -> String {
-        if self.creep().order() > 0 { format!("{function}({x}.creep, {z})") } else { z.into() }
+    /// The call of `function` of the creep block for `z`, with the state called `s`; without creep, `z`.
+    pub fn creep_call(&self, function: &str, z: &str) -> String {
+        if self.creep().order() > 0 { format!("{function}(s.creep, {z})") } else { z.into() }
     }
 }
 

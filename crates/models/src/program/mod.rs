@@ -196,16 +196,7 @@ impl Program {
 
     /// Length of the state of the block with this name.
     pub fn order(&self, block: &str) -> usize {
-        self.block(block).map_or(0, |b| b.fields.iter().map(|f| self.length(&f.holds)).sum())
-    }
-
-    /// Length of a field.
-    fn length(&self, holds: &FieldValue) -> usize {
-        match holds {
-            FieldValue::Number(_) => 1,
-            FieldValue::Numbers(values) => values.len(),
-            FieldValue::Block(name) => self.order(name),
-        }
+        self.at_rest(block).len()
     }
 
     /// Offset and type of the field at `path`, in a value of type `kind`.
@@ -217,7 +208,7 @@ impl Program {
             let Some(k) = fields.iter().position(|f| f.name == *name) else {
                 return Err(format!("block `{block}` has no field `{name}`"));
             };
-            before += fields[..k].iter().map(|f| self.length(&f.holds)).sum::<usize>();
+            before += fields[..k].iter().map(|f| self.resting(&f.holds).len()).sum::<usize>();
             kind = match &fields[k].holds {
                 FieldValue::Number(_) => ValueType::Real,
                 FieldValue::Numbers(values) => ValueType::Array(values.len()),
@@ -230,12 +221,15 @@ impl Program {
     /// The state at rest of the block with this name, as one vector.
     pub fn at_rest(&self, block: &str) -> Vec<f64> {
         let fields = self.block(block).map_or(&[][..], |b| &b.fields);
-        let values = |field: &Field| match &field.holds {
+        fields.iter().flat_map(|field| self.resting(&field.holds)).collect()
+    }
+
+    fn resting(&self, holds: &FieldValue) -> Vec<f64> {
+        match holds {
             FieldValue::Number(value) => vec![*value],
             FieldValue::Numbers(values) => values.clone(),
             FieldValue::Block(name) => self.at_rest(name),
-        };
-        fields.iter().flat_map(values).collect()
+        }
     }
 
     /// Removes all functions except `kept` and those they call, and all constants that these do not read.

@@ -172,12 +172,7 @@ impl<'p> Machine<'p> {
 
 impl std::fmt::Debug for Machine<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Machine { block, work, counts, .. } = self;
-        f.debug_struct("Machine")
-            .field("block", block)
-            .field("work", work)
-            .field("counts", counts)
-            .finish_non_exhaustive()
+        f.debug_struct("Machine").field("work", &self.work).finish_non_exhaustive()
     }
 }
 

@@ -107,14 +107,19 @@ impl Dependent {
         }
     }
 
+    /// True if the number at `place` depends on the input.
+    fn place(&self, program: &Program, function: &Function, place: &Place) -> bool {
+        match field(program, function, place) {
+            Some(field) => self.fields.contains(&field),
+            None => self.names.contains(&(function.name.clone(), place.root.clone())),
+        }
+    }
+
     /// True if `expr` depends on the input. Records dependent arguments of the functions in it.
     fn expr(&mut self, program: &Program, function: &Function, expr: &Expr) -> bool {
         match expr {
             Expr::Variable(name, whole) => !whole && self.names.contains(&(function.name.clone(), name.clone())),
-            Expr::At(place) => match field(program, function, place) {
-                Some(field) => self.fields.contains(&field),
-                None => self.names.contains(&(function.name.clone(), place.root.clone())),
-            },
+            Expr::At(place) => self.place(program, function, place),
             Expr::Negative(inner) => self.expr(program, function, inner),
             Expr::Binary(op, left, right) if op.precedence() >= Op::Add.precedence() => {
                 let (left, right) = (self.expr(program, function, left), self.expr(program, function, right));
@@ -206,12 +211,8 @@ impl Slopes<'_> {
                     }
                 }
                 Statement::Set(place, expr) => {
-                    let moves = match field(self.program, self.function, place) {
-                        Some(field) => self.moving.fields.contains(&field),
-                        None => self.moves(&place.root),
-                    };
                     let (value, slope) = self.dual(expr, &mut out)?;
-                    if moves {
+                    if self.moving.place(self.program, self.function, place) {
                         // The slope first: it may need the old value.
                         let beside = Place { root: slope_of(&place.root), ..place.clone() };
                         out.push(Statement::Set(beside, slope.unwrap_or(Expr::Real(0.0))));
@@ -262,10 +263,7 @@ impl Slopes<'_> {
                 (expr.clone(), Some(Expr::Variable(slope_of(name), false)))
             }
             Expr::At(place) => {
-                let moves = match field(self.program, self.function, place) {
-                    Some(field) => self.moving.fields.contains(&field),
-                    None => self.moves(&place.root),
-                };
+                let moves = self.moving.place(self.program, self.function, place);
                 let beside = Place { root: slope_of(&place.root), ..place.clone() };
                 (expr.clone(), moves.then_some(Expr::At(beside)))
             }

@@ -145,13 +145,9 @@ impl Reader<'_> {
         let name = &place.root;
         if self.kind(name).is_some() {
             return match self.kind_at(&place)? {
-                ValueType::Integer => Ok(Expr::Variable(place.root, true)),
-                ValueType::Real if place.path.is_empty() && place.index.is_none() => {
-                    Ok(Expr::Variable(place.root, false))
-                }
-                ValueType::Real => Ok(Expr::At(place)),
                 ValueType::Part(_) => Ok(Expr::Part(place)),
                 ValueType::Array(_) => self.wrong(format!("`{name}` is an array: give an index")),
+                kind => Ok(number_at(place, &kind)),
             };
         }
         let number = self.program.blocks.len() - 1;
@@ -174,4 +170,11 @@ impl Reader<'_> {
             _ => self.wrong(format!("`{name}` is not known")),
         }
     }
+}
+
+/// The number of this `kind` at a place.
+pub(super) fn number_at(place: Place, kind: &ValueType) -> Expr {
+    let is_integer = *kind == ValueType::Integer;
+    let is_variable = place.path.is_empty() && place.index.is_none();
+    if is_integer || is_variable { Expr::Variable(place.root, is_integer) } else { Expr::At(place) }
 }

@@ -2,6 +2,8 @@
 
 mod expressions;
 
+use expressions::number_at;
+
 use super::tokens::{Token, tokens};
 use super::{Argument, Expr, Function, Op, Program, Statement, ValueType};
 use piezoid_numerics::error::Error;
@@ -266,14 +268,9 @@ impl Reader<'_> {
     fn change(&mut self) -> Read<Statement> {
         let place = self.place()?;
         let kind = self.kind_at(&place)?;
-        let now = match &kind {
-            ValueType::Integer => Expr::Variable(place.root.clone(), true),
-            ValueType::Real if place.path.is_empty() && place.index.is_none() => {
-                Expr::Variable(place.root.clone(), false)
-            }
-            ValueType::Real => Expr::At(place.clone()),
-            _ => return self.wrong("only a number can be assigned"),
-        };
+        if !matches!(kind, ValueType::Integer | ValueType::Real) {
+            return self.wrong("only a number can be assigned");
+        }
         let op = [("+=", Op::Add), ("-=", Op::Subtract), ("*=", Op::Multiply), ("/=", Op::Divide)];
         let op = op.into_iter().find(|(sign, _)| self.pass(sign));
         if op.is_none() {
@@ -287,7 +284,7 @@ impl Reader<'_> {
         self.changed.push(place.root.clone());
         let value = match op {
             None => value,
-            Some((_, op)) => Expr::Binary(op, Box::new(now), Box::new(value)),
+            Some((_, op)) => Expr::Binary(op, Box::new(number_at(place.clone(), &kind)), Box::new(value)),
         };
         Ok(Statement::Set(place, value))
     }
