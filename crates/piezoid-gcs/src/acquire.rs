@@ -8,8 +8,7 @@ use crate::run::{Play, Run};
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
 use piezoid::{Error, Record, Units};
-use piezoid_numerics::options::options;
-use piezoid_numerics::options::{OptionKind, OptionRow};
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_verbs::File;
 use serde_json::{Value, json};
 
@@ -51,12 +50,6 @@ pub struct Acquired {
 const DIFFERENCE: f64 = 0.05;
 
 impl AcquireOptions {
-    /// The default options for the controller at this address.
-    pub fn at(host: &str, port: u16) -> Self {
-        let connection = ConnectOptions { host: host.into(), port, ..ConnectOptions::default() };
-        AcquireOptions { connection, ..AcquireOptions::default() }
-    }
-
     /// Plays the drive in a file, and returns what was measured. The axis is in open loop afterwards, at the value that
     /// it had before. After an error, and if the work is cancelled, the generator is stopped and the voltage stays
     /// where it is.
@@ -199,10 +192,8 @@ fn difference(requested: &[f64], measured: &[f64]) -> Option<String> {
 impl Acquired {
     /// The result as a document, with the number of samples in place of the record.
     pub fn to_json(&self) -> Value {
-        let record = &self.record;
-        json!({
-            "identity": self.identity, "notes": self.notes, "ts": record.ts(), "samples": record.len(),
-            "units": record.units(),
-        })
+        let Acquired { record, identity, notes } = self;
+        let (ts, samples, units) = (record.ts(), record.len(), record.units());
+        json!({"identity": identity, "notes": notes, "ts": ts, "samples": samples, "units": units})
     }
 }

@@ -2,8 +2,7 @@
 
 use crate::line::Line;
 use piezoid::Error;
-use piezoid_numerics::options::options;
-use piezoid_numerics::options::{OptionKind, OptionRow};
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use serde::Serialize;
 use serde_json::{Value, json};
 use std::time::Duration;
@@ -57,8 +56,9 @@ impl ConnectOptions {
 }
 
 /// A controller that is connected.
-#[derive(Debug)]
+#[derive(Debug, Serialize)]
 pub struct Controller {
+    #[serde(skip)]
     pub(crate) line: Line,
     /// What it answers to `*IDN?`.
     pub identity: String,
@@ -92,10 +92,7 @@ pub struct Axis {
 impl Controller {
     /// What the controller reported, as a document.
     pub fn to_json(&self) -> Value {
-        json!({
-            "identity": self.identity, "cycle": self.cycle, "table": self.table, "recorder": self.recorder,
-            "axes": self.axes,
-        })
+        json!(self)
     }
 
     /// The number that answers a query; `None` if the controller refuses it.
@@ -114,7 +111,7 @@ impl Controller {
 
     /// True while the wave generator of this number runs.
     pub(crate) fn runs(&mut self, generator: usize) -> Result<bool, Error> {
-        let all = self.line.number(b"\x09", 16)?;
+        let all = self.line.number(9)?;
         Ok(all.checked_shr(generator as u32 - 1).is_some_and(|one| one & 1 == 1))
     }
 

@@ -4,7 +4,7 @@
 //! ```
 //! use piezoid::{formats::ColumnSelection, progress::Stage};
 //! use piezoid_verbs::File;
-//! use piezoid_gcs::{AcquireOptions, Simulation};
+//! use piezoid_gcs::{AcquireOptions, ConnectOptions, Simulation};
 //! use std::net::TcpListener;
 //!
 //! let listener = TcpListener::bind("127.0.0.1:0")?;
@@ -13,7 +13,8 @@
 //! std::thread::spawn(move || controller.serve(&listener));
 //!
 //! let drive = File::new("drive.csv", "t_s,u_V\n0,0\n0.001,5\n0.002,10\n0.003,5\n0.004,0\n");
-//! let options = AcquireOptions { ramp: 0.0, settle: 0.0, ..AcquireOptions::at("127.0.0.1", port) };
+//! let connection = ConnectOptions { port, ..ConnectOptions::default() };
+//! let options = AcquireOptions { connection, ramp: 0.0, settle: 0.0, ..AcquireOptions::default() };
 //! let acquired = options.run(&drive, &ColumnSelection::default(), &mut Stage::ignore)?;
 //! assert_eq!(acquired.record.u(), [0.0, 5.0, 10.0, 5.0, 0.0]);
 //! assert_eq!(acquired.record.units().y, "um");

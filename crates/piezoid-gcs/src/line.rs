@@ -46,7 +46,7 @@ impl Line {
     }
 
     /// Sends bytes as they are.
-    pub(crate) fn send(&mut self, bytes: &[u8]) -> Result<(), Error> {
+    fn send(&mut self, bytes: &[u8]) -> Result<(), Error> {
         self.input.get_mut().write_all(bytes).map_err(|e| self.lost(&e))
     }
 
@@ -105,12 +105,12 @@ impl Line {
         }
     }
 
-    /// The number that is the whole answer to a query or to a byte, in this base.
-    pub(crate) fn number(&mut self, query: &[u8], base: u32) -> Result<u64, Error> {
-        self.send(query)?;
+    /// The hexadecimal number that is the whole answer to a byte.
+    pub(crate) fn number(&mut self, byte: u8) -> Result<u64, Error> {
+        self.send(&[byte])?;
         let text = self.lines(LONGEST)?.concat();
         let digits = text.trim().trim_start_matches("0x");
-        u64::from_str_radix(digits, base).map_err(|_| self.strange(&text, "a whole number"))
+        u64::from_str_radix(digits, 16).map_err(|_| self.strange(&text, "a whole number"))
     }
 
     fn code(&self, text: &str) -> Result<i32, Error> {

@@ -151,17 +151,14 @@ impl Run<'_, '_> {
         let gain = self.gain() * (voltage - first) / moved;
         if moved == 0.0 || (first - start).abs() > NOISE + GAIN_ERROR * start.abs() {
             let rule = "is wrong, or the output has an offset: correct the gain, or set the offset to 0";
-            return Error::parameter(
-                "gain",
-                self.gain(),
-                format!("the output is at {first:.3} V, not {start:.3} V: the gain {rule}"),
-            );
+            let rule = format!("the output is at {first:.3} V, not {start:.3} V: the gain {rule}");
+            return Error::parameter("gain", self.gain(), rule);
         }
         if gain < 0.1 * self.gain() {
+            let follows = voltage - first;
             return Error::Content(format!(
-                "output channel {channel} does not follow axis {name}: a move of {moved:.3} V gives {:.3} V; give the \
-                 channel of the axis",
-                voltage - first
+                "output channel {channel} does not follow axis {name}: a move of {moved:.3} V gives {follows:.3} V; \
+                 give the channel of the axis"
             ));
         }
         let rule = format!("the controller gives about {gain:.4} V for an open-loop value of 1: give this gain");

@@ -33,7 +33,8 @@ fn strange(answer: &'static [u8]) -> u16 {
 }
 
 fn at(port: u16) -> AcquireOptions {
-    AcquireOptions { ramp: 0.1, settle: 0.0, ..AcquireOptions::at("127.0.0.1", port) }
+    let connection = ConnectOptions { port, ..ConnectOptions::default() };
+    AcquireOptions { connection, ramp: 0.1, settle: 0.0, ..AcquireOptions::default() }
 }
 
 fn drive(ts: f64, u: &[f64]) -> File {

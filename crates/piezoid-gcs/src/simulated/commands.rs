@@ -36,58 +36,7 @@ const PARAMETERS: [(u32, &str, &str); 3] = [
 ];
 
 /// What `HLP?` lists.
-const HELP: [&str; 50] = [
-    "#5 request motion status",
-    "#7 request controller ready status",
-    "#8 query if macro is running",
-    "#9 get wave generator status",
-    "#24 stop all axes",
-    "*IDN? get device identification",
-    "CSV? get current syntax version",
-    "DRC set data recorder configuration",
-    "DRC? get data recorder configuration",
-    "DRL? get number of recorded points",
-    "DRR? get recorded data values",
-    "DRT set data recorder trigger source",
-    "DRT? get data recorder trigger source",
-    "ERR? get error number",
-    "GWD? get wave table data",
-    "HDR? get all data recorder options",
-    "HLP? get list of available commands",
-    "HPA? get list of parameters",
-    "MOV set target position",
-    "MOV? get target position",
-    "MVR set target relative",
-    "ONT? get on target state",
-    "POS? get real position",
-    "PUN? get position unit",
-    "RTR set record table rate",
-    "RTR? get record table rate",
-    "SAI? get list of axis identifiers",
-    "SPA set volatile parameters",
-    "SPA? get volatile parameters",
-    "STP stop all axes",
-    "SVA set open-loop axis value",
-    "SVA? get open-loop axis value",
-    "SVO set servo state",
-    "SVO? get servo state",
-    "TMN? get minimum commandable position",
-    "TMX? get maximum commandable position",
-    "TNR? get number of record tables",
-    "TWG? get number of wave generators",
-    "VER? get versions",
-    "VMA? get maximum output voltage",
-    "VMI? get minimum output voltage",
-    "VOL? get voltage of output channel",
-    "WAV set waveform definition",
-    "WCL clear wave table data",
-    "WGC set number of wave generator cycles",
-    "WGO start or stop wave generator",
-    "WMS? get maximum number of wave table points",
-    "WOS set wave offset",
-    "WSL select wave table",
-    "WTR set wave table rate",
-];
+const HELP: &str = include_str!("help.txt");
 
 type Outcome = Result<Vec<String>, i32>;
 
@@ -137,20 +86,18 @@ impl Simulated {
             "*IDN" => one(self.identity.clone()),
             "CSV" => one("2.0".into()),
             "VER" => one(format!("FW: V{}", env!("CARGO_PKG_VERSION"))),
-            "HLP" => Ok(listed("The following commands are available:", HELP.map(String::from).into(), "end of help")),
+            "HLP" => Ok(listed("The following commands are available:", HELP.lines().map(String::from).collect())),
             "HPA" => {
-                let rows =
-                    PARAMETERS.map(|(number, kind, what)| format!("0x{number:X}=\t0\t1\t{kind}\tsystem\t{what}"));
-                Ok(listed("#Available parameters", rows.into(), "end of help"))
+                let row = |(number, kind, what)| format!("0x{number:X}=\t0\t1\t{kind}\tsystem\t{what}");
+                Ok(listed("#Available parameters", PARAMETERS.map(row).into()))
             }
             "HDR" => {
                 let mut lines: Vec<String> = SOURCES.map(|(option, what)| format!("{option}={what}")).into();
                 lines.extend(["#TriggerOptions", "0=default setting", "#Additional information"].map(String::from));
-                lines.push(format!("{TABLES} record tables"));
-                lines.push(format!("{RECORDED} datapoints per table"));
-                Ok(listed("#RecordOptions", lines, "end of help"))
+                lines.extend([format!("{TABLES} record tables"), format!("{RECORDED} datapoints per table")]);
+                Ok(listed("#RecordOptions", lines))
             }
-            "SAI" => one("1".into()),
+            "SAI" | "TWG" => one("1".into()),
             "SPA" => match arguments {
                 ["1", number] => one(format!("1 {number}={}", parameter(number).ok_or(PARAMETER)?)),
                 _ => Err(COUNT),
@@ -167,7 +114,6 @@ impl Simulated {
             "TMX" => of_axis(axis.travel.1),
             "PUN" => of_one(arguments).map(|()| vec!["1=um".into()]),
             "TNR" => one(TABLES.to_string()),
-            "TWG" => one("1".into()),
             "WMS" => one(format!("{}={POINTS}", arguments.first().unwrap_or(&"1"))),
             "RTR" => one(waves.record_rate.to_string()),
             "DRT" => one("0=0 0".into()),
@@ -180,7 +126,7 @@ impl Simulated {
             "GWD" => match arguments {
                 [first, count, table] => {
                     let table = waves.tables.get(&whole(table)?).ok_or(NO_WAVE)?;
-                    let points = part(table, first, count, TOO_FEW_POINTS)?;
+                    let points = part(table, first, count)?;
                     Ok(array(&[(format!("Wave Table {}", arguments[2]), points)], CYCLE * waves.rate as f64))
                 }
                 _ => Err(COUNT),
@@ -194,19 +140,14 @@ impl Simulated {
         match (name, arguments) {
             ("STP" | "HLT", _) => {
                 waves.stop();
-                Err(STOPPED)
+                return Err(STOPPED);
             }
-            ("SVO", ["1", on]) => {
-                axis.close(whole(on)? != 0);
-                Ok(())
-            }
+            ("SVO", ["1", on]) => axis.close(whole(on)? != 0),
             ("SVA", ["1", value]) => {
                 let (value, (low, high)) = (real(value)?, axis.range);
-                let checks = [(axis.servo, SERVO_IS_ON), (waves.running(), GENERATOR_RUNS)];
-                refused(&checks)?;
+                refused(&[(axis.servo, SERVO_IS_ON), (waves.running(), GENERATOR_RUNS)])?;
                 refused(&[(!(low..=high).contains(&(value * axis.gain)), VOLTAGE)])?;
                 axis.go(value);
-                Ok(())
             }
             ("MOV" | "MVR", ["1", value]) => {
                 let target = real(value)? + if name == "MVR" { axis.target } else { 0.0 };
@@ -214,18 +155,16 @@ impl Simulated {
                 refused(&[(!axis.servo, SERVO_IS_OFF), (waves.running(), GENERATOR_RUNS)])?;
                 refused(&[(!(bottom..=top).contains(&target), POSITION)])?;
                 axis.go(target);
-                Ok(())
             }
             ("DRC", [table, source, option]) => {
                 let (table, option) = (tables(&[table])?[0], whole(option)? as u32);
                 refused(&[(*source != "1", AXIS), (SOURCES.iter().all(|(o, _)| *o != option), RECORDER_OPTION)])?;
                 waves.options[table - 1] = option;
-                Ok(())
             }
-            ("SPA", [_, _, _]) => Err(PROTECTED),
+            ("SPA", [_, _, _]) => return Err(PROTECTED),
             // Every wave is recorded; there is no other trigger.
-            ("DRT", [_, ..]) => Ok(()),
-            ("RTR", [rate]) => positive(rate).map(|rate| waves.record_rate = rate),
+            ("DRT", [_, ..]) => {}
+            ("RTR", [rate]) => waves.record_rate = positive(rate)?,
             ("WAV", [table, mode, shape, numbers @ ..]) => {
                 refused(&[(waves.running(), GENERATOR_RUNS)])?;
                 let segment = segment(shape, numbers)?;
@@ -239,63 +178,45 @@ impl Simulated {
                 }
                 refused(&[(points.len() + segment.len() > POINTS, WAVE_TOO_LARGE)])?;
                 points.extend(segment);
-                Ok(())
             }
             ("WCL", arguments) => {
                 for table in arguments {
                     waves.tables.remove(&whole(table)?);
                 }
-                Ok(())
             }
-            ("WSL", ["1", table]) => {
-                waves.selected = whole(table)?;
-                Ok(())
-            }
-            ("WGC", ["1", times]) => {
-                waves.times = whole(times)? as u64;
-                Ok(())
-            }
-            ("WTR", ["0" | "1", rate, _]) => positive(rate).map(|rate| waves.rate = rate),
-            ("WOS", ["1", offset]) => {
-                waves.offset = real(offset)?;
-                Ok(())
-            }
-            ("WGO", ["1", mode]) if whole(mode)? == 0 => {
-                waves.stop();
-                Ok(())
-            }
+            ("WSL", ["1", table]) => waves.selected = whole(table)?,
+            ("WGC", ["1", times]) => waves.times = whole(times)? as u64,
+            ("WTR", ["0" | "1", rate, _]) => waves.rate = positive(rate)?,
+            ("WOS", ["1", offset]) => waves.offset = real(offset)?,
+            ("WGO", ["1", mode]) if whole(mode)? == 0 => waves.stop(),
             ("WGO", ["1", _]) => {
                 refused(&[(waves.running(), GENERATOR_RUNS), (waves.cycles().is_none(), NO_WAVE)])?;
                 refused(&[(waves.cycles().is_some_and(|cycles| cycles > LONGEST_WAVE), RANGE)])?;
                 waves.start(axis);
-                Ok(())
             }
-            ("SVO" | "SVA" | "MOV" | "MVR" | "WSL" | "WGC" | "WOS" | "WGO", [_, _]) => Err(AXIS),
-            _ if HELP.iter().any(|row| row.split(' ').next() == Some(name)) => Err(COUNT),
-            _ => Err(UNKNOWN),
+            ("SVO" | "SVA" | "MOV" | "MVR" | "WSL" | "WGC" | "WOS" | "WGO", [_, _]) => return Err(AXIS),
+            _ if HELP.lines().any(|row| row.split(' ').next() == Some(name)) => return Err(COUNT),
+            _ => return Err(UNKNOWN),
         }
+        Ok(())
     }
 
     /// Tables of the recorder: first point, number of points, tables.
     fn recorded(&self, arguments: &[&str]) -> Outcome {
         let [first, count, tabled @ ..] = arguments else { return Err(COUNT) };
         let tables = if tabled.is_empty() { (1..=TABLES).collect() } else { tables(tabled)? };
-        let columns: Result<Vec<_>, i32> = tables
-            .into_iter()
-            .map(|table| {
-                let option = self.waves.options[table - 1];
-                let what = SOURCES.iter().find(|(number, _)| *number == option).map_or("", |(_, what)| what);
-                Ok((format!("{what} 1"), part(self.waves.recorded(table), first, count, TOO_FEW_POINTS)?))
-            })
-            .collect();
-        Ok(array(&columns?, CYCLE * self.waves.record_rate as f64))
+        let column = |table: usize| {
+            let option = self.waves.options[table - 1];
+            let what = SOURCES.iter().find(|(number, _)| *number == option).map_or("", |(_, what)| what);
+            Ok((format!("{what} 1"), part(self.waves.recorded(table), first, count)?))
+        };
+        let columns = tables.into_iter().map(column).collect::<Result<Vec<_>, i32>>()?;
+        Ok(array(&columns, CYCLE * self.waves.record_rate as f64))
     }
 }
 
-fn listed(head: &str, mut lines: Vec<String>, foot: &str) -> Vec<String> {
-    lines.insert(0, head.into());
-    lines.push(foot.into());
-    lines
+fn listed(head: &str, lines: Vec<String>) -> Vec<String> {
+    [vec![head.into()], lines, vec!["end of help".into()]].concat()
 }
 
 /// A GCS array.
@@ -315,11 +236,11 @@ fn array(columns: &[(String, &[f64])], ts: f64) -> Vec<String> {
     head.into_iter().chain(names).chain(["# END_HEADER".into()]).chain((0..rows).map(row)).collect()
 }
 
-fn part<'a>(points: &'a [f64], first: &str, count: &str, error: i32) -> Result<&'a [f64], i32> {
+fn part<'a>(points: &'a [f64], first: &str, count: &str) -> Result<&'a [f64], i32> {
     let (first, count) = (whole(first)?, whole(count)?);
     let from = first.checked_sub(1).ok_or(RANGE)?;
     let to = from.checked_add(count).ok_or(RANGE)?;
-    points.get(from..to).ok_or(error)
+    points.get(from..to).ok_or(TOO_FEW_POINTS)
 }
 
 fn parameter(number: &str) -> Option<String> {
@@ -341,21 +262,13 @@ fn segment(shape: &str, arguments: &[&str]) -> Result<Vec<f64>, i32> {
         ("SIN_P", [_, height, offset, _, start, centre]) => {
             let (length, period) = (positive(arguments[0])?, positive(arguments[3])? as f64);
             refused(&[(length as usize > POINTS, WAVE_TOO_LARGE), (*centre < 1.0 || *centre >= period, RANGE)])?;
-            let rises = |t: f64| 0.5 * t / centre;
-            let falls = |t: f64| 0.5 + 0.5 * (t - centre) / (period - centre);
-            Ok((0..length)
-                .map(|k| {
-                    let t = k as f64 - start;
-                    let share = if !(0.0..period).contains(&t) {
-                        0.0
-                    } else if t < *centre {
-                        rises(t)
-                    } else {
-                        falls(t)
-                    };
-                    offset + 0.5 * height * (1.0 - (std::f64::consts::TAU * share).cos())
-                })
-                .collect())
+            let share = |t: f64| match t {
+                _ if !(0.0..period).contains(&t) => 0.0,
+                _ if t < *centre => 0.5 * t / centre,
+                _ => 0.5 + 0.5 * (t - centre) / (period - centre),
+            };
+            let point = |t: f64| offset + 0.5 * height * (1.0 - (std::f64::consts::TAU * share(t)).cos());
+            Ok((0..length).map(|k| point(k as f64 - start)).collect())
         }
         ("PNT" | "SIN_P", _) => Err(COUNT),
         _ => Err(SYNTAX),
