@@ -1,5 +1,6 @@
 //! Reports: figures as SVG, pages of HTML in one file, the report on a model, and the study of the paper.
 
+mod each;
 mod hysteresis_part;
 #[doc(hidden)]
 pub mod page;

@@ -7,14 +7,15 @@ use std::fmt::Write;
 
 #[derive(Debug, Clone, PartialEq)]
 enum Element {
-    Heading(Text),
-    Paragraph(Text),
-    List(Vec<Text>),
-    Listing(String),
-    Callout { warning: bool, title: Text, text: Text },
-    Facts(Vec<Fact>),
+    /// What needs no number.
+    Plain(String),
     Figure(Figure),
-    Figures { columns: usize, title: Text, caption: Text, figures: Vec<Figure> },
+    Figures {
+        columns: usize,
+        title: Text,
+        caption: Text,
+        figures: Vec<Figure>,
+    },
     Table(PageTable),
 }
 
@@ -63,39 +64,52 @@ impl Section {
         self
     }
 
+    fn plain(self, line: String) -> Self {
+        self.with(Element::Plain(line))
+    }
+
     /// A heading within the section.
     pub fn heading(self, text: impl Into<Text>) -> Self {
-        self.with(Element::Heading(text.into()))
+        self.plain(format!("<h3>{}</h3>", text.into().html()))
     }
 
     /// A paragraph.
     pub fn text(self, text: impl Into<Text>) -> Self {
-        self.with(Element::Paragraph(text.into()))
+        self.plain(format!("<p>{}</p>", text.into().html()))
     }
 
     /// A list with bullets.
     pub fn list<T: Into<Text>>(self, items: impl IntoIterator<Item = T>) -> Self {
-        self.with(Element::List(items.into_iter().map(Into::into).collect()))
+        let items: String = items.into_iter().map(|item| format!("<li>{}</li>\n", item.into().html())).collect();
+        self.plain(format!("<ul>\n{items}</ul>"))
     }
 
     /// Preformatted lines: commands, code, printed output.
-    pub fn listing(self, lines: impl Into<String>) -> Self {
-        self.with(Element::Listing(lines.into()))
+    pub fn listing(self, lines: impl AsRef<str>) -> Self {
+        self.plain(format!("<pre tabindex=\"0\"><code>{}</code></pre>", escape(lines.as_ref())))
     }
 
     /// A note.
     pub fn note(self, title: impl Into<Text>, text: impl Into<Text>) -> Self {
-        self.with(Element::Callout { warning: false, title: title.into(), text: text.into() })
+        self.callout("", title.into(), text.into())
     }
 
     /// A warning.
     pub fn warning(self, title: impl Into<Text>, text: impl Into<Text>) -> Self {
-        self.with(Element::Callout { warning: true, title: title.into(), text: text.into() })
+        self.callout(" warning", title.into(), text.into())
+    }
+
+    fn callout(self, class: &str, title: Text, text: Text) -> Self {
+        let (title, text) = (title.html(), text.html());
+        self.plain(format!(
+            "<div class=\"callout{class}\" role=\"note\"><p class=\"name\">{title}</p><p>{text}</p></div>"
+        ))
     }
 
     /// A row of large numbers.
     pub fn facts(self, facts: impl IntoIterator<Item = Fact>) -> Self {
-        self.with(Element::Facts(facts.into_iter().collect()))
+        let facts: String = facts.into_iter().map(|fact| fact.html()).collect();
+        self.plain(format!("<dl class=\"facts\">\n{facts}</dl>"))
     }
 
     /// A figure with its own title and caption.
@@ -133,25 +147,7 @@ impl Section {
 impl Element {
     fn write(&self, out: &mut String, numbers: &mut Numbering) {
         let _ = match self {
-            Element::Heading(text) => writeln!(out, "<h3>{}</h3>", text.html()),
-            Element::Paragraph(text) => writeln!(out, "<p>{}</p>", text.html()),
-            Element::List(items) => {
-                let items: String = items.iter().map(|i| format!("<li>{}</li>\n", i.html())).collect();
-                writeln!(out, "<ul>\n{items}</ul>")
-            }
-            Element::Listing(lines) => writeln!(out, "<pre tabindex=\"0\"><code>{}</code></pre>", escape(lines)),
-            Element::Callout { warning, title, text } => {
-                let class = if *warning { " warning" } else { "" };
-                let (title, text) = (title.html(), text.html());
-                writeln!(
-                    out,
-                    "<div class=\"callout{class}\" role=\"note\"><p class=\"name\">{title}</p><p>{text}</p></div>"
-                )
-            }
-            Element::Facts(facts) => {
-                let facts: String = facts.iter().map(Fact::html).collect();
-                writeln!(out, "<dl class=\"facts\">\n{facts}</dl>")
-            }
+            Element::Plain(line) => writeln!(out, "{line}"),
             Element::Figure(figure) => {
                 numbers.figures += 1;
                 let (number, drawn) = (numbers.figures, figure.inline() + &plots(figure, &[], numbers));
@@ -174,8 +170,7 @@ impl Element {
             }
             Element::Table(table) => {
                 numbers.tables += 1;
-                table.write(out, numbers.tables);
-                Ok(())
+                out.write_str(&table.html(numbers.tables))
             }
         };
     }

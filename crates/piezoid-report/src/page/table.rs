@@ -1,29 +1,29 @@
 //! Tables with aligned numbers, which scroll sideways on a phone.
 
 use super::text::Text;
-use std::fmt::Write;
 
 /// One cell of a table.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Cell {
     text: Text,
+    /// Empty, or a class after a space.
     class: &'static str,
 }
 
 impl Cell {
     /// The best value of its column, or one that meets a requirement.
     pub fn best(self) -> Self {
-        Cell { class: "best", ..self }
+        Cell { class: " best", ..self }
     }
 
     /// A value that fails a requirement.
     pub fn bad(self) -> Self {
-        Cell { class: "bad", ..self }
+        Cell { class: " bad", ..self }
     }
 
     /// A value given for comparison only.
     pub fn muted(self) -> Self {
-        Cell { class: "muted", ..self }
+        Cell { class: " muted", ..self }
     }
 }
 
@@ -81,48 +81,44 @@ impl PageTable {
         self
     }
 
+    /// Adds rows.
+    pub fn rows<C: Into<Cell>, R: IntoIterator<Item = C>>(self, rows: impl IntoIterator<Item = R>) -> Self {
+        rows.into_iter().fold(self, PageTable::row)
+    }
+
     /// A note below the table.
     pub fn note(mut self, text: impl Into<Text>) -> Self {
         self.notes.push(text.into());
         self
     }
 
-    /// Writes the table with this number.
-    pub(super) fn write(&self, out: &mut String, number: usize) {
+    /// The markup of the table with this number.
+    pub(super) fn html(&self, number: usize) -> String {
         let wide = self.rows.iter().map(Vec::len).chain([self.columns.len()]).max().unwrap_or(0);
         let class = |column: usize| if self.columns.get(column).is_some_and(|c| c.1) { "num" } else { "txt" };
-        let _ = writeln!(out, "<figure class=\"table\" id=\"table-{number}\">");
-        let _ = writeln!(
-            out,
-            "<figcaption><span class=\"no\">Table {number}</span> <span class=\"what\">{}</span></figcaption>",
-            self.title.html()
-        );
-        // Focusable, so that it can be scrolled with the keyboard.
-        let _ = writeln!(
-            out,
-            "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table {number}\"><table>\n<thead><tr>"
-        );
-        for column in 0..wide {
+        let heading = |column: usize| {
             let heading = self.columns.get(column).map_or("", |c| c.0.html());
-            let _ = write!(out, "<th scope=\"col\" class=\"{}\">{heading}</th>", class(column));
-        }
-        out.push_str("</tr></thead>\n<tbody>\n");
+            format!("<th scope=\"col\" class=\"{}\">{heading}</th>", class(column))
+        };
         let empty = Cell::default();
-        for row in &self.rows {
-            out.push_str("<tr>");
-            for column in 0..wide {
-                let cell = row.get(column).unwrap_or(&empty);
-                let mark = if cell.class.is_empty() { String::new() } else { format!(" {}", cell.class) };
-                let text = cell.text.html();
-                let _ = write!(out, "<td class=\"{}{mark}\">{text}</td>", class(column));
-            }
-            out.push_str("</tr>\n");
-        }
-        out.push_str("</tbody></table></div>\n");
-        for note in &self.notes {
-            let _ = writeln!(out, "<p class=\"note\">{}</p>", note.html());
-        }
-        out.push_str("</figure>\n");
+        let row = |row: &Vec<Cell>| {
+            let cell = |column: usize| {
+                let Cell { text, class: mark } = row.get(column).unwrap_or(&empty);
+                format!("<td class=\"{}{mark}\">{}</td>", class(column), text.html())
+            };
+            format!("<tr>{}</tr>\n", (0..wide).map(cell).collect::<String>())
+        };
+        let headings: String = (0..wide).map(heading).collect();
+        let rows: String = self.rows.iter().map(row).collect();
+        let notes: String = self.notes.iter().map(|note| format!("<p class=\"note\">{}</p>\n", note.html())).collect();
+        let title = self.title.html();
+        // Focusable, so that it can be scrolled with the keyboard.
+        format!(
+            "<figure class=\"table\" id=\"table-{number}\">\n\
+             <figcaption><span class=\"no\">Table {number}</span> <span class=\"what\">{title}</span></figcaption>\n\
+             <div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Table {number}\"><table>\n<thead><tr>\n\
+             {headings}</tr></thead>\n<tbody>\n{rows}</tbody></table></div>\n{notes}</figure>\n"
+        )
     }
 }
 
@@ -133,8 +129,7 @@ mod tests {
     #[test]
     fn rows_of_any_length_give_a_rectangle() {
         let table = PageTable::new("t").text("a").number("b").row(["-1"]).row(["1", "2", "3"]).row(["1", "-2e-3"]);
-        let mut out = String::new();
-        table.write(&mut out, 1);
+        let out = table.html(1);
         assert_eq!((out.matches("<td").count(), out.matches("<th ").count()), (9, 3));
         for cell in ["num\">2<", "txt\">\u{2212}1<", "num\">\u{2212}2e\u{2212}3<"] {
             assert!(out.contains(cell), "{cell}: {out}");

@@ -11,7 +11,7 @@ pub(super) enum Mark {
     /// A horizontal line at a y.
     Y(f64, String),
     /// A shaded strip from one x to another.
-    OverX(f64, f64, String),
+    OverX(f64, f64),
 }
 
 /// One panel: axes, series in the order they are drawn, and reference lines behind them.
@@ -66,8 +66,8 @@ impl Axes {
     }
 
     /// A shaded strip over a part of the x axis.
-    pub fn over_x(mut self, from: f64, to: f64, label: impl Into<String>) -> Self {
-        self.marks.push(Mark::OverX(from, to, label.into()));
+    pub fn over_x(mut self, from: f64, to: f64) -> Self {
+        self.marks.push(Mark::OverX(from, to));
         self
     }
 
@@ -87,7 +87,7 @@ impl Axes {
         let marks = self.marks.iter().flat_map(|m| match m {
             Mark::X(x, _) => [*x, f64::NAN],
             Mark::Y(..) => [f64::NAN; 2],
-            Mark::OverX(from, to, _) => [*from, *to],
+            Mark::OverX(from, to) => [*from, *to],
         });
         self.series.iter().flat_map(Series::xs).chain(marks)
     }

@@ -43,7 +43,7 @@ struct Plot {
 struct PlotAxis {
     label: String,
     unit: String,
-    #[serde(skip_serializing_if = "is_false")]
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
     log: bool,
     span: Span,
 }
@@ -90,10 +90,6 @@ struct PlotSeries {
     lower: Vec<Option<f64>>,
 }
 
-fn is_false(value: &bool) -> bool {
-    !value
-}
-
 impl Figure {
     /// The plots of this figure for the inside of a `script` element, as JSON without markup; `None` without any data.
     /// A series without a name has that of the series in `beside` which looks the same.
@@ -122,7 +118,7 @@ impl Figure {
             (true, [title, label]) => format!("{}: {}", self.title, if title.is_empty() { label } else { title }),
         };
         let strips = panels.iter().flat_map(|panel| &panel.marks).filter_map(|mark| match mark {
-            Mark::OverX(from, to, _) => Some(Span { from: *from, to: *to }),
+            Mark::OverX(from, to) => Some(Span { from: *from, to: *to }),
             _ => None,
         });
         Plot {
@@ -130,16 +126,11 @@ impl Figure {
             name: rendered(&panels[0].title),
             height: panels.iter().map(|panel| panel.height).sum::<f64>() * self.panel[1] / self.panel[0],
             x: PlotAxis::new(&last.x.label, last.x.log, &x),
-            loops: !panels.iter().flat_map(|panel| &panel.series).all(rises),
+            loops: !panels.iter().flat_map(|panel| &panel.series).all(|series| decimate::rises(&series.points)),
             span: strips.into_iter().next(),
             panels: panels.iter().map(|panel| PlotPanel::of(panel, &x, last.x.log, known)).collect(),
         }
     }
-}
-
-/// True if no x is below the one before.
-fn rises(series: &Series) -> bool {
-    series.points.windows(2).all(|w| w[1][0] >= w[0][0])
 }
 
 /// A label without its unit, and the unit.
@@ -192,7 +183,7 @@ impl PlotSeries {
             SeriesKind::Dots => "dots",
             SeriesKind::Dashed => "dashed",
             SeriesKind::Band => "band",
-            SeriesKind::Line | SeriesKind::Step => "line",
+            SeriesKind::Line => "line",
         };
         let dash = DASHES[series.dashes % DASHES.len()].split_whitespace().filter_map(|part| part.parse().ok());
         let result =
@@ -257,7 +248,7 @@ fn thinned(kind: SeriesKind, points: &[Point], all: usize) -> Vec<usize> {
     if regular.windows(2).all(between) {
         return regular;
     }
-    if points.windows(2).all(|w| w[1][0] >= w[0][0]) {
+    if decimate::rises(points) {
         let share = COLUMNS * n as f64 / all as f64 / (points[n - 1][0] - points[0][0]).max(1e-9);
         let columns: Vec<Point> = points.iter().map(|p| [p[0] * share, p[1]]).collect();
         return decimate::columns(&columns);

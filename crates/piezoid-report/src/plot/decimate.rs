@@ -16,9 +16,13 @@ const MAX_LINE_POINTS: usize = 5000;
 
 /// A visually identical line with fewer points.
 pub(super) fn line(points: &[Point]) -> Vec<Point> {
-    let monotone = points.windows(2).all(|w| w[1][0] >= w[0][0]);
-    let points = if monotone { at(points, &columns(points)) } else { points.to_vec() };
+    let points = if rises(points) { at(points, &columns(points)) } else { points.to_vec() };
     at(&points, &corners(&points, MAX_LINE_POINTS))
+}
+
+/// True if no x is below the one before.
+pub(super) fn rises(points: &[Point]) -> bool {
+    points.windows(2).all(|w| w[1][0] >= w[0][0])
 }
 
 /// The points with these numbers.

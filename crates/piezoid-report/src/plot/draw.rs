@@ -21,7 +21,6 @@ pub(super) fn series(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
         SeriesKind::Dots => svg.dots(&decimate::dots(&runs.concat(), DOTS)),
         SeriesKind::Band => band(svg, series, x, y),
         SeriesKind::Dashed | SeriesKind::Wide | SeriesKind::Line => lines(svg, &stroke, &runs),
-        SeriesKind::Step => lines(svg, &stroke, &runs.iter().map(|run| held(run)).collect::<Vec<_>>()),
         SeriesKind::Marked | SeriesKind::Points => {
             if series.kind == SeriesKind::Marked {
                 lines(svg, &stroke, &runs);
@@ -61,12 +60,6 @@ fn lines(svg: &mut Svg, stroke: &Stroke, runs: &[Vec<Point>]) {
     svg.stroked(stroke, &path.finish());
 }
 
-/// The corners of a line that holds each value until the next x.
-fn held(run: &[Point]) -> Vec<Point> {
-    let corners = run.windows(2).flat_map(|w| [w[0], [w[1][0], w[0][1]]]);
-    corners.chain(run.last().copied()).collect()
-}
-
 /// The areas of a band: the upper edge forward, the lower edge back.
 fn band(svg: &mut Svg, series: &Series, x: &Scale, y: &Scale) {
     let place = |(p, low): (&Point, &f64)| Some((x.at(p[0])?, y.at(p[1])?, y.at(*low)?));
@@ -103,12 +96,6 @@ mod tests {
     fn a_point_between_two_gaps_is_a_dot() {
         let svg = drawn(&Series::line(&[0.0, 1.0, 2.0], &[f64::NAN, 5.0, f64::INFINITY]));
         assert!(svg.contains("d=\"m10 50h0\""), "{svg}");
-    }
-
-    #[test]
-    fn a_step_line_holds_each_value_until_the_next() {
-        let svg = drawn(&Series::step(&[0.0, 5.0, 10.0], &[2.0, 8.0, 8.0]));
-        assert!(svg.contains("d=\"m0 80 50 0 0-60 50 0\""), "{svg}");
     }
 
     #[test]

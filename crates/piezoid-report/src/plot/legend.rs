@@ -52,7 +52,7 @@ fn swatch(svg: &mut Svg, s: &Series, x: f64, y: f64) {
     let (stroke, ends) = (Stroke::of(s), [[x, y], [x + SWATCH, y]]);
     svg.open_role(s.role);
     match s.kind {
-        SeriesKind::Line | SeriesKind::Wide | SeriesKind::Step | SeriesKind::Dashed => svg.stroke(&stroke, &ends),
+        SeriesKind::Line | SeriesKind::Wide | SeriesKind::Dashed => svg.stroke(&stroke, &ends),
         SeriesKind::Marked => {
             svg.stroke(&stroke, &ends);
             svg.shape(MARKED, &marker(s.role, &[[x + SWATCH / 2.0, y]]));

@@ -211,13 +211,17 @@ mod tests {
     fn nasty() -> Figure {
         let y = [1.0, f64::NAN, f64::INFINITY, -3.0, 1e-320, 2.0];
         let series =
-            [Series::line, Series::dashed, Series::step, Series::marked, Series::dots].map(|s| s(&ramp(6), &y));
+            [Series::line, Series::dashed, Series::wide, Series::marked, Series::dots].map(|s| s(&ramp(6), &y));
         let mut panel = Axes::new("u <V> & [\u{1}]", Axis::log("\"y\" > 0")).titled("a < b & c");
         for (i, s) in series.into_iter().enumerate() {
             panel = panel.with(s.role(Role::accent(i)).named(format!("<{i}>")));
         }
-        let panel =
-            panel.with(Series::band(&ramp(6), &y, &y)).at_x(f64::NAN, "<x>").at_y(-1.0, "&").over_x(1.0, 2.0, "'");
+        let panel = panel
+            .with(Series::band(&ramp(6), &y, &y))
+            .at_x(f64::NAN, "<x>")
+            .at_x(1.5, "'")
+            .at_y(-1.0, "&")
+            .over_x(1.0, 2.0);
         let empty = Axes::new("", "").titled("empty");
         let cut = Axes::new(Axis::new("x").range(1.0, 2.0), "y").with(Series::line(&ramp(9), &ramp(9)));
         Figure::new("<title>", "a & b").panel(panel).panel(empty).panel(cut)
@@ -260,7 +264,6 @@ mod tests {
             Series::line(&wave(0.01), &drifting),
             Series::dots(&noise, &t),
             Series::dots(&t, &noise),
-            Series::step(&t, &noise),
             Series::marked(&t, &noise),
             Series::line(&t, &gaps),
             Series::band(&t, &noise, &wave(0.2)),

@@ -45,20 +45,21 @@ const fn colour(name: &'static str, light: &'static str, dark: &'static str) -> 
     Colour { name, light, dark }
 }
 
-/// One row per [`Role`], in the order of the enum.
-const ROLES: [Colour; 12] = [
-    colour("ascending", "#0072b2", "#5cb3f2"),
-    colour("descending", "#c8500a", "#ff9257"),
-    colour("measured", "#5b636d", "#a9b1bb"),
-    colour("model", "#00805b", "#3cc79b"),
-    colour("reference", "#1d2126", "#e9e6df"),
-    colour("residual", "#9c4a8c", "#dc96ce"),
-    colour("muted", "#aab0b7", "#616973"),
-    colour("accent1", "#0072b2", "#5cb3f2"),
-    colour("accent2", "#c8500a", "#ff9257"),
-    colour("accent3", "#00805b", "#3cc79b"),
-    colour("accent4", "#9c4a8c", "#dc96ce"),
-    colour("accent5", "#946500", "#e2b23f"),
+/// One row per [`Role`], in the order of the enum: the number of its colour in plots, which is `--plot-N` of the style
+/// sheet of pages, and the colour.
+const ROLES: [(usize, Colour); 12] = [
+    (1, colour("ascending", "#0072b2", "#5cb3f2")),
+    (2, colour("descending", "#c8500a", "#ff9257")),
+    (0, colour("measured", "#5b636d", "#a9b1bb")),
+    (3, colour("model", "#00805b", "#3cc79b")),
+    (6, colour("reference", "#1d2126", "#e9e6df")),
+    (4, colour("residual", "#9c4a8c", "#dc96ce")),
+    (7, colour("muted", "#aab0b7", "#616973")),
+    (1, colour("accent1", "#0072b2", "#5cb3f2")),
+    (2, colour("accent2", "#c8500a", "#ff9257")),
+    (3, colour("accent3", "#00805b", "#3cc79b")),
+    (4, colour("accent4", "#9c4a8c", "#dc96ce")),
+    (5, colour("accent5", "#946500", "#e2b23f")),
 ];
 
 /// Ground, text and lines of the figures and of the pages around them.
@@ -80,26 +81,17 @@ impl Role {
 
     /// Its name in the style sheet.
     pub(super) fn name(self) -> &'static str {
-        ROLES[self as usize].name
+        ROLES[self as usize].1.name
     }
 
-    /// The number of its colour in plots: `--plot-N` of the style sheet of pages.
+    /// The number of its colour in plots.
     pub(super) fn number(self) -> usize {
-        match self {
-            Role::Measured => 0,
-            Role::Ascending | Role::Accent1 => 1,
-            Role::Descending | Role::Accent2 => 2,
-            Role::Model | Role::Accent3 => 3,
-            Role::Residual | Role::Accent4 => 4,
-            Role::Accent5 => 5,
-            Role::Reference => 6,
-            Role::Muted => 7,
-        }
+        ROLES[self as usize].0
     }
 
     /// Its colour on paper, for viewers without style sheets.
     pub(super) fn light(self) -> &'static str {
-        ROLES[self as usize].light
+        ROLES[self as usize].1.light
     }
 }
 
@@ -112,19 +104,17 @@ pub(super) fn ground(name: &str) -> &'static str {
 ///
 /// Dark if the system asks for it; `data-theme="dark"` or `"light"` on the root element overrides; print is light.
 pub(super) fn properties() -> String {
-    let all = || GROUNDS.iter().chain(&ROLES);
-    let mut light = String::new();
-    let mut dark = String::new();
-    for c in all() {
-        let _ = write!(light, "--pz-{}:{};", c.name, c.light);
-        let _ = write!(dark, "--pz-{}:{};", c.name, c.dark);
-    }
+    let roles = || ROLES.iter().map(|(_, colour)| colour);
+    let all = |value: fn(&Colour) -> &str| -> String {
+        GROUNDS.iter().chain(roles()).map(|c| format!("--pz-{}:{};", c.name, value(c))).collect()
+    };
+    let (light, dark) = (all(|c| c.light), all(|c| c.dark));
     let mut css = format!(
         ":root{{color-scheme:light;{light}}}\n\
          @media screen and (prefers-color-scheme:dark){{:root:not([data-theme=light]){{color-scheme:dark;{dark}}}}}\n\
          @media screen{{:root[data-theme=dark]{{color-scheme:dark;{dark}}}}}\n"
     );
-    for c in &ROLES {
+    for c in roles() {
         let _ = writeln!(css, ".pz-{0}{{--pz-c:var(--pz-{0})}}", c.name);
     }
     css
@@ -149,7 +139,7 @@ mod tests {
 
     #[test]
     fn every_curve_stands_out_from_its_ground_in_light_and_dark() {
-        for c in ROLES.iter().filter(|c| c.name != "muted") {
+        for (_, c) in ROLES.iter().filter(|(_, c)| c.name != "muted") {
             assert!(contrast(c.light, GROUNDS[0].light) > 4.0, "{} on paper", c.name);
             assert!(contrast(c.dark, GROUNDS[0].dark) > 4.0, "{} on black", c.name);
         }
@@ -163,7 +153,7 @@ mod tests {
         let style = include_str!("../../../../web/style.css");
         let roles = [Role::Measured, Role::Accent1, Role::Accent2, Role::Accent3, Role::Accent4, Role::Accent5];
         for role in roles {
-            let Colour { light, dark, .. } = ROLES[role as usize];
+            let (_, Colour { light, dark, .. }) = ROLES[role as usize];
             let of = |colour: &str| style.matches(&format!("--plot-{}: {colour};", role.number())).count();
             assert_eq!((of(light), of(dark)), (1, 2), "{}", role.name());
         }

@@ -125,7 +125,7 @@ impl<'a> Panel<'a> {
 
     fn strips(&self, svg: &mut Svg, x: &Scale, top: f64, bottom: f64) {
         for mark in &self.axes.marks {
-            if let Mark::OverX(from, to, _) = mark
+            if let Mark::OverX(from, to) = mark
                 && let (Some(from), Some(to)) = (x.at(*from), x.at(*to))
             {
                 svg.rect("raised", [from.min(to), top], [(to - from).abs(), bottom - top]);
@@ -136,18 +136,13 @@ impl<'a> Panel<'a> {
     fn rules(&self, svg: &mut Svg, x: &Scale, y: &Scale, [left, right]: Point, [top, bottom]: Point) {
         let inside = |v: Option<f64>, a: f64, b: f64| v.filter(|v| (a - 0.1..=b + 0.1).contains(v));
         for mark in &self.axes.marks {
-            match mark {
-                Mark::X(at, _) => {
-                    if let Some(at) = inside(x.at(*at), left, right) {
-                        svg.rule("reference", [at, top - 4.0], [at, bottom]);
-                    }
-                }
-                Mark::Y(at, _) => {
-                    if let Some(at) = inside(y.at(*at), top, bottom) {
-                        svg.rule("reference", [left, at], [right, at]);
-                    }
-                }
-                Mark::OverX(..) => {}
+            let ends = match mark {
+                Mark::X(at, _) => inside(x.at(*at), left, right).map(|at| [[at, top - 4.0], [at, bottom]]),
+                Mark::Y(at, _) => inside(y.at(*at), top, bottom).map(|at| [[left, at], [right, at]]),
+                Mark::OverX(..) => None,
+            };
+            if let Some([from, to]) = ends {
+                svg.rule("reference", from, to);
             }
         }
     }
@@ -173,28 +168,24 @@ impl<'a> Panel<'a> {
         }
     }
 
-    /// Labels of vertical lines and strips are above the data, those of horizontal lines where they cover the least
-    /// data.
+    /// Labels of vertical lines are above the data, those of horizontal lines where they cover the least data.
     fn words_of_marks(&self, svg: &mut Svg, x: &Scale, y: &Scale, corner: Point, size: Point) {
-        let [left, top] = corner;
-        let right = left + size[0];
+        let ([left, top], [right, bottom]) = (corner, [corner[0] + size[0], corner[1] + size[1]]);
         for mark in &self.axes.marks {
-            let (at, label) = match mark {
-                Mark::X(at, label) => (x.at(*at), label),
-                Mark::OverX(from, to, label) => (x.at(*from).zip(x.at(*to)).map(|(a, b)| 0.5 * (a + b)), label),
-                Mark::Y(at, label) => {
-                    if let Some(at) = y.at(*at).filter(|at| (top..=top + size[1]).contains(at) && !label.is_empty()) {
-                        let room = [self.em * width(label), 22.0];
-                        let place = place::beside_rule(&self.axes.series, x, y, corner, size, at, room);
-                        svg.text("pz-note", place[0], place[1] + 16.0, "start", label);
-                    }
-                    continue;
+            match mark {
+                Mark::X(at, label) if !label.is_empty() => {
+                    let Some(at) = x.at(*at).filter(|at| (left..=right).contains(at)) else { continue };
+                    let half = 0.5 * self.em * width(label);
+                    let at = at.min(right + RIGHT - half).max(left + half);
+                    svg.text("pz-note", at, top - 9.0, "middle", label);
                 }
-            };
-            if let Some(at) = at.filter(|at| (left..=right).contains(at) && !label.is_empty()) {
-                let half = 0.5 * self.em * width(label);
-                let at = at.min(right + RIGHT - half).max(left + half);
-                svg.text("pz-note", at, top - 9.0, "middle", label);
+                Mark::Y(at, label) if !label.is_empty() => {
+                    let Some(at) = y.at(*at).filter(|at| (top..=bottom).contains(at)) else { continue };
+                    let room = [self.em * width(label), 22.0];
+                    let place = place::beside_rule(&self.axes.series, x, y, corner, size, at, room);
+                    svg.text("pz-note", place[0], place[1] + 16.0, "start", label);
+                }
+                _ => {}
             }
         }
     }
@@ -206,8 +197,8 @@ impl Axes {
         legend.rows == 1 && legend.width + em * width(&self.y.label) + 30.0 < room - RIGHT
     }
 
-    /// True if a line or strip has a label above the data.
+    /// True if a line has a label above the data.
     fn marks_above(&self) -> bool {
-        self.marks.iter().any(|m| matches!(m, Mark::X(_, label) | Mark::OverX(_, _, label) if !label.is_empty()))
+        self.marks.iter().any(|m| matches!(m, Mark::X(_, label) if !label.is_empty()))
     }
 }

@@ -8,7 +8,6 @@ pub(super) enum SeriesKind {
     Line,
     Wide,
     Dashed,
-    Step,
     Marked,
     Points,
     Dots,
@@ -57,11 +56,6 @@ impl Series {
     /// A dashed line.
     pub fn dashed(x: &[f64], y: &[f64]) -> Self {
         Series::new(SeriesKind::Dashed, Role::Reference, x, y)
-    }
-
-    /// A line that holds each value until the next x.
-    pub fn step(x: &[f64], y: &[f64]) -> Self {
-        Series::new(SeriesKind::Step, Role::Model, x, y)
     }
 
     /// A line with markers. Each accent has its own shape.

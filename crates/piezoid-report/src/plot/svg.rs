@@ -96,11 +96,8 @@ impl Svg {
     pub(super) fn dots(&mut self, points: &[Point]) {
         let mut path = PathData::default();
         points.iter().for_each(|p| path.dot(*p));
-        let d = path.finish();
-        if !d.is_empty() {
-            self.put(&["<path class=\"pz-dots\" fill=\"none\" stroke-width=\"3.2\" stroke-linecap=\"round\" "]);
-            self.put(&["stroke-opacity=\"0.45\" d=\"", &d, "\"/>\n"]);
-        }
+        let attributes = " stroke-width=\"3.2\" stroke-linecap=\"round\" stroke-opacity=\"0.45\"".into();
+        self.stroked(&Stroke { class: "pz-dots", attributes }, &path.finish());
     }
 
     /// The closed outline of a polygon.

@@ -112,11 +112,11 @@ pub(super) fn log(low: f64, high: f64, count: usize) -> Vec<Tick> {
     let mut ticks = Vec::new();
     for decade in first..=last {
         for digit in 1..=9 {
-            let at = decade_times(decade, digit);
+            let at = TickStep { mantissa: 1.0, exponent: decade }.times(f64::from(digit));
             let labelled = (digit == 1 && decade.rem_euclid(stride) == 0) || (dense && matches!(digit, 2 | 5));
             let crowded = if digit == 1 { last - first > 30 } else { last - first > 8 };
             if within(at) && (labelled || !crowded) {
-                ticks.push(Tick { at, label: if labelled { log_label(decade, digit) } else { String::new() } });
+                ticks.push(Tick { at, label: if labelled { log_label(at, decade, digit) } else { String::new() } });
             }
         }
     }
@@ -124,13 +124,10 @@ pub(super) fn log(low: f64, high: f64, count: usize) -> Vec<Tick> {
     if labelled >= 2 { ticks } else { linear(low, high, TickStep::within(low, high, count)) }
 }
 
-fn decade_times(decade: i32, digit: i32) -> f64 {
-    if decade < 0 { f64::from(digit) / 10f64.powi(-decade) } else { f64::from(digit) * 10f64.powi(decade) }
-}
-
-fn log_label(decade: i32, digit: i32) -> String {
+/// The label of `at`, which is `digit` times ten to the `decade`.
+fn log_label(at: f64, decade: i32, digit: i32) -> String {
     match (decade, digit) {
-        (-3..=4, _) => number(decade_times(decade, digit), (-decade).max(0) as usize),
+        (-3..=4, _) => number(at, (-decade).max(0) as usize),
         (_, 1) => power_of_ten(decade),
         _ => format!("{digit}×{}", power_of_ten(decade)),
     }

@@ -1,10 +1,10 @@
 //! The linear block in the report: its modes and frequency response.
 
+use crate::each::Each;
 use crate::page::{Fact, PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Series};
-use piezoid::hammerstein::Model;
 use piezoid::linear::{Arx, ModalForm};
-use piezoid::system::System;
+use piezoid::{Model, System};
 use piezoid_numerics::number::short;
 use piezoid_numerics::series::ends;
 use std::f64::consts::{PI, TAU};
@@ -52,14 +52,11 @@ fn facts(form: &ModalForm, gain: &str, ts: f64) -> Vec<Fact> {
 fn modes(form: &ModalForm) -> PageTable {
     let table = PageTable::new("Modes of the linear block").text("").number("f [Hz]").number("damping ratio");
     let table = table.number("share [%]").number("mass [g]").number("damper [N s/m]");
-    let table = form.rows().into_iter().fold(table, PageTable::row).note(
+    let table = table.rows(form.rows()).note(
         "Shares of the static displacement. Mass and damper for a spring of 1 N/mm at the point of measurement: both \
         are proportional to the stiffness.",
     );
-    match form.images() {
-        Some(images) => table.note(images),
-        None => table,
-    }
+    table.each(form.images(), PageTable::note)
 }
 
 /// Gain and phase, with the modes marked.
@@ -75,19 +72,17 @@ fn response(arx: &Arx, form: &ModalForm, unit: &str) -> Figure {
     });
     let phase: Vec<f64> = phase.collect();
     let modes = form.modes();
-    let top = Axes::new(Axis::log("f [Hz]").tight(), Axis::log(format!("gain [{unit}]"))).height(0.85);
-    let low = Axes::new(Axis::log("f [Hz]").tight(), Axis::new("phase [°]").ticks(&quarters(&phase))).height(0.6);
-    let (top, low) = match form.images() {
-        Some(_) => {
-            [top, low].map(|panel| panel.over_x(ModalForm::MAX_OBSERVABLE_NYQUIST_SHARE * half, half, "")).into()
-        }
-        None => (top, low),
+    let name = |k: usize, hz: f64| if modes.len() == 1 { format!("{} Hz", short(hz)) } else { format!("{}", k + 1) };
+    let panel = |y: Axis, values: &[f64], named: bool| {
+        Axes::new(Axis::log("f [Hz]").tight(), y)
+            .each(form.images(), |axes, _| axes.over_x(ModalForm::MAX_OBSERVABLE_NYQUIST_SHARE * half, half))
+            .each(modes.iter().map(|mode| mode.pole.hz).enumerate(), |axes, (k, hz)| {
+                axes.at_x(hz, if named { name(k, hz) } else { String::new() })
+            })
+            .with(Series::line(&hz, values))
     };
-    let (top, low) = modes.iter().enumerate().fold((top, low), |(top, low), (k, mode)| {
-        let name = if modes.len() == 1 { format!("{} Hz", short(mode.pole.hz)) } else { format!("{}", k + 1) };
-        (top.at_x(mode.pole.hz, name), low.at_x(mode.pole.hz, ""))
-    });
-    let (top, low) = (top.with(Series::line(&hz, &gain)), low.with(Series::line(&hz, &phase)));
+    let top = panel(Axis::log(format!("gain [{unit}]")), &gain, true).height(0.85);
+    let low = panel(Axis::new("phase [°]").ticks(&quarters(&phase)), &phase, false).height(0.6);
     Figure::new("Frequency response", caption(&gain, &hz, form)).panel(top).panel(low).stacked()
 }
 
