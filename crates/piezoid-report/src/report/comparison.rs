@@ -1,6 +1,7 @@
 //! The report on several models: errors side by side, and free runs over each other.
 
 use super::loops::{self, FreeRun};
+use crate::each::Each;
 use crate::page::{Cell, Fact, Page, PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::validation::Bin;
@@ -16,16 +17,13 @@ pub fn comparison(compared: &ModelComparison) -> Page {
     let models = &compared.models[..];
     let records = models.first().map_or(&[][..], |one| &one.validated.files);
     let names: Vec<&str> = records.iter().map(Compared::short).collect();
-    let page = Page::new("Comparison of models").subtitle(format!("free runs on {}", names.join(", ")));
-    let page = page.section(errors(compared, records));
-    let page = match by_bins(models) {
-        figures if figures.is_empty() => page,
-        figures => page.section(figures.into_iter().fold(Section::new("Where the errors are"), Section::figure)),
-    };
-    match records.get(compared.record) {
-        Some(record) => page.section(runs(models, compared.record, record)),
-        None => page,
-    }
+    let bins = by_bins(models);
+    let where_they_are = (!bins.is_empty()).then(|| Section::new("Where the errors are").each(bins, Section::figure));
+    Page::new("Comparison of models")
+        .subtitle(format!("free runs on {}", names.join(", ")))
+        .section(errors(compared, records))
+        .each(where_they_are, Page::section)
+        .each(records.get(compared.record), |page, record| page.section(runs(models, compared.record, record)))
 }
 
 /// The style of the `k`-th model, the same in all figures.
@@ -35,28 +33,25 @@ fn styled(series: Series, k: usize) -> Series {
 
 fn errors(compared: &ModelComparison, records: &[Compared]) -> Section {
     let models = &compared.models[..];
-    let section = Section::new("Models");
-    let section = match compared.summary() {
-        Some(summary) => section.text(sentence(&summary)),
-        None => section,
-    };
-    let section = match compared.best() {
-        Some(best) => {
-            let total = best.validated.total();
-            let unit = records.first().map_or(String::new(), |one| one.record.units().y.clone());
-            section.facts([
-                Fact::new(short(total.rms_pp_percent), "%", format!("rms error over peak-to-peak of y, {}", best.name)),
-                Fact::new(short(total.nrmse_percent), "%", "its NRMSE: rms error over standard deviation of y"),
-                Fact::new(short(total.max_abs), unit, "its largest error"),
-            ])
-        }
-        None => section,
+    let facts = |best: &ComparedModel| {
+        let total = best.validated.total();
+        let unit = records.first().map_or(String::new(), |one| one.record.units().y.clone());
+        [
+            Fact::new(short(total.rms_pp_percent), "%", format!("rms error over peak-to-peak of y, {}", best.name)),
+            Fact::new(short(total.nrmse_percent), "%", "its NRMSE: rms error over standard deviation of y"),
+            Fact::new(short(total.max_abs), unit, "its largest error"),
+        ]
     };
     let verdict = |one: &ComparedModel| {
         let message = one.validated.verdict(&one.model).map_or("not proven".into(), |verdict| verdict.to_string());
         format!("{}: {message}.", one.name)
     };
-    section.table(blocks(models)).table(by_record(models, records)).list(models.iter().map(verdict))
+    Section::new("Models")
+        .each(compared.summary(), |section, summary| section.text(sentence(&summary)))
+        .each(compared.best(), |section, best| section.facts(facts(best)))
+        .table(blocks(models))
+        .table(by_record(models, records))
+        .list(models.iter().map(verdict))
 }
 
 /// Errors over all records, and what the models are made of.
@@ -75,7 +70,7 @@ fn blocks(models: &[ComparedModel]) -> PageTable {
         let size = [one.parameters().to_string(), order, short(100.0 * creep)].map(Cell::from);
         what.into_iter().chain(errors).chain(size).collect::<Vec<_>>()
     };
-    models.iter().fold(table, |table, one| table.row(row(one))).note(
+    table.rows(models.iter().map(row)).note(
         "Errors of the free run, over all records. Parameters: the numbers that describe the hysteresis block. Order: \
         that of the linear block.",
     )
@@ -83,18 +78,19 @@ fn blocks(models: &[ComparedModel]) -> PageTable {
 
 /// The errors of every model on every record.
 fn by_record(models: &[ComparedModel], records: &[Compared]) -> PageTable {
-    let table = PageTable::new("Errors by record [% rms of peak-to-peak]").text("record");
-    let table = models.iter().fold(table, |table, one| table.number(one.name.as_str()));
     let row = |name: &str, errors: Vec<f64>| {
         let least = least(errors.iter().copied());
         let cell = |error: f64| if error == least { Cell::from(short(error)).best() } else { short(error).into() };
         [Cell::from(name)].into_iter().chain(errors.into_iter().map(cell)).collect::<Vec<_>>()
     };
     let of = |k: usize| models.iter().map(|one| one.validated.files[k].validation.metrics.rms_pp_percent).collect();
-    let table = records.iter().enumerate().fold(table, |table, (k, one)| table.row(row(one.short(), of(k))));
-    let total = models.iter().map(|one| one.validated.total().rms_pp_percent).collect();
-    let table = if records.len() > 1 { table.row(row("total", total)) } else { table };
-    table.note("Coloured: the smallest of each row.")
+    let total = || models.iter().map(|one| one.validated.total().rms_pp_percent).collect();
+    PageTable::new("Errors by record [% rms of peak-to-peak]")
+        .text("record")
+        .each(models, |table, one| table.number(one.name.as_str()))
+        .rows(records.iter().enumerate().map(|(k, one)| row(one.short(), of(k))))
+        .rows((records.len() > 1).then(|| row("total", total())))
+        .note("Coloured: the smallest of each row.")
 }
 
 fn least(errors: impl Iterator<Item = f64>) -> f64 {

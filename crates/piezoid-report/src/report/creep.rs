@@ -14,7 +14,7 @@ pub(super) fn block(section: Section, creep: &Creep) -> Section {
     let ends = |f: fn(f64, f64) -> f64| lags.iter().map(|lag| lag.tau_s).reduce(f);
     let (Some(quickest), Some(slowest)) = (ends(f64::min), ends(f64::max)) else { return section };
     let table = PageTable::new("Creep").number("time constant [s]").number("gain [%]");
-    let table = lags.iter().fold(table, |table, lag| table.row([round(lag.tau_s), short(100.0 * lag.gain)]));
+    let table = table.rows(lags.iter().map(|lag| [round(lag.tau_s), short(100.0 * lag.gain)]));
     let all = short(100.0 * lags.iter().map(|lag| lag.gain).sum::<f64>());
     section
         .heading("Creep")

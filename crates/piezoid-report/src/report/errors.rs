@@ -1,5 +1,6 @@
 //! Errors by frequency and by amplitude, over all records.
 
+use crate::each::Each;
 use crate::page::{PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::validation::Bin;
@@ -69,8 +70,7 @@ fn one(section: Section, title: &str, label: &str, bins: &[Bin], unit: &str, dra
         };
         [short(b.at), of, short(b.rmse), short(b.nrmse_percent), short(b.rms_pp_percent)]
     };
-    let table = bins.iter().fold(table, |table, b| table.row(row(b)));
-    section.figure(figure(title, label, bins, drawn)).table(table.note(
+    section.figure(figure(title, label, bins, drawn)).table(table.rows(bins.iter().map(row)).note(
         "From the cycles of the input in all records; the frequency of a cycle is 1 / duration, its amplitude half \
          its peak-to-peak. If the input has no cycles, from the spectra of error and output.",
     ))
@@ -87,6 +87,5 @@ fn figure(title: &str, label: &str, bins: &[Bin], drawn: Vec<Series>) -> Figure 
         )
     });
     let axes = Axes::new(Axis::log(label), Axis::log("rms error / std of y [%]")).height(0.8);
-    let axes = drawn.into_iter().fold(axes, Axes::with);
-    Figure::new(title, caption).panel(axes)
+    Figure::new(title, caption).panel(axes.each(drawn, Axes::with))
 }

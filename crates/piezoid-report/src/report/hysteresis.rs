@@ -1,5 +1,6 @@
 //! The hysteresis block in the report: operator, parameters, and loops.
 
+use crate::each::Each;
 use crate::page::{Cell, PageTable, Section, Text};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::hammerstein::Model;
@@ -28,12 +29,8 @@ pub(super) fn block(section: Section, model: &Model, trials: &[Compared]) -> Sec
         .map_or(String::new(), |(low, high)| format!("; identified from {} to {} {unit}", short(low), short(high)));
     let plain = format!(", {}{identified}. Source: {}.", operator.summary, operator.reference);
     let law = Text::new().code(operator.name).plain(plain);
-    let section = section.heading("Hysteresis").text(law);
-    let section = match range.and_then(|range| figure(model, range)) {
-        Some(figure) => section.figure(figure),
-        None => section,
-    };
-    section.table(parameters(hysteresis))
+    let figure = range.and_then(|range| figure(model, range));
+    section.heading("Hysteresis").text(law).each(figure, Section::figure).table(parameters(hysteresis))
 }
 
 /// The range to show: that of the operator's or the model's identification data, or of the records.
@@ -113,11 +110,8 @@ fn figure(model: &Model, range: (f64, f64)) -> Option<Figure> {
     let panel = Axes::new(Axis::new(format!("u [{}]", model.units().u)), "z")
         .with(Series::line(&up[0], &up[1]).role(Role::Ascending).named("ascending"))
         .with(Series::line(&down[0], &down[1]).role(Role::Descending).named("descending"))
-        .with(Series::line(&minor[0], &minor[1]).role(Role::Model).named(inside));
-    let panel = match &quick {
-        Some((u, z, hz)) => panel.with(Series::dashed(u, z).named(format!("{} Hz", round(*hz)))),
-        None => panel,
-    };
+        .with(Series::line(&minor[0], &minor[1]).role(Role::Model).named(inside))
+        .each(&quick, |panel, (u, z, hz)| panel.with(Series::dashed(u, z).named(format!("{} Hz", round(*hz)))));
     Some(Figure::new("Loops of the hysteresis block", caption(hysteresis, width, slow, fast)).panel(panel))
 }
 
@@ -153,8 +147,9 @@ fn parameters(hysteresis: &dyn Hysteresis) -> PageTable {
     let mut rows = Vec::new();
     let document = Value::Object(hysteresis.params().into_iter().filter(|(name, _)| name != "range").collect());
     collect("", &document, &mut rows);
+    let row = |(name, value): (String, String)| [Cell::from(Text::new().code(name)), value.into()];
     let table = PageTable::new("Parameters of the hysteresis block").text("parameter").number("value");
-    rows.into_iter().fold(table, |table, (name, value)| table.row([Cell::from(Text::new().code(name)), value.into()]))
+    table.rows(rows.into_iter().map(row))
 }
 
 fn collect(name: &str, value: &Value, rows: &mut Vec<(String, String)>) {

@@ -1,5 +1,6 @@
 //! How an identification went, in its report: the reasons for its choices, its remarks, and the course of its search.
 
+use crate::each::Each;
 use crate::page::{Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Identification;
@@ -8,15 +9,13 @@ use piezoid_numerics::number::short;
 /// The section; `None` if there is nothing to tell.
 pub(super) fn section(result: &Identification) -> Option<Section> {
     let found = &result.found;
-    let section = Section::new("The identification");
-    let section = match &found.reasons[..] {
-        [] => section,
-        reasons => section.list(reasons.iter().map(|reason| sentence(reason))),
-    };
-    let section = found.notes.iter().fold(section, |section, note| section.note("Note", sentence(note)));
-    let history = found.linear.fit.as_ref().map(|fit| &fit.history[..]).unwrap_or_default();
-    let section = if history.len() > 1 { section.figure(convergence(history)) } else { section };
-    (history.len() > 1 || !found.remarks().is_empty()).then_some(section)
+    let history = found.linear.fit.as_ref().map(|fit| &fit.history[..]).filter(|history| history.len() > 1);
+    let reasons: Vec<String> = found.reasons.iter().map(|reason| sentence(reason)).collect();
+    let section = Section::new("The identification")
+        .each((!reasons.is_empty()).then_some(reasons), Section::list)
+        .each(&found.notes, |section, note| section.note("Note", sentence(note)))
+        .each(history, |section, history| section.figure(convergence(history)));
+    (history.is_some() || !found.remarks().is_empty()).then_some(section)
 }
 
 /// The cost by iteration.

@@ -1,6 +1,7 @@
 //! Loops of output over input, measured and in free run, and beside them what a straight line leaves of them.
 
 use super::cycles::{self, Drawn};
+use crate::each::Each;
 use crate::hysteresis_part::StraightLine;
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::Record;
@@ -38,12 +39,11 @@ pub(super) fn figures(record: &Record, start: usize, about: usize, runs: &[FreeR
     let whole = |y: &[f64]| joined(&|_, part| y[part].to_vec());
     let rest = |y: &[f64]| joined(&|k, part| lines[k].taken_from(&u[part.clone()], &y[part]));
     let panel = |title: &str, label: &str, of: &dyn Fn(&[f64]) -> Vec<f64>| {
+        let line = |run: &FreeRun| Series::line(&x, &of(run.y)).role(run.role).dashes(run.dashes).named(run.name);
         let axes = Axes::new(Axis::new(format!("u [{}]", units.u)), Axis::new(format!("{label} [{}]", units.y)))
             .titled(title)
-            .with(Series::wide(&x, &of(record.y())).named("measured"));
-        let axes = runs.iter().fold(axes, |axes, run| {
-            axes.with(Series::line(&x, &of(run.y)).role(run.role).dashes(run.dashes).named(run.name))
-        });
+            .with(Series::wide(&x, &of(record.y())).named("measured"))
+            .each(runs.iter().map(line), Axes::with);
         Figure::new(title, "").medium().panel(axes)
     };
     Some(([panel("loops", "y", &whole), panel("without the straight line", "y − line", &rest)], words))

@@ -1,6 +1,5 @@
 //! The reports: on a model and its validation, block by block, on several models, and on control schemes.
 
-use piezoid::StatedVerdict;
 mod comparison;
 mod creep;
 mod cycles;
@@ -18,11 +17,10 @@ mod tracking;
 pub use comparison::comparison;
 pub use tracking::tracking;
 
+use crate::each::Each;
 use crate::page::{Fact, Page, PageTable, Section, sentence};
-use piezoid::hammerstein::Model;
-use piezoid::system::System;
 use piezoid::validation::{Floor, Metrics};
-use piezoid::{Identification, Verdict};
+use piezoid::{Identification, Model, StatedVerdict, System, Verdict};
 use piezoid_numerics::number::short;
 use piezoid_verbs::{Compared, Validated};
 
@@ -41,23 +39,17 @@ pub fn identification(result: &Identification) -> Page {
 fn page(model: &Model, title: &str, verdict: Option<&Verdict>, validated: &Validated, more: Option<Section>) -> Page {
     let trials = &validated.files[..];
     let operator = model.hysteresis().operator();
-    let page = Page::new("Hammerstein model").subtitle(format!(
-        "{} hysteresis, {}, sampled every {}\u{a0}s",
-        operator.name,
-        match model.linear().a().len() {
-            0 => "a gain without dynamics".into(),
-            n => format!("linear block of order {n}"),
-        },
-        model.ts()
-    ));
-    let page = if trials.is_empty() { page } else { page.section(validation(title, verdict, validated)) };
-    let page = more.into_iter().fold(page, Page::section);
-    let page = trials.iter().fold(page, |page, trial| page.section(record::section(trial)));
-    let page = page.section(model::section(model, trials));
-    match origin::section(model) {
-        Some(section) => page.section(section),
-        None => page,
-    }
+    let block = match model.linear().a().len() {
+        0 => "a gain without dynamics".into(),
+        n => format!("linear block of order {n}"),
+    };
+    let validation = (!trials.is_empty()).then(|| validation(title, verdict, validated));
+    Page::new("Hammerstein model")
+        .subtitle(format!("{} hysteresis, {block}, sampled every {}\u{a0}s", operator.name, model.ts()))
+        .each(validation.into_iter().chain(more), Page::section)
+        .each(trials.iter().map(record::section), Page::section)
+        .section(model::section(model, trials))
+        .each(origin::section(model), Page::section)
 }
 
 fn validation(title: &str, verdict: Option<&Verdict>, validated: &Validated) -> Section {
@@ -74,28 +66,22 @@ fn validation(title: &str, verdict: Option<&Verdict>, validated: &Validated) -> 
         [name.to_string(), m.n.to_string(), rmse, max, nrmse, noise, share, fit]
     };
     let each = |t: &Compared| row(t.short(), &t.validation.metrics, t.validation.floor);
-    let table = trials.iter().fold(table, |table, t| table.row(each(t)));
-    let table = if trials.len() > 1 { table.row(row("total", &total, validated.floor())) } else { table };
-    let section = match verdict {
-        Some(verdict) => Section::new(title).text(sentence(&verdict.to_string())),
-        None => Section::new(title),
-    };
-    let section = section
+    let table = table
+        .rows(trials.iter().map(each))
+        .rows((trials.len() > 1).then(|| row("total", &total, validated.floor())))
+        .note("Free run: the model uses the input only, never the measured output.");
+    let section = Section::new(title)
+        .each(verdict, |section, verdict| section.text(sentence(&verdict.to_string())))
         .facts([
             Fact::new(short(total.nrmse_percent), "%", "NRMSE: rms error over standard deviation of y"),
             Fact::new(short(total.rms_pp_percent), "%", "rms error over peak-to-peak of y"),
             Fact::new(short(total.max_abs), unit.clone(), "largest error"),
         ])
-        .table(table.note("Free run: the model uses the input only, never the measured output."));
-    let section = match validated.summary() {
-        Some(summary) => section.text(sentence(&summary)),
-        None => section,
-    };
+        .table(table)
+        .each(validated.summary(), |section, summary| section.text(sentence(&summary)));
     let section = errors::by_all(section, trials);
-    match validated.not_covered() {
-        open if open.is_empty() => section,
-        open => section.text("Not tested by these records:").list(open),
-    }
+    let open = validated.not_covered();
+    if open.is_empty() { section } else { section.text("Not tested by these records:").list(open) }
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The model in the report, block by block, from input to output.
 
 use super::{creep, hysteresis, linear};
+use crate::each::Each;
 use crate::page::Section;
 use piezoid::driver::DriverModel;
 use piezoid::hammerstein::{Domain, Model};
@@ -10,15 +11,9 @@ use std::f64::consts::TAU;
 
 /// The section on the model.
 pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
-    let section = Section::new("The model");
-    let section = match model.identified() {
-        Some(domain) => section.text(known(domain, &model.units().u)),
-        None => section,
-    };
-    let section = match model.driver() {
-        Some(driver) => section.heading("Driver").text(limits(driver, model)),
-        None => section,
-    };
+    let section = Section::new("The model")
+        .each(model.identified(), |section, domain| section.text(known(domain, &model.units().u)))
+        .each(model.driver(), |section, driver| section.heading("Driver").text(limits(driver, model)));
     let section = hysteresis::block(section, model, trials);
     let section = creep::block(section, model.creep());
     linear::block(section, model)

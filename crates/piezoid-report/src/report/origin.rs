@@ -1,8 +1,8 @@
 //! Origin of the model: the entries of `piezoid identify` in the model's file, if any.
 
+use crate::each::Each;
 use crate::page::{Cell, PageTable, Section, Text, sentence};
-use piezoid::StatedVerdict;
-use piezoid::hammerstein::Model;
+use piezoid::{Model, StatedVerdict};
 use piezoid_numerics::number::short;
 use serde_json::Value;
 
@@ -11,13 +11,10 @@ pub(super) fn section(model: &Model) -> Option<Section> {
     let result = model.provenance();
     let list = |name: &str| result[name].as_array().map(Vec::as_slice).unwrap_or_default();
     let (tried, known) = (list("trials"), list("parameters"));
-    let section = Section::new("How it was identified");
-    let section = match model.verdict() {
-        Some(verdict) => section.text(sentence(&verdict.to_string())),
-        None => section,
-    };
-    let section = if tried.is_empty() { section } else { section.table(trials(tried)) };
-    let section = if known.is_empty() { section } else { section.table(parameters(known)) };
+    let section = Section::new("How it was identified")
+        .each(model.verdict(), |section, verdict| section.text(sentence(&verdict.to_string())))
+        .each((!tried.is_empty()).then(|| trials(tried)), Section::table)
+        .each((!known.is_empty()).then(|| parameters(known)), Section::table);
     match result["command"].as_str() {
         Some(command) => Some(section.text(origin(command, result))),
         None => (tried.len() + known.len() > 0).then_some(section),
@@ -43,33 +40,37 @@ fn plain(value: &Value) -> String {
 
 /// The operators, the best first.
 fn trials(tried: &[Value]) -> PageTable {
-    let errors = |trial: &Value| [&trial["held_out_percent"], &trial["free_run_percent"]].map(Value::as_f64);
     let error = |trial: &Value| trial["error_percent"].as_f64().unwrap_or(f64::INFINITY);
     let word = |trial: &Value, key: &str| trial[key].as_str().unwrap_or_default().to_string();
     let mut tried: Vec<&Value> = tried.iter().collect();
     tried.sort_by(|p, q| error(p).total_cmp(&error(q)));
-    let row = |trial: &Value| {
+    let row = |trial: &&Value| {
         let verdict = word(trial, "verdict");
         let taken = verdict == "taken";
-        let number = |key: &str| trial[key].as_u64().map_or("-".into(), |n| n.to_string());
-        let [held_out, free_run] = errors(trial).map(|error| error.map_or("-".into(), short));
-        let cells = [word(trial, "operator"), number("parameters"), held_out, free_run, verdict].map(Cell::from);
+        let parameters = trial["parameters"].as_u64().map_or("-".into(), |n| n.to_string());
+        let errors = ["held_out_percent", "free_run_percent"].map(|key| number(&trial[key]));
+        let [held_out, free_run] = errors;
+        let cells = [word(trial, "operator"), parameters, held_out, free_run, verdict].map(Cell::from);
         if taken { cells.map(Cell::best) } else { cells }
     };
     let table = PageTable::new("Operators tried").text("operator").number("parameters");
     let table = table.number("held out [%]").number("free run [%]").text("verdict");
-    let table = tried.iter().fold(table, |table, trial| table.row(row(trial))).note(
+    let table = table.rows(tried.iter().map(row)).note(
         "Rms errors over peak-to-peak: of parts held out (cross-validation), and of the free run on the training \
         records; the larger of the two ranks them. Among the operators as good as the best, the simplest is selected.",
     );
     let refused = tried.iter().filter_map(|trial| Some((word(trial, "operator"), trial["refused"].as_str()?)));
-    refused.fold(table, |table, (operator, why)| table.note(format!("{operator}: {why}")))
+    table.each(refused, |table, (operator, why)| table.note(format!("{operator}: {why}")))
+}
+
+/// A number, or a dash where there is none.
+fn number(value: &Value) -> String {
+    value.as_f64().map_or("-".into(), short)
 }
 
 fn parameters(known: &[Value]) -> PageTable {
-    let number = |value: &Value| value.as_f64().map_or("-".into(), short);
     let row =
         |p: &Value| [p["name"].as_str().unwrap_or_default().to_string(), number(&p["value"]), number(&p["error"])];
     let table = PageTable::new("Estimated parameters with standard errors").text("parameter").number("value");
-    known.iter().fold(table.number("standard error"), |table, p| table.row(row(p)))
+    table.number("standard error").rows(known.iter().map(row))
 }

@@ -2,6 +2,7 @@
 
 use super::loops::{self, FreeRun, worst};
 use super::{cycles, residuals};
+use crate::each::Each;
 use crate::page::{PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::validation::Offset;
@@ -12,27 +13,21 @@ use std::ops::Range;
 
 pub(super) fn section(trial: &Compared) -> Section {
     let (name, record, validation) = (trial.short(), &trial.record, &trial.validation);
-    let section = Section::new(name);
-    let section = validation.remarks.iter().fold(section, |s, remark| s.warning("Note", sentence(remark)));
-    let section = match validation.offset_removed {
-        Some(mean) => {
-            let (mean, unit) = (short(mean), &record.units().y);
-            let drift = short(validation.drift_per_s);
-            let removed = match validation.offset {
-                Offset::Drift => format!("A mean error of {mean} {unit} and a drift of {drift} {unit}/s were"),
-                _ => format!("A mean error of {mean} {unit} was"),
-            };
-            section.note("Offset", format!("{removed} removed before the comparison."))
-        }
-        None => section,
+    let removed = |mean: f64| {
+        let (mean, drift, unit) = (short(mean), short(validation.drift_per_s), &record.units().y);
+        let removed = match validation.offset {
+            Offset::Drift => format!("A mean error of {mean} {unit} and a drift of {drift} {unit}/s were"),
+            _ => format!("A mean error of {mean} {unit} was"),
+        };
+        format!("{removed} removed before the comparison.")
     };
-    let section = match &validation.summary {
-        Some(summary) => section.text(sentence(summary)),
-        None => section,
-    };
-    let section = loops(section.figure(time_series(trial)), trial);
-    let section = if validation.loops.is_empty() { section } else { section.table(shapes(trial)) };
-    residuals::residuals(section, trial)
+    let section = Section::new(name)
+        .each(&validation.remarks, |section, remark| section.warning("Note", sentence(remark)))
+        .each(validation.offset_removed, |section, mean| section.note("Offset", removed(mean)))
+        .each(&validation.summary, |section, summary| section.text(sentence(summary)))
+        .figure(time_series(trial));
+    let shapes = (!validation.loops.is_empty()).then(|| shapes(trial));
+    residuals::residuals(loops(section, trial).each(shapes, Section::table), trial)
 }
 
 /// Measurement and free run over a few periods, and the residual over the whole record.
@@ -94,7 +89,7 @@ fn shapes(trial: &Compared) -> PageTable {
         let below = ["", "", "", "model"].map(String::from);
         [place.into_iter().chain(shape(&l.measured)), below.into_iter().chain(shape(&l.model))].map(Vec::from_iter)
     });
-    rows.fold(table, PageTable::row).note(
+    table.rows(rows).note(
         "Width at mid input and closure (difference between end and start of a cycle) over the height of the loop; \
         negative area: the loop runs in the opposite direction; reversals of the output per cycle.",
     )

@@ -1,34 +1,32 @@
 //! Residuals of a record: compared with the noise floor and with white noise.
 
+use crate::each::Each;
 use crate::page::{Section, sentence};
 use crate::plot::{Axes, Figure, Role, Series};
-use piezoid::validation::Whiteness;
+use piezoid::validation::{Floor, Whiteness};
 use piezoid_numerics::number::short;
 use piezoid_verbs::Compared;
 
 /// Adds the noise floor, and the correlations of the residuals with their bounds.
 pub(super) fn residuals(section: Section, trial: &Compared) -> Section {
     let unit = &trial.record.units().y;
-    let section = match trial.validation.floor {
-        Some(f) => {
-            let (rms, share, times) = (short(f.rms), short(f.rms_pp_percent), short(f.error_over_floor));
-            let origin = match f.period.zip(f.periods) {
-                Some((period, periods)) => format!(
-                    "The input repeats every {period} samples. Over {periods} such periods the output, without drift, \
-                     differs by {rms} {unit} rms"
-                ),
-                None => format!(
-                    "The part of the spectrum that the input does not drive, extended over the other, has {rms} \
-                     {unit} rms"
-                ),
-            };
-            section.text(format!(
-                "{origin} ({share} % of peak-to-peak): this is the noise floor. The residual of this model is {times} \
-                 times as large."
-            ))
-        }
-        None => section,
+    let floor = |f: Floor| {
+        let (rms, share, times) = (short(f.rms), short(f.rms_pp_percent), short(f.error_over_floor));
+        let origin = match f.period.zip(f.periods) {
+            Some((period, periods)) => format!(
+                "The input repeats every {period} samples. Over {periods} such periods the output, without drift, \
+                 differs by {rms} {unit} rms"
+            ),
+            None => format!(
+                "The part of the spectrum that the input does not drive, extended over the other, has {rms} {unit} rms"
+            ),
+        };
+        format!(
+            "{origin} ({share} % of peak-to-peak): this is the noise floor. The residual of this model is {times} \
+             times as large."
+        )
     };
+    let section = section.each(trial.validation.floor, |section, f| section.text(floor(f)));
     let Some(whiteness) = &trial.validation.whiteness else { return section };
     let verdict = whiteness.verdict.iter().map(|text| sentence(text));
     let figures = [autocorrelation(whiteness), cross_correlation(whiteness), over_input(trial)];

@@ -1,5 +1,6 @@
 //! The report on control schemes.
 
+use crate::each::Each;
 use crate::page::{Fact, Page, PageTable, Section};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::control::{Comparison, FEED_FORWARDS, NamedReference, ReferenceResult, SchemeResult};
@@ -25,9 +26,11 @@ pub fn tracking(compared: &Comparison) -> Page {
         "plant {}, controllers tuned to a model of it; errors in % of the peak-to-peak of the reference",
         compared.plant
     );
-    let page = Page::new("Comparison of controllers").subtitle(subtitle).section(errors(compared));
-    let page = (0..compared.references.len()).fold(page, |page, k| page.section(along(compared, k)));
-    [loops(compared), learning(compared), spread(compared)].into_iter().flatten().fold(page, Page::section)
+    Page::new("Comparison of controllers")
+        .subtitle(subtitle)
+        .section(errors(compared))
+        .each(0..compared.references.len(), |page, k| page.section(along(compared, k)))
+        .each([loops(compared), learning(compared), spread(compared)].into_iter().flatten(), Page::section)
 }
 
 /// A curve of one scheme, in the same style on the whole page. Each has its own dashes, so that curves that coincide
@@ -44,11 +47,12 @@ fn curve(compared: &Comparison, d: &SchemeResult, x: &[f64], y: &[f64]) -> Serie
 
 fn errors(compared: &Comparison) -> Section {
     let table = |title: &str, of: fn(&ReferenceResult, &NamedReference) -> f64| {
-        let table = compared.results.iter().fold(PageTable::new(title).text("reference"), |t, d| t.number(d.name()));
-        compared.references.iter().enumerate().fold(table, |table, (k, reference)| {
+        let row = |(k, reference): (usize, &NamedReference)| {
             let cell = |d: &SchemeResult| d.attempts[k].as_ref().map_or("–".into(), |a| short(of(a, reference)));
-            table.row([reference.name.clone()].into_iter().chain(compared.results.iter().map(cell)).collect::<Vec<_>>())
-        })
+            [reference.name.clone()].into_iter().chain(compared.results.iter().map(cell)).collect::<Vec<_>>()
+        };
+        let table = PageTable::new(title).text("reference").each(&compared.results, |t, d| t.number(d.name()));
+        table.rows(compared.references.iter().enumerate().map(row))
     };
     let best = |k: usize| {
         let percent = |d: &SchemeResult| Some((d.attempts[k].as_ref().ok()?.tracking.percent_of_stroke, d.name()));
@@ -56,35 +60,27 @@ fn errors(compared: &Comparison) -> Section {
     };
     let worst =
         (0..compared.references.len()).filter_map(|k| Some((best(k)?, k))).max_by(|a, b| a.0.0.total_cmp(&b.0.0));
-    let section = Section::new("Errors");
-    let section = match worst {
-        Some(((percent, name), k)) => {
-            let of = format!(
-                "rms error of the best controller on the reference with the largest such error: {name}, {}",
-                compared.references[k].name
-            );
-            section.facts([Fact::new(short(percent), "%", of)])
-        }
-        None => section,
+    let fact = |((percent, name), k): ((f64, String), usize)| {
+        let what = "rms error of the best controller on the reference with the largest such error";
+        Fact::new(short(percent), "%", format!("{what}: {name}, {}", compared.references[k].name))
     };
-    let section = section
+    let section = Section::new("Errors")
+        .each(worst, |section, worst| section.facts([fact(worst)]))
         .table(table("Rms error [% of the height]", |a, _| a.tracking.percent_of_stroke).note(
             "Errors of the measurement, with sensor noise. Of periodic references, the first whole periods, 0.25 s or \
              more, are left out. \
             “gain” is the best constant gain (with offset) for each reference: no compensation.",
         ))
-        .table(table("Largest error [% of the height]", |a, w| 100.0 * a.tracking.max / w.height()));
-    let section = section.table(table("Effort: rms change of voltage per sample [V]", |a, _| a.tracking.effort));
+        .table(table("Largest error [% of the height]", |a, w| 100.0 * a.tracking.max / w.height()))
+        .table(table("Effort: rms change of voltage per sample [V]", |a, _| a.tracking.effort));
     let refusal = |d: &SchemeResult| {
         let of = |(w, a): (&NamedReference, &Result<ReferenceResult, _>)| {
             Some(format!("{}, {}: {}", d.name(), w.name, a.as_ref().err()?))
         };
         compared.references.iter().zip(&d.attempts).filter_map(of).collect::<Vec<_>>()
     };
-    match compared.results.iter().flat_map(refusal).collect::<Vec<_>>() {
-        none if none.is_empty() => section,
-        refused => section.text("Errors:").list(refused),
-    }
+    let refused: Vec<String> = compared.results.iter().flat_map(refusal).collect();
+    if refused.is_empty() { section } else { section.text("Errors:").list(refused) }
 }
 
 /// Reference, error and voltage of every scheme along one reference, over two periods if it is periodic.

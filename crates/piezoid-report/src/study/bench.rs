@@ -4,15 +4,12 @@ use super::{
     AMPLITUDE, BINS, DURATION, Frequency, LoopSource, METHODS, MethodModel, RANGE_USED, RISING_DURATION, SETTLING,
     Study, StudyRow, TS, table_2,
 };
-use piezoid::error::Error;
 use piezoid::excitation::{RisingSine, Sine, SteppedSine};
-use piezoid::hammerstein::Model;
 use piezoid::hysteresis::{Hysteresis, Proportional};
 use piezoid::linear::Arx;
 use piezoid::plant::{Plant, Saturation, Spec};
-use piezoid::record::{Record, Units};
-use piezoid::system::System;
 use piezoid::validation::Metrics;
+use piezoid::{Error, Model, Record, System, Units};
 use piezoid_identification::large_signal::proportional;
 use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::hysteresis::{Branches, LoopOptions, MeasuredLoop, TwoBranch};

@@ -85,17 +85,10 @@ fn table2(study: &Study) -> Vec<Value> {
 
 fn joint(study: &Study) -> Value {
     let trial = |t: &OperatorTrial| {
-        json!({
-            "operator": t.operator,
-            "parameters": t.parameters,
-            "held_out_percent": t.held_out_percent,
-            "free_run_percent": t.free_run_percent,
-            "error_percent": t.error_percent,
-            "as_good": t.as_good,
-            "verdict": t.verdict,
-            "shape": t.shape.iter().map(|&(name, value)| (name.to_string(), value.into())).collect::<Map<_, _>>(),
-            "refused": t.refused,
-        })
+        let mut document = json!(t);
+        document["shape"] =
+            t.shape.iter().map(|&(name, value)| (name.to_string(), value.into())).collect::<Map<_, _>>().into();
+        document
     };
     let model = &study.joint.model;
     json!({

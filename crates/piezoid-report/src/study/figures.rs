@@ -2,6 +2,7 @@
 
 use super::words;
 use super::{Frequency, METHODS, Study, TS, TestSignal};
+use crate::each::Each;
 use crate::hysteresis_part::StraightLine;
 use crate::plot::{Axes, Axis, Figure, Role, Series};
 use piezoid::linear::Arx;
@@ -57,15 +58,12 @@ pub(super) fn convergence(study: &Study) -> Figure {
             above(printed)
         )
     });
+    let (best_line, printed_line) =
+        (Series::line(&iterations(best.len()), best), Series::dashed(&iterations(printed.len()), printed));
     let axes = Axes::new("iteration", Axis::log("sum of absolute errors [mm]"))
-        .with(Series::line(&iterations(best.len()), best).role(Role::Model).named("g_best: the best so far"))
-        .with(
-            Series::dashed(&iterations(printed.len()), printed).role(Role::Residual).named("of the current positions"),
-        );
-    let axes = match study.optimum {
-        Some(optimum) => axes.at_y(optimum, "exact optimum"),
-        None => axes,
-    };
+        .with(best_line.role(Role::Model).named("g_best: the best so far"))
+        .with(printed_line.role(Role::Residual).named("of the current positions"))
+        .each(study.optimum, |axes, optimum| axes.at_y(optimum, "exact optimum"));
     Figure::new("Swarm convergence", caption + &compared).panel(axes)
 }
 
@@ -224,20 +222,13 @@ pub(super) fn width(study: &Study) -> Figure {
     let own = widths(&|f| f.own.found.branches.width());
     let printed = widths(&|f| f.by_table_2.found.branches.width());
     let joint = widths(&|f| f.joint.found.branches.width());
+    let [[low, high], [own_low, own_high], [printed_low, printed_high], [joint_low, joint_high]] =
+        [&hz, &own, &printed, &joint].map(|values| [values[0], values[values.len() - 1]]);
     let caption = format!(
-        "The same records with two linear blocks. With the estimated one the loop of z is {:.0} % wide at {} Hz and \
-        {:.0} % at {} Hz; with that of the paper's Table 2 the width goes from {:.0} % to {:.0} %. A negative width is \
-        an inverted loop. The joint model needs no inverse: its loop is {:.0} % wide at {} Hz and {:.0} % at {} Hz.",
-        own[0],
-        hz[0],
-        own[own.len() - 1],
-        hz[hz.len() - 1],
-        printed[0],
-        printed[printed.len() - 1],
-        joint[0],
-        hz[0],
-        joint[joint.len() - 1],
-        hz[hz.len() - 1]
+        "The same records with two linear blocks. With the estimated one the loop of z is {own_low:.0} % wide at {low} \
+        Hz and {own_high:.0} % at {high} Hz; with that of the paper's Table 2 the width goes from {printed_low:.0} % \
+        to {printed_high:.0} %. A negative width is an inverted loop. The joint model needs no inverse: its loop is \
+        {joint_low:.0} % wide at {low} Hz and {joint_high:.0} % at {high} Hz."
     );
     Figure::new("Width of the loop against frequency", caption).panel(
         Axes::new(Axis::log("f [Hz]").ticks(&TICKS), Axis::new("loop width [% of height]").from(0.0))
@@ -303,18 +294,15 @@ fn by_form(study: &Study, axes: Axes, role: Role, names: [&str; 2], value: impl 
 /// Table 1 over the form and the number of steps of the test signal.
 pub(super) fn test_signal(study: &Study) -> Figure {
     let title = "Error against the steps of the test signal, and the paper's Table 1";
-    over_steps(study)
-        .into_iter()
-        .fold(Figure::new(title, words::over_test_signals(study)).medium(), Figure::panel)
-        .columns(2)
+    let figure = Figure::new(title, words::over_test_signals(study)).medium().columns(2);
+    figure.each(over_steps(study), Figure::panel)
 }
 
 /// The same with one figure per frequency.
 pub(super) fn test_signals(study: &Study) -> impl Iterator<Item = Figure> {
     over_steps(study).into_iter().zip(Study::PRINTED_MSE).map(|(axes, (hz, printed))| {
-        Figure::new(format!("Test signals of {hz} Hz"), format!("The paper's Table 1 has {printed} mm²."))
-            .medium()
-            .panel(axes)
+        let caption = format!("The paper's Table 1 has {printed} mm².");
+        Figure::new(format!("Test signals of {hz} Hz"), caption).medium().panel(axes)
     })
 }
 
@@ -323,7 +311,7 @@ fn over_steps(study: &Study) -> Vec<Axes> {
     let panel = |(k, (hz, printed)): (usize, &(f64, f64))| {
         let y = Axis::log("MSE [mm²]").from(FLOOR);
         let axes = Axes::new(steps(), y).titled(format!("{hz} Hz")).at_y(*printed, "paper");
-        SHOWN.iter().fold(axes, |axes, (method, names, role)| {
+        axes.each(&SHOWN, |axes, (method, names, role)| {
             let names = if k == 0 { *names } else { [""; 2] };
             by_form(study, axes, *role, names, |signal| signal.of(method)[k].max(FLOOR))
         })
@@ -348,7 +336,7 @@ pub(super) fn deviation(study: &Study) -> Figure {
     );
     let axes = Axes::new(steps(), Axis::log("largest deviation from the paper's Table 1 [%]"));
     let shown = SHOWN.iter().filter(|(method, ..)| *method != "held-direction");
-    let axes = shown.fold(axes, |axes, (method, names, role)| {
+    let axes = axes.each(shown, |axes, (method, names, role)| {
         by_form(study, axes, *role, *names, |signal| 100.0 * signal.deviation(method))
     });
     Figure::new("Deviation of each test signal from the paper's Table 1", caption).panel(axes)

@@ -20,20 +20,16 @@ pub use test_signal::TestSignal;
 
 use crate::plot::Figure;
 use bench::Bench;
-use piezoid::error::Error;
 use piezoid::excitation::Prbs;
-use piezoid::hammerstein::{Identified, Model};
 use piezoid::hysteresis::HeldInput;
 use piezoid::linear::{self, Arx, Fit, Orders};
 use piezoid::optimize::swarm::{GlobalBest, SwarmSettings};
 use piezoid::plant::Preset;
 use piezoid::progress::{Progress, Stage};
-use piezoid::record::Record;
 use piezoid::validation::Metrics;
-use piezoid::{IdentifyOptions, Records};
+use piezoid::{Error, Identified, IdentifyOptions, Model, Record, Records};
 use piezoid_models::hammerstein::HiddenLoop;
-use piezoid_numerics::options::options;
-use piezoid_numerics::options::{OptionKind, OptionRow};
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_verbs::File;
 use serde::Serialize;
 
@@ -139,14 +135,9 @@ pub struct StudyBlock {
 }
 
 impl StudyBlock {
-    /// a1, a2, b0, b1, b2.
-    pub fn coefficients(&self) -> Vec<f64> {
-        [self.arx.a(), self.arx.b()].concat()
-    }
-
-    /// The same with four decimals, as in the paper's Table 2.
+    /// a1, a2, b0, b1, b2 with four decimals, as in the paper's Table 2.
     pub fn printed(&self) -> Vec<String> {
-        self.coefficients().into_iter().map(words::four_decimals).collect()
+        [self.arx.a(), self.arx.b()].concat().into_iter().map(words::four_decimals).collect()
     }
 }
 

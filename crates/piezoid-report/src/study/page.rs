@@ -2,24 +2,23 @@
 
 use super::words::{self, mse, percent};
 use super::{Frequency, METHODS, RANGE_USED, RISING, Study, StudyBlock, StudyRow, figures};
+use crate::each::Each;
 use crate::page::{Cell, Fact, Page, PageTable, Section, Text, sentence};
 use piezoid::hammerstein::OperatorTrial;
+use piezoid::linear::Pole;
 use piezoid_numerics::series::ends;
 
 impl Study {
     /// The report on one or more studies: one file that opens from disk.
     pub fn page(studies: &[Study]) -> Page {
-        let page = Page::new("Reproduction of the paper's experiment")
-            .subtitle(
-                "Hammerstein model of the PL140 bender: two branches per frequency, ARX by particle swarm, on a \
-            simulated actuator; and one model for all frequencies",
-            )
-            .section(introduction());
-        let page = studies.iter().fold(page, |page, study| {
-            let page = page.section(linear_block(study)).section(loops(study)).section(joint(study));
-            page.section(tests(study)).section(test_signal(study))
-        });
-        page.section(methods())
+        let subtitle = "Hammerstein model of the PL140 bender: two branches per frequency, ARX by particle swarm, on a \
+            simulated actuator; and one model for all frequencies";
+        let parts = [linear_block, loops, joint, tests, test_signal];
+        Page::new("Reproduction of the paper's experiment")
+            .subtitle(subtitle)
+            .section(introduction())
+            .each(studies.iter().flat_map(|study| parts.map(|part| part(study))), Page::section)
+            .section(methods())
     }
 }
 
@@ -52,13 +51,7 @@ fn linear_block(study: &Study) -> Section {
         Fact::new(damping, "", "its damping ratio (the paper's Table 2: 0.061)"),
         Fact::new(format!("{zero:.3}"), "", "|z|, the modulus of its outermost zero; if above 1, (8) is unstable"),
     ];
-    let mut section =
-        Section::new(format!("Twin “{}”: the linear block", study.plant.name)).text(study.plant.summary).facts(facts);
-    section = section.table(table_2(study));
-    for note in &study.notes {
-        section = section.note("Note", note.as_str());
-    }
-    if let Some(gain) = study.noise_gain {
+    let noise = |gain: f64| {
         let which = if swarm.arx.inverse().is_ok() { "the inverse (8)" } else { "the inverse of the whole record" };
         let rings = swarm.arx.zeros().iter().any(|z| z.re < -0.9 && z.re > -1.0 && z.im == 0.0);
         let ringing = if rings {
@@ -67,48 +60,47 @@ fn linear_block(study: &Study) -> Section {
         } else {
             ""
         };
-        section = section.text(format!(
-            "The noise gain of {which} is {:.3} V rms of z per 1 µm rms of sensor noise.{ringing}",
-            1e-3 * gain
-        ));
-    }
+        let gain = 1e-3 * gain;
+        format!("The noise gain of {which} is {gain:.3} V rms of z per 1 µm rms of sensor noise.{ringing}")
+    };
     let compared = match study.optimum {
         Some(_) => " The next figure compares the result with the exact minimum.",
         None => "",
     };
-    section = section.text(format!(
+    let search = format!(
         "Equation (1) has no constant, but a sensor has an offset: one per record is estimated by least squares and \
         removed before the swarm starts. The paper does not state the search range of the swarm, the number of \
         particles, their inertia or their largest velocity. Here a1 and a2 are searched within ±2 and ±1, the bounds of a stable \
         block, and each b within ± the largest output divided by the largest input. 50 particles, an inertia from 0.9 \
         to 0.4, and a largest velocity of a fifth of the range per iteration \
         are customary.{compared}"
-    ));
-    section.figure(figures::convergence(study)).figure(figures::courses(study)).figure(figures::response(study))
+    );
+    Section::new(format!("Twin “{}”: the linear block", study.plant.name))
+        .text(study.plant.summary)
+        .facts(facts)
+        .table(table_2(study))
+        .each(&study.notes, |section, note| section.note("Note", note.as_str()))
+        .each(study.noise_gain, |section, gain| section.text(noise(gain)))
+        .text(search)
+        .each([figures::convergence(study), figures::courses(study), figures::response(study)], Section::figure)
 }
 
 fn table_2(study: &Study) -> PageTable {
+    let numbers = ["a1", "a2", "b0 [mm/V]", "b1 [mm/V]", "b2 [mm/V]", "pole [Hz]", "damping"];
     let table = PageTable::new("Linear block by each estimator (the paper's Table 2)").text("estimator");
-    let table = ["a1", "a2", "b0 [mm/V]", "b1 [mm/V]", "b2 [mm/V]", "pole [Hz]", "damping"]
-        .into_iter()
-        .fold(table, PageTable::number);
-    let table = table.text("zeros").number("sum |e| [mm]");
+    let table = table.each(numbers, PageTable::number).text("zeros").number("sum |e| [mm]");
     let row = |block: &StudyBlock| -> Vec<Cell> {
-        let mut cells: Vec<Cell> = vec![block.name.into()];
-        cells.extend(block.printed().into_iter().map(Cell::from));
         let poles = block.arx.poles();
-        let each =
-            |what: &dyn Fn(&piezoid::linear::Pole) -> String| poles.iter().map(what).collect::<Vec<_>>().join(" / ");
-        cells.push(each(&|p| format!("{:.1}", p.hz)).into());
-        cells.push(each(&|p| format!("{:.3}", p.damping)).into());
+        let each = |what: fn(&Pole) -> String| poles.iter().map(what).collect::<Vec<_>>().join(" / ");
+        let [hz, damping] = [each(|p| format!("{:.1}", p.hz)), each(|p| format!("{:.3}", p.damping))].map(Cell::from);
         let zeros: Vec<String> = block.arx.zeros().iter().map(ToString::to_string).collect();
         let zeros = Cell::from(zeros.join(", "));
-        cells.push(if block.arx.inverse().is_ok() { zeros } else { zeros.bad() });
-        cells.push(block.fit.as_ref().map_or(Cell::from("-"), |f| format!("{:.5}", f.residuals.sum_abs).into()));
-        cells
+        let zeros = if block.arx.inverse().is_ok() { zeros } else { zeros.bad() };
+        let sum = block.fit.as_ref().map_or("-".into(), |f| format!("{:.5}", f.residuals.sum_abs));
+        let coefficients = block.printed().into_iter().map(Cell::from);
+        std::iter::once(block.name.into()).chain(coefficients).chain([hz, damping, zeros, sum.into()]).collect()
     };
-    let table = study.blocks.iter().fold(table, |table, block| table.row(row(block)));
-    table.note(
+    table.rows(study.blocks.iter().map(row)).note(
         "printed: the row of 5 Hz of the paper's Table 2, printed-80hz that of 80 Hz. According to the paper the block \
         is identified only once, but its table has one row per frequency, with different b0. With four decimals the static gain is only known to within a third. Coloured zeros make (8) unstable.",
     )
@@ -168,16 +160,14 @@ fn joint(study: &Study) -> Section {
         Fact::new(percent(held_out), "%", "held-out rms error, of peak-to-peak"),
         Fact::new(poles.join(" / "), "Hz", "poles of its linear block"),
     ];
-    let table =
-        PageTable::new("Operators tried, and their errors on held-out records and in free run [% rms of peak-to-peak]");
-    let table = table.text("operator").number("parameters").number("held out").number("free run");
+    let title = "Operators tried, and their errors on held-out records and in free run [% rms of peak-to-peak]";
+    let table = PageTable::new(title).text("operator").number("parameters").number("held out").number("free run");
     let row = |t: &OperatorTrial| -> Vec<Cell> {
         let errors = [t.held_out_percent, t.free_run_percent];
         let errors = errors.map(|error| Cell::from(if t.refused.is_some() { "-".into() } else { percent(error) }));
         let errors = if t.as_good { errors.map(Cell::best) } else { errors };
         [Text::new().code(t.operator).into(), t.parameters.to_string().into()].into_iter().chain(errors).collect()
     };
-    let table = study.joint.trials.iter().fold(table, |table, t| table.row(row(t)));
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
     let driver = match model.driver() {
         Some(_) => {
@@ -191,20 +181,20 @@ fn joint(study: &Study) -> Section {
         inverted, so the zeros of the block do not matter. One model covers every frequency and amplitude.{driver}",
         rising.join(", ")
     );
-    let section =
-        Section::new(format!("Twin “{}”: one model for all frequencies", study.plant.name)).text(words).facts(facts);
     let note =
         "Coloured: as good as the best within the accuracy of the records. Among these the simplest is selected.";
-    let section = section.table(table.note(note));
-    study.joint.notes.iter().fold(section, |section, note| section.note("Note", sentence(note)))
+    Section::new(format!("Twin “{}”: one model for all frequencies", study.plant.name))
+        .text(words)
+        .facts(facts)
+        .table(table.rows(study.joint.trials.iter().map(row)).note(note))
+        .each(&study.joint.notes, |section, note| section.note("Note", sentence(note)))
 }
 
 fn tests(study: &Study) -> Section {
     let caption = "Two periods of the test signal in free run, and the error of each method. With the rule as printed \
                    the model jumps to the descending branch at every held step.";
-    let section = Section::new(format!("Twin “{}”: the tests", study.plant.name));
-    let section = words::paragraphs(study).into_iter().fold(section, Section::text);
-    section
+    Section::new(format!("Twin “{}”: the tests", study.plant.name))
+        .each(words::paragraphs(study), Section::text)
         .table(errors(study, true, "Mean squared error on the test signal [mm²] (the paper's Table 1)", |r| {
             mse(r.metrics.mse)
         }))
@@ -215,9 +205,9 @@ fn tests(study: &Study) -> Section {
 
 /// The errors of every method at every frequency, with or without the paper's Table 1.
 fn errors(study: &Study, beside_table_1: bool, title: &str, text: impl Fn(&StudyRow) -> String) -> PageTable {
-    let table = PageTable::new(title).number("f [Hz]").number("u [V]");
-    let table = METHODS.iter().fold(table, |t, m| t.number(m.name));
-    let table = if beside_table_1 { table.number("paper") } else { table };
+    let paper = beside_table_1.then_some("paper");
+    let columns = METHODS.iter().map(|method| method.name).chain(paper);
+    let table = PageTable::new(title).number("f [Hz]").number("u [V]").each(columns, PageTable::number);
     let row = |f: &Frequency| -> Vec<Cell> {
         let cell = |r: &StudyRow| {
             let best = f.rows.iter().all(|other| r.metrics.mse <= 1.001 * other.metrics.mse);
@@ -231,8 +221,7 @@ fn errors(study: &Study, beside_table_1: bool, title: &str, text: impl Fn(&Study
         }
         cells
     };
-    let table = study.frequencies.iter().fold(table, |table, f| table.row(row(f)));
-    table.note(format!(
+    table.rows(study.frequencies.iter().map(row)).note(format!(
         "u: amplitude of sine and test signal; lowered so that the tip stays within {:.0} % of the range of a sensor \
         that has one.",
         100.0 * RANGE_USED
@@ -243,9 +232,8 @@ fn errors(study: &Study, beside_table_1: bool, title: &str, text: impl Fn(&Study
 fn test_signal(study: &Study) -> Section {
     let title = "The closest test signals: mean squared error with the rule as printed [mm²], and the largest \
         deviation from the paper's Table 1";
-    let table = Study::PRINTED_MSE
-        .iter()
-        .fold(PageTable::new(title).text("test signal"), |t, (hz, _)| t.number(format!("{hz} Hz")));
+    let frequencies = Study::PRINTED_MSE.map(|(hz, _)| format!("{hz} Hz"));
+    let table = PageTable::new(title).text("test signal").each(frequencies, PageTable::number);
     let row = |words: String, errors: [f64; 4], off: String| -> Vec<Cell> {
         let errors = errors.map(|e| Cell::from(format!("{e:.4}")));
         std::iter::once(words.into()).chain(errors).chain([off.into()]).collect()
@@ -253,10 +241,11 @@ fn test_signal(study: &Study) -> Section {
     let mut signals: Vec<_> = study.test_signals.iter().collect();
     signals.sort_by(|p, q| p.deviation("printed-rule").total_cmp(&q.deviation("printed-rule")));
     let paper = row("the paper's Table 1".into(), Study::PRINTED_MSE.map(|(_, mse)| mse), String::new());
-    let table = signals.iter().take(NEAREST).fold(table.number("deviation [%]").row(paper), |table, signal| {
+    let nearest = signals.into_iter().take(NEAREST).map(|signal| {
         let off = format!("{:.0}", 100.0 * signal.deviation("printed-rule"));
-        table.row(row(signal.words(), signal.of("printed-rule"), off))
+        row(signal.words(), signal.of("printed-rule"), off)
     });
+    let table = table.number("deviation [%]").row(paper).rows(nearest);
     let caption = words::over_test_signals(study);
     Section::new(format!("Twin “{}”: error against the steps of the test signal", study.plant.name))
         .figures(2, "The paper's Table 1 over the test signal", caption, figures::test_signals(study))
@@ -268,8 +257,8 @@ fn test_signal(study: &Study) -> Section {
 const NEAREST: usize = 5;
 
 fn methods() -> Section {
-    let table = PageTable::new("Methods").text("method").text("description");
-    let table = METHODS.iter().fold(table, |t, m| t.row([Text::new().code(m.name), m.summary.into()]));
+    let rows = METHODS.iter().map(|method| [Text::new().code(method.name), method.summary.into()]);
+    let table = PageTable::new("Methods").text("method").text("description").rows(rows);
     Section::new("How to read and reproduce it")
         .table(table)
         .text(

@@ -8,13 +8,11 @@
 
 use super::bench::Bench;
 use super::{DURATION, Frequency, METHODS, MethodModel, SETTLING, Study, TS};
-use piezoid::error::Error;
 use piezoid::excitation::{Staircase, SteppedSine};
-use piezoid::hammerstein::Model;
 use piezoid::hysteresis::HeldInput;
 use piezoid::progress::{Progress, Stage};
-use piezoid::system::System;
 use piezoid::validation::Metrics;
+use piezoid::{Error, Model, System};
 use piezoid_models::hysteresis::TwoBranch;
 use rayon::prelude::*;
 use std::ops::RangeInclusive;
