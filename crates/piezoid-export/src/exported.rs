@@ -3,8 +3,7 @@
 use super::vectors::{self, Vectors};
 use super::{ExportRequest, ExportedFunction};
 use piezoid::compensation::{Causal, FeedForwardSettings};
-use piezoid::error::Error;
-use piezoid::record::Units;
+use piezoid::{Error, Units};
 use piezoid_models::program::{Block, FieldValue, Program};
 use piezoid_numerics::number::short;
 
@@ -65,6 +64,16 @@ impl Entry {
         if self.kind().is_empty() { name.into() } else { format!("{name}_{}", self.kind()) }
     }
 
+    /// Its inputs in a run: `u` of the model, `r` of the feed-forward, and both of the controller, which reads `read`
+    /// times `r`.
+    pub(super) fn rows(&self, u: &[f64], r: &[f64], read: f64) -> Vec<Vec<f64>> {
+        match self.step {
+            "step" => u.iter().map(|u| vec![*u]).collect(),
+            "ff_step" => r.iter().map(|r| vec![*r]).collect(),
+            _ => r.iter().zip(u).map(|(r, u)| vec![*r, read * r, *u]).collect(),
+        }
+    }
+
     /// Name of the state in examples.
     pub(super) fn called(&self) -> &'static str {
         match self.kind() {
@@ -111,11 +120,9 @@ impl ExportedProgram {
         whole.held(request.options.float)?;
         let vectors = vectors::of(&whole, request)?;
         whole.entries.iter_mut().zip(vectors).for_each(|(entry, vectors)| entry.vectors = vectors);
-        for entry in whole.entries.iter().filter(|entry| entry.vectors.off > NOTED) {
-            let off = short(entry.vectors.off);
-            whole
-                .notes
-                .push(format!("single precision changes the result of {} by at most {off} of its stroke", entry.step));
+        for Entry { step, vectors, .. } in whole.entries.iter().filter(|entry| entry.vectors.off > NOTED) {
+            let off = short(vectors.off);
+            whole.notes.push(format!("single precision changes the result of {step} by at most {off} of its stroke"));
         }
         Ok(whole)
     }

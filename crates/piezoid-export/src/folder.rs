@@ -11,7 +11,6 @@ use super::{ExportTarget, Exported, File, TARGETS};
 use piezoid::error::Error;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use std::fmt::Write;
 
 /// The file that lists the exports of a folder.
 pub const EXPORT_LIST_FILE: &str = "piezoid-export.json";
@@ -87,14 +86,15 @@ fn read(list: &[u8]) -> Result<Vec<Row>, Error> {
     match serde_json::from_slice(list) {
         Ok(Listing { piezoid_export: 1, exports }) => Ok(exports),
         Ok(Listing { piezoid_export: other, .. }) => {
-            let what = format!("{EXPORT_LIST_FILE} has layout {other}, but only 1 is known: name another folder, or ");
-            Err(Error::Content(what).advised(vec![("force", Value::Bool(true))]))
+            Err(occupied(format!("{EXPORT_LIST_FILE} has layout {other}, but only 1 is known")))
         }
-        Err(error) => {
-            let what = format!("{EXPORT_LIST_FILE} is no list of exports ({error}): name another folder, or ");
-            Err(Error::Content(what).advised(vec![("force", Value::Bool(true))]))
-        }
+        Err(error) => Err(occupied(format!("{EXPORT_LIST_FILE} is no list of exports ({error})"))),
     }
+}
+
+/// The error of a folder in which nothing is exported without `force`.
+fn occupied(why: String) -> Error {
+    Error::Content(why + ": name another folder, or ").advised(vec![("force", Value::Bool(true))])
 }
 
 fn stands_alone(row: &Row) -> bool {
@@ -102,19 +102,15 @@ fn stands_alone(row: &Row) -> bool {
 }
 
 fn refused(mixed: Option<&Row>, taken: &[&str]) -> Error {
-    let mut what = String::from("the folder holds ");
-    match mixed {
+    let files = taken.join(", ");
+    let what = match mixed {
         Some(Row { target, name, .. }) => {
-            let _ = write!(what, "the export of another model or target: target {target}, name {name}");
-            if !taken.is_empty() {
-                let _ = write!(what, "; {} would be replaced", taken.join(", "));
-            }
+            let replaced = if taken.is_empty() { String::new() } else { format!("; {files} would be replaced") };
+            format!("the export of another model or target: target {target}, name {name}{replaced}")
         }
-        None => {
-            let _ = write!(what, "{}, not from this target under this name", taken.join(", "));
-        }
-    }
-    Error::Content(what + ": name another folder, or ").advised(vec![("force", Value::Bool(true))])
+        None => format!("{files}, not from this target under this name"),
+    };
+    occupied(format!("the folder holds {what}"))
 }
 
 #[cfg(test)]

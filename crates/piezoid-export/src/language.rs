@@ -6,20 +6,12 @@ use piezoid_models::program::{Block, Expr, Function, Limit, Op, Place, Program, 
 pub(super) trait Language {
     fn keywords(&self) -> &'static Keywords;
 
-    /// True for single precision.
-    fn single(&self) -> bool;
-
     /// A real number.
     fn real(&self, value: f64) -> String;
 
-    /// An integer.
-    fn whole(&self, value: usize) -> String {
-        value.to_string()
-    }
-
     /// A property of its numbers.
-    fn limit(&self, limit: Limit) -> String {
-        self.real(limit.value(self.single()))
+    fn limit(&self, limit: Limit, printer: &Printer) -> String {
+        self.real(limit.value(printer.single))
     }
 
     /// A constant of `block`, or an element of a table.
@@ -105,6 +97,8 @@ pub(super) struct Printer<'w> {
     pub(super) program: &'w Program,
     pub(super) function: &'w Function,
     pub(super) language: &'w dyn Language,
+    /// True for single precision.
+    pub(super) single: bool,
 }
 
 impl Printer<'_> {
@@ -191,8 +185,8 @@ impl Printer<'_> {
         match expr {
             Expr::Real(value) if value.is_sign_negative() && tightly > 0 => format!("({})", l.real(*value)),
             Expr::Real(value) => l.real(*value),
-            Expr::Integer(value) => l.whole(*value),
-            Expr::Limit(limit) => l.limit(*limit),
+            Expr::Integer(value) => value.to_string(),
+            Expr::Limit(limit) => l.limit(*limit, self),
             Expr::Variable(name, _) => l.place(&Place { root: name.clone(), path: Vec::new(), index: None }, self),
             Expr::Constant(block, name, index) => {
                 l.constant(&self.program.blocks[*block], name, index.as_deref(), self)

@@ -3,7 +3,6 @@
 //! The exported code is built once, as a [`Program`](piezoid_models::program::Program), and every target prints
 //! it: same arithmetic, same order, same bits. No exported file contains a date or a path.
 
-use piezoid::StatedVerdict;
 mod c;
 mod exported;
 mod fixed;
@@ -27,16 +26,14 @@ pub use served::{FEED_FORWARD, MODEL};
 #[doc(hidden)]
 pub use vectors::Vectors;
 
-use piezoid::Model;
 use piezoid::compensation::FeedForwardSettings;
 use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
-use piezoid::error::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
-use piezoid::hysteresis::OPERATORS;
+use piezoid::hysteresis::{OPERATORS, Operator};
+use piezoid::{Error, Model, StatedVerdict};
 use piezoid_models::program::Counts;
-use piezoid_numerics::options::options;
-use piezoid_numerics::options::{OptionKind, OptionRow, Options};
+use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
 use piezoid_verbs::{File, TuneOptions};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
@@ -100,12 +97,11 @@ impl ExportOptions {
     ) -> Result<Exported, Error> {
         let model = file.model()?;
         let r = reference.map(|(file, columns)| file.reference(columns, &model)).transpose()?;
-        let result = self.of(target, &model, r.as_deref(), compiler).map(|mut result| {
-            result.notes.push(model.proven());
-            result
-        });
         // If there is a reference, it is what asks too much.
-        result.map_err(|e| e.about(&reference.map_or(file, |(reference, _)| reference).name))
+        let asks = reference.map_or(file, |(reference, _)| reference);
+        let mut result = self.of(target, &model, r.as_deref(), compiler).map_err(|e| e.about(&asks.name))?;
+        result.notes.push(model.proven());
+        Ok(result)
     }
 
     /// Returns an error for options that have no effect.
@@ -165,14 +161,8 @@ impl<'w> ExportRequest<'w> {
     /// without delay.
     pub fn new(model: &'w Model, name: &str) -> Self {
         let options = ExportOptions { name: name.into(), ..Default::default() };
-        ExportRequest {
-            model,
-            options,
-            settings: FeedForwardSettings::default(),
-            controller: None,
-            reference: None,
-            compiler: None,
-        }
+        let settings = FeedForwardSettings::default();
+        ExportRequest { model, options, settings, controller: None, reference: None, compiler: None }
     }
 
     /// The same export in single precision if `single`, otherwise in double precision.
@@ -246,7 +236,7 @@ impl Exported {
 }
 
 /// One kind of export: a row of [`TARGETS`].
-#[derive(Clone, Copy)]
+#[derive(Debug, Clone, Copy)]
 pub struct ExportTarget {
     /// As users write it.
     pub name: &'static str,
@@ -267,20 +257,14 @@ pub struct ExportTarget {
     pub make: fn(&ExportRequest) -> Result<Exported, Error>,
 }
 
-impl std::fmt::Debug for ExportTarget {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_tuple("Target").field(&self.name).finish()
-    }
-}
-
 /// The row as a document, with the exported parts by operator as `operators`.
 impl Serialize for ExportTarget {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let operators: Map<String, Value> =
-            OPERATORS.iter().map(|operator| (operator.name.into(), json!(self.serves(operator)))).collect();
+        let served = |operator: &&Operator| (operator.name.into(), json!(self.serves(operator)));
+        let operators: Map<String, Value> = OPERATORS.iter().map(served).collect();
+        let ExportTarget { name, summary, reference, takes, .. } = self;
         let row = json!({
-            "name": self.name, "summary": self.summary, "reference": self.reference, "operators": operators,
-            "takes": self.takes,
+            "name": name, "summary": summary, "reference": reference, "operators": operators, "takes": takes,
         });
         row.serialize(to)
     }
@@ -308,11 +292,17 @@ impl ExportTarget {
     }
 }
 
-/// The exports of every target for code.
-const BOTH: &[&str] = &[MODEL, FEED_FORWARD];
-
-/// The options of every target for code.
-const CODE: &[&str] = &["float", "preview", "controller", "delay_samples", "gain_margin", "phase_margin"];
+/// What most targets for code have in common.
+const CODE: ExportTarget = ExportTarget {
+    name: "",
+    summary: "",
+    reference: "",
+    takes: &["float", "preview", "controller", "delay_samples", "gain_margin", "phase_margin"],
+    stands_alone: false,
+    makes: &[MODEL, FEED_FORWARD],
+    refuses: &[],
+    make: |_| Ok(Exported::default()),
+};
 
 /// All targets.
 pub static TARGETS: &[ExportTarget] =
@@ -350,21 +340,17 @@ fn named(name: &str, reserved: &str) -> Result<(), Error> {
         && name.len() <= LONGEST
         && !name.ends_with('_')
         && !name.contains("__");
-    if !fits {
-        let rule = format!(
+    let rule = if !fits {
+        format!(
             "must begin with a letter, followed by letters, digits and single underscores, {LONGEST} characters at \
              most, because functions get this name"
-        );
-        return Err(Error::parameter("name", format!("`{name}`"), rule));
-    }
-    if reserved.split_whitespace().any(|word| word.eq_ignore_ascii_case(name)) {
-        return Err(Error::parameter(
-            "name",
-            format!("`{name}`"),
-            "is a reserved word of the target language: choose another name",
-        ));
-    }
-    Ok(())
+        )
+    } else if reserved.split_whitespace().any(|word| word.eq_ignore_ascii_case(name)) {
+        "is a reserved word of the target language: choose another name".into()
+    } else {
+        return Ok(());
+    };
+    Err(Error::parameter("name", format!("`{name}`"), rule))
 }
 
 /// The longest name, which leaves room for what functions and types add to it.

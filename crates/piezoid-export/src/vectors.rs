@@ -3,8 +3,7 @@
 use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram};
 use piezoid::compensation::Causal;
-use piezoid::error::Error;
-use piezoid::system::System;
+use piezoid::{Error, System};
 use piezoid_models::program::{Counts, Machine, Program};
 use piezoid_numerics::series::ends;
 
@@ -44,15 +43,10 @@ pub(super) fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Vec
     let model = request.model;
     let u = inputs(model.known_inputs().unwrap_or((-1.0, 1.0)));
     let y = model.simulate(&u);
-    let inputs = |entry: &Entry| match entry.step {
-        "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
-        "ff_step" => y.iter().map(|r| vec![*r]).collect(),
-        // As if the response were a fifth too large and the feed-forward were the input.
-        _ => y.iter().zip(&u).map(|(r, u)| vec![*r, 1.2 * r, *u]).collect(),
-    };
     let of = |entry: &Entry| {
         let missed = if entry.step == "ff_step" { missed(request, &y) } else { None };
-        Ok(Vectors { missed, ..answers(whole, entry, inputs(entry), request.options.float)? })
+        // As if the response were a fifth too large and the feed-forward were the input.
+        Ok(Vectors { missed, ..answers(whole, entry, entry.rows(&u, &y, 1.2), request.options.float)? })
     };
     whole.entries.iter().map(of).collect()
 }

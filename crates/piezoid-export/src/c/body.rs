@@ -30,15 +30,12 @@ impl Language for C<'_> {
         &KEYWORDS
     }
 
-    fn single(&self) -> bool {
-        self.request.options.float
-    }
-
     fn real(&self, value: f64) -> String {
         if self.counts.is_some() {
             return format!("{}", value as i64);
         }
-        format!("{}{}", shortest(value, self.single()), if self.single() { "f" } else { "" })
+        let single = self.request.options.float;
+        format!("{}{}", shortest(value, single), if single { "f" } else { "" })
     }
 
     fn constant(&self, block: &Block, name: &str, index: Option<&Expr>, printer: &Printer) -> String {
@@ -76,18 +73,14 @@ impl Language for C<'_> {
     }
 
     fn fresh(&self, names: &[String], value: &Expr, printer: &Printer) -> Vec<String> {
-        let (Some((first, rest)), kind) =
-            (names.split_first(), if value.whole() { "int" } else { self.number_in(printer.function) })
-        else {
-            return Vec::new();
-        };
+        let Some((first, rest)) = names.split_first() else { return Vec::new() };
+        let kind = if value.whole() { "int" } else { self.number_in(printer.function) };
         let zero = self.real(0.0);
         let mut lines: Vec<String> = rest.iter().map(|name| format!("{kind} {name} = {zero};")).collect();
         let value = match value {
             Expr::Call(function, arguments) if !rest.is_empty() => {
-                let values = self.arguments(arguments, printer);
-                let values: Vec<String> =
-                    values.into_iter().chain(rest.iter().map(|name| format!("&{name}"))).collect();
+                let mut values = self.arguments(arguments, printer);
+                values.extend(rest.iter().map(|name| format!("&{name}")));
                 format!("{}({})", self.own(function), values.join(", "))
             }
             value => printer.expr(value),

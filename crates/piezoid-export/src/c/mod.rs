@@ -10,9 +10,8 @@ use super::exported::{Entry, ExportedProgram, state_of};
 use super::fixed::{Fixed, PLAIN};
 use super::language::{Language, Printer};
 use super::template::{Value, blocks, context, render, template, template_context};
-use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
-use piezoid::error::Error;
-use piezoid::system::System;
+use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
+use piezoid::{Error, System};
 use piezoid_models::program::{Argument, Block, Constant, Field, FieldValue, Function, ValueType};
 use std::collections::BTreeMap;
 
@@ -20,18 +19,11 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "c",
     summary: "a header and a source file in C99, in double or single precision, with a self-test",
     reference: "ISO/IEC 9899:1999; MISRA C:2012",
-    takes: CODE,
-    stands_alone: false,
-    makes: BOTH,
-    refuses: &[],
     make: |request| {
         let whole = checked(request)?;
         let mut notes = whole.notes.clone();
-        if request.name().len() > LONGEST {
-            notes.push(format!(
-                "C99 guarantees only 31 significant characters in names: use a name of at most {LONGEST}"
-            ));
-        }
+        let rule = format!("C99 guarantees only 31 significant characters in names: use a name of at most {LONGEST}");
+        notes.extend((request.name().len() > LONGEST).then_some(rule));
         let c = C::of(&whole, request);
         let bytes = if request.options.float { 4 } else { 8 };
         let tables = whole.program.blocks.iter().flat_map(|b| &b.constants).map(|c| c.values.len());
@@ -42,6 +34,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         let files = c.files(render(template!("c/readme.md.j2"), page)?)?;
         Ok(Exported { files, functions: whole.functions(), notes })
     },
+    ..CODE
 };
 
 /// The longest name for which function names differ within the characters that C99 guarantees.
@@ -81,9 +74,7 @@ impl<'c> C<'c> {
     pub(super) fn of(whole: &'c ExportedProgram, request: &'c ExportRequest) -> Self {
         C { whole, request, counts: None }
     }
-}
 
-impl C<'_> {
     /// Header, source, self-test and page.
     pub(super) fn files(&self, readme: String) -> Result<Vec<File>, Error> {
         let name = self.request.name();
@@ -158,7 +149,8 @@ impl C<'_> {
             }
             _ => format!("{number} {}", p.name),
         };
-        let printer = Printer { program: &self.whole.program, function, language: self };
+        let (program, single) = (&self.whole.program, self.request.options.float);
+        let printer = Printer { program, function, language: self, single };
         let mut returns = function.returns.iter().map(|expr| printer.expr(expr));
         let first = returns.next();
         let also: Vec<String> = returns.collect();

@@ -8,6 +8,7 @@
 //! a constant voltage. Where z is out of reach, the result is the end, and of a flat piece its beginning, as by
 //! Newton's method. It does not do: laws that fall or jump between the ends, for which several inputs give the same z.
 
+use crate::template::{context, render, template};
 use piezoid::error::Error;
 use piezoid_models::program::{Argument, FieldValue, Function, Program, Statement, ValueType};
 
@@ -42,7 +43,7 @@ fn searches(function: &Function) -> bool {
 
 fn replace(program: &mut Program, at: usize, forth: &str) -> Result<(), Error> {
     let Function { name, block, takes, .. } = program.functions[at].clone();
-    program.extend(&text(program, &takes, forth))?;
+    program.extend(&text(program, &takes, forth)?)?;
     if let Some(result) = program.functions.pop() {
         program.functions[at] = Function { name, block, ..result };
     }
@@ -50,7 +51,7 @@ fn replace(program: &mut Program, at: usize, forth: &str) -> Result<(), Error> {
 }
 
 /// The text of the inverse with these parameters: states, then z, low and high.
-fn text(program: &Program, takes: &[Argument], forth: &str) -> String {
+fn text(program: &Program, takes: &[Argument], forth: &str) -> Result<String, Error> {
     let states = takes.iter().filter_map(|p| match &p.kind {
         ValueType::Part(block) => Some((p.name.as_str(), block.as_str())),
         _ => None,
@@ -69,47 +70,12 @@ fn text(program: &Program, takes: &[Argument], forth: &str) -> String {
         forth == "hysteresis" && fields.iter().any(|f| f.name == "last" && matches!(f.holds, FieldValue::Number(_)))
     });
     let start = last.map_or("low".into(), |(name, _)| format!("clamp({name}.last, low, high)"));
-    format!(
-        "
-// The input between low and high for which the next step comes nearest to z: from the first one tried to the end in the direction of z, bisected until the ends are neighbours.
-fn inverse_by_bisection({declared}z, low, high) {{
-    let near = {start};
-    {}
-    let near_left = {};
-    let toward = 1.0;
-    let far = high;
-    if near_left < 0.0 {{
-        toward = -1.0;
-        far = low;
-    }}
-    near_left = magnitude(near_left);
-    let far_left = near_left;
-    // If z is out of reach, both ends are the last one.
-    let tried = far;
-    if near_left == 0.0 {{ tried = near; }}
-    for k in 0..{PASSES} {{
-        {}
-        let left = toward * ({});
-        if left > 0.0 {{
-            near = tried;
-            near_left = left;
-        }} else {{
-            far = tried;
-            far_left = -left;
-        }}
-        tried = 0.5 * (near + far);
-    }}
-    // The nearer of two neighbours, and of two as near the first.
-    let u = near;
-    if far_left < near_left {{ u = far; }}
-    return u;
-}}
-",
-        copies(1),
-        reached(1, "near"),
-        copies(2),
-        reached(2, "tried"),
-    )
+    let context = context! {
+        declared, start, passes => PASSES,
+        copies_near => copies(1), left_of_near => reached(1, "near"),
+        copies_tried => copies(2), left_of_tried => reached(2, "tried"),
+    };
+    render(template!("fixed/inverse.txt.j2"), context)
 }
 
 #[cfg(test)]

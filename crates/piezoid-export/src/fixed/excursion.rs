@@ -47,11 +47,7 @@ pub(super) fn test_inputs(whole: &ExportedProgram, request: &ExportRequest) -> V
             };
             numbers.iter().zip(&at_rest).map(there).collect()
         };
-        let inputs = match entry.step {
-            "step" => u.iter().map(|u| vec![*u]).collect::<Vec<_>>(),
-            "ff_step" => r.iter().map(|r| vec![*r]).collect(),
-            _ => r.iter().zip(&u).map(|(r, u)| vec![*r, 1.25 * r, *u]).collect(),
-        };
+        let inputs = entry.rows(&u, &r, 1.25);
         TestInputs { starts: vec![at_rest.clone(), settled(far.0, z.0), settled(far.1, z.1)], inputs }
     };
     whole.entries.iter().map(of).collect()
@@ -70,29 +66,27 @@ const COARSER: i32 = 8;
 /// Jumps to random levels and to the ends, each held for up to 16 samples.
 fn jumping((low, high): (f64, f64), n: usize) -> Vec<f64> {
     let (mut state, mut level, mut left) = (1u64, low, 0);
-    (0..n)
-        .map(|_| {
-            if left == 0 {
-                state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-                let share = (state >> 40) as f64 / (1u64 << 24) as f64;
-                level = low + (high - low) * (1.5 * share - 0.25).clamp(0.0, 1.0);
-                left = (state >> 20) % 16 + 1;
-            }
-            left -= 1;
-            level
-        })
-        .collect()
+    let next = |_| {
+        if left == 0 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let share = (state >> 40) as f64 / (1u64 << 24) as f64;
+            level = low + (high - low) * (1.5 * share - 0.25).clamp(0.0, 1.0);
+            left = (state >> 20) % 16 + 1;
+        }
+        left -= 1;
+        level
+    };
+    (0..n).map(next).collect()
 }
 
 /// From one side of the middle to the other, each time a little less far: no two loops have the same area.
 fn dying((low, high): (f64, f64), n: usize) -> Vec<f64> {
     let (middle, mut away) = (0.5 * (low + high), 0.5 * (high - low));
-    (0..n)
-        .map(|_| {
-            away *= -0.97;
-            middle + away
-        })
-        .collect()
+    let next = |_| {
+        away *= -0.97;
+        middle + away
+    };
+    (0..n).map(next).collect()
 }
 
 /// More reversals than any memory holds.
@@ -104,11 +98,10 @@ fn sweep((low, high): (f64, f64), n: usize) -> Vec<f64> {
     let faster = (0.9999802608561371, 0.006283143965558951);
     let (mut angle, mut at) = ((1.0, 0.0), (1.0, 0.0));
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
-    (0..n)
-        .map(|_| {
-            angle = turned(faster, angle);
-            at = turned(angle, at);
-            middle + half * at.1
-        })
-        .collect()
+    let next = |_| {
+        angle = turned(faster, angle);
+        at = turned(angle, at);
+        middle + half * at.1
+    };
+    (0..n).map(next).collect()
 }

@@ -133,12 +133,10 @@ pub(crate) fn key(program: &Program, function: &Function, place: &Place) -> Key 
     let Some((last, path)) = place.path.split_last() else {
         return Key::Local(function.name.clone(), place.root.clone());
     };
-    let mut block = None;
-    for takes in function.takes.iter().filter(|p| p.name == place.root) {
-        if let ValueType::Part(of) = &takes.kind {
-            block = Some(of);
-        }
-    }
+    let mut block = function.takes.iter().find_map(|p| match &p.kind {
+        ValueType::Part(of) if p.name == place.root => Some(of),
+        _ => None,
+    });
     function.steps.iter().for_each(|step| {
         step.all(&mut |step| match step {
             Statement::Copy { name, block: of, .. } if *name == place.root => block = Some(of),

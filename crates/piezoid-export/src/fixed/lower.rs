@@ -74,11 +74,7 @@ impl Lowering<'_> {
     }
 
     fn steps(&self, steps: &[Statement]) -> Result<Vec<Statement>, Error> {
-        let mut out = Vec::new();
-        for step in steps {
-            out.extend(self.step(step)?);
-        }
-        Ok(out)
+        Ok(steps.iter().map(|step| self.step(step)).collect::<Result<Vec<_>, _>>()?.concat())
     }
 
     fn step(&self, step: &Statement) -> Result<Vec<Statement>, Error> {
@@ -96,14 +92,10 @@ impl Lowering<'_> {
                 Condition::Never => return self.steps(no),
                 Condition::If(holds) => Statement::If(holds, self.steps(yes)?, self.steps(no)?),
             },
-            Statement::For { name, from, to, down, most, steps } => Statement::For {
-                name: name.clone(),
-                from: self.whole(from)?,
-                to: self.whole(to)?,
-                down: *down,
-                most: *most,
-                steps: self.steps(steps)?,
-            },
+            Statement::For { name, from, to, down, most, steps } => {
+                let (name, from, to) = (name.clone(), self.whole(from)?, self.whole(to)?);
+                Statement::For { name, from, to, down: *down, most: *most, steps: self.steps(steps)? }
+            }
             Statement::While(holds, most, steps) => match self.holds(holds)? {
                 Condition::Always => return unsuited(format!("`{}` would not end", self.function.name)),
                 Condition::Never => return Ok(Vec::new()),
@@ -175,11 +167,8 @@ impl Lowering<'_> {
         Ok(match expr {
             Expr::Limit(limit) => {
                 let limit = if *limit == Limit::Most { "largest" } else { "least positive" };
-                return unsuited(format!(
-                    "its function `{}` compares with the {limit} floating-point number, which \
-                                         fixed point does not have",
-                    self.function.name
-                ));
+                let compares = format!("its function `{}` compares with the {limit}", self.function.name);
+                return unsuited(format!("{compares} floating-point number, which fixed point does not have"));
             }
             Expr::Variable(name, _) => Number::named(expr.clone(), self.formats.exponent(&self.local(name))),
             Expr::Constant(block, name, index) => {
@@ -304,18 +293,16 @@ impl Lowering<'_> {
 
 /// The result of a comparison with a literal that is out of the range of the other number.
 fn decided(op: Op, left: &Number, right: &Number) -> Option<bool> {
-    let (a, b) = match (left, right) {
-        (Number { literal: None, bits, .. }, Number { literal: Some(_), expr: Expr::Real(n), .. })
-            if n.abs() > power(*bits) =>
-        {
-            (0.0, *n)
+    let beyond = |one: &Number, other: &Number| match (one, other) {
+        (Number { literal: Some(_), expr: Expr::Real(n), .. }, Number { literal: None, bits, .. }) => {
+            Some(*n).filter(|n| n.abs() > power(*bits))
         }
-        (Number { literal: Some(_), expr: Expr::Real(n), .. }, Number { literal: None, bits, .. })
-            if n.abs() > power(*bits) =>
-        {
-            (*n, 0.0)
-        }
-        _ => return None,
+        _ => None,
+    };
+    let (a, b) = match (beyond(left, right), beyond(right, left)) {
+        (Some(n), _) => (n, 0.0),
+        (None, Some(n)) => (0.0, n),
+        (None, None) => return None,
     };
     match op {
         Op::Less | Op::AtMost => Some(a < b),

@@ -22,14 +22,13 @@ use super::c::{C, checked};
 use super::exported::{Entry, ExportedProgram, Port};
 use super::template::{Value, context, render, template};
 use super::vectors::{Vectors, counted};
-use super::{BOTH, ExportRequest, ExportTarget, Exported};
+use super::{CODE, ExportRequest, ExportTarget, Exported};
 use bisection::bisected;
 use excursion::{PART, TestInputs, test_inputs};
 use formats::{Formats, Key, fields};
 use lower::lowered;
 use number::counts;
-use piezoid::error::Error;
-use piezoid::system::System;
+use piezoid::{Error, System};
 use piezoid_models::program::{FieldValue, Machine, Program};
 use piezoid_numerics::number::short;
 use piezoid_numerics::series::ends;
@@ -40,9 +39,6 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     summary: "fixed-point C99: header, source file and self-test, and the rounding error against double precision",
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
     takes: &["preview", "controller", "delay_samples", "gain_margin", "phase_margin"],
-    stands_alone: false,
-    makes: BOTH,
-    refuses: &[],
     make: |request| {
         let fixed = Fixed::new(checked(request)?, request)?;
         let c = C { counts: Some(&fixed), ..C::of(&fixed.whole, request) };
@@ -51,6 +47,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         let files = c.files(render(template!("fixed/readme.md.j2"), page)?)?;
         Ok(Exported { files, functions: fixed.whole.functions(), notes: fixed.whole.notes })
     },
+    ..CODE
 };
 
 /// Largest allowed error, over the stroke.
@@ -89,16 +86,13 @@ impl Fixed {
                     None => return Ok(fixed),
                     Some(k) => {
                         let (step, off) = (whole.entries[k].step, short(fixed.errors[k].most));
-                        (
-                            k,
-                            format!(
-                                "32-bit rounding changes the result of `{step}` by {off} of its stroke, more than \
-                                     {MAX_ERROR_SHARE:e}"
-                            ),
-                        )
+                        let changes = format!("32-bit rounding changes the result of `{step}` by {off} of its stroke");
+                        (k, format!("{changes}, more than {MAX_ERROR_SHARE:e}"))
                     }
                 },
-                Err(Error::Unsuited { because, .. }) => (feed_forward(&whole).unwrap_or(0), because),
+                Err(Error::Unsuited { because, .. }) => {
+                    (whole.entries.iter().position(|entry| entry.step == FEED_FORWARD).unwrap_or(0), because)
+                }
                 Err(error) => return Err(error),
             };
             if whole.entries[k].step != FEED_FORWARD {
@@ -106,7 +100,8 @@ impl Fixed {
                 return Err(Error::Unsuited { what: "export in fixed point".into(), because });
             }
             whole.notes.push(format!("there is no feed-forward: {because}"));
-            leave_out(&mut whole, k);
+            whole.entries.remove(k);
+            keep(&mut whole, CLAMP);
         }
     }
 
@@ -256,15 +251,6 @@ fn outside(entry: &Entry, input: &str) -> Key {
 }
 
 const FEED_FORWARD: &str = "ff_step";
-
-fn feed_forward(whole: &ExportedProgram) -> Option<usize> {
-    whole.entries.iter().position(|entry| entry.step == FEED_FORWARD)
-}
-
-fn leave_out(whole: &mut ExportedProgram, k: usize) {
-    whole.entries.remove(k);
-    keep(whole, CLAMP);
-}
 
 /// The program with integers calls it.
 const CLAMP: &[&str] = &["clamp"];

@@ -27,29 +27,25 @@ mod variables;
 use super::c::{C, checked};
 use super::exported::{Entry, ExportedProgram};
 use super::template::{Template, context, render, template, template_context};
-use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
+use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
 use piezoid::error::Error;
 
 pub(super) const FMI2: ExportTarget = ExportTarget {
     name: "fmu2",
     summary: "FMUs for co-simulation (FMI 2.0), with C sources and, if a C compiler is found, a shared library",
     reference: "Functional Mock-up Interface 2.0.5, https://fmi-standard.org",
-    takes: CODE,
     stands_alone: true,
-    makes: BOTH,
-    refuses: &[],
     make: |request| make(request, &VERSION_2),
+    ..CODE
 };
 
 pub(super) const FMI3: ExportTarget = ExportTarget {
     name: "fmu3",
     summary: "FMUs for co-simulation (FMI 3.0), with C sources and, if a C compiler is found, a shared library",
     reference: "Functional Mock-up Interface 3.0.2, https://fmi-standard.org",
-    takes: CODE,
     stands_alone: true,
-    makes: BOTH,
-    refuses: &[],
     make: |request| make(request, &VERSION_3),
+    ..CODE
 };
 
 /// The differences between the versions of the standard.

@@ -3,8 +3,7 @@
 use crate::ExportRequest;
 use crate::exported::Entry;
 use crate::template::{Value, context};
-use piezoid::record::Units;
-use piezoid::system::System;
+use piezoid::{System, Units};
 use piezoid_models::program::{Field, FieldValue, Program};
 
 /// `causality`, `variability` and `initial`, in both versions of the standard.

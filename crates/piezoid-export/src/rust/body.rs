@@ -74,15 +74,11 @@ impl Language for RustBody<'_> {
         &KEYWORDS
     }
 
-    fn single(&self) -> bool {
-        self.rust.single
-    }
-
     fn real(&self, value: f64) -> String {
         shortest(value, self.rust.single)
     }
 
-    fn limit(&self, limit: Limit) -> String {
+    fn limit(&self, limit: Limit, _: &Printer) -> String {
         let name = match limit {
             Limit::Epsilon => "EPSILON",
             Limit::Least => "MIN_POSITIVE",

@@ -10,10 +10,9 @@ use super::c::{shortest, wrapped};
 use super::exported::{Entry, ExportedProgram};
 use super::language::Printer;
 use super::template::{Value, context, render, template, template_context, titled};
-use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
+use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
 use body::RustBody;
-use piezoid::error::Error;
-use piezoid::system::System;
+use piezoid::{Error, System};
 use piezoid_models::program::{Block, Constant, Field, FieldValue, Function, Statement, ValueType};
 use std::collections::BTreeMap;
 
@@ -21,19 +20,11 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "rust",
     summary: "a module in Rust for crates with and without std, in double or single precision, with its tests",
     reference: "The Rust Reference, editions 2021 and 2024; core alone",
-    takes: CODE,
-    stands_alone: false,
-    makes: BOTH,
-    refuses: &[],
     make: |request| {
         named(request.name(), RESERVED)?;
         if request.name().chars().any(|c| c.is_ascii_uppercase()) {
-            let name = format!("`{}`", request.name());
-            return Err(Error::parameter(
-                "name",
-                name,
-                "must be in lower case, because it becomes the name of a Rust module",
-            ));
+            let rule = "must be in lower case, because it becomes the name of a Rust module";
+            return Err(Error::parameter("name", format!("`{}`", request.name()), rule));
         }
         let whole = ExportedProgram::new(request)?;
         let page = Rust { whole: &whole, single: request.options.float }.template_context(request);
@@ -43,6 +34,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         ];
         Ok(Exported { files, functions: whole.functions(), notes: whole.notes })
     },
+    ..CODE
 };
 
 /// Reserved names: keywords, and crates that are always present.
@@ -190,7 +182,7 @@ impl Rust<'_> {
             1 => format!(" -> {number}"),
             n => format!(" -> ({})", vec![number; n].join(", ")),
         };
-        let printer = Printer { program: &self.whole.program, function, language: &inside };
+        let printer = Printer { program: &self.whole.program, function, language: &inside, single: self.single };
         let depth = 1 + usize::from(inside.own);
         let takes: Vec<String> = takes.collect();
         let mut out = format!("{indent}{begin} {}({}){gives} {{\n", function.name, takes.join(", "));

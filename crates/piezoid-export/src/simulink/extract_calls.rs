@@ -33,15 +33,8 @@ impl<'p> CallExtractor<'p> {
                 Statement::Set(place, value) => Statement::Set(place.clone(), self.lifted(value, &mut out)),
                 Statement::If(holds, yes, no) => Statement::If(holds.clone(), self.steps(yes), self.steps(no)),
                 Statement::For { name, from, to, down, most, steps } => {
-                    let steps = self.steps(steps);
-                    Statement::For {
-                        name: name.clone(),
-                        from: from.clone(),
-                        to: to.clone(),
-                        down: *down,
-                        most: *most,
-                        steps,
-                    }
+                    let (name, from, to) = (name.clone(), from.clone(), to.clone());
+                    Statement::For { name, from, to, down: *down, most: *most, steps: self.steps(steps) }
                 }
                 Statement::While(holds, most, steps) => Statement::While(holds.clone(), *most, self.steps(steps)),
                 step => step.clone(),

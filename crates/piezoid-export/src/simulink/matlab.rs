@@ -51,18 +51,15 @@ impl<'m> Matlab<'m> {
         for function in &mut program.functions {
             // Entry functions return their state even if it never changes.
             let outside = whole.entries.iter().any(|entry| entry.step == function.name);
-            function
-                .takes
-                .iter_mut()
-                .filter(|p| matches!(p.kind, ValueType::Part(_)))
-                .for_each(|p| p.changed |= outside);
+            let states = function.takes.iter_mut().filter(|p| matches!(p.kind, ValueType::Part(_)));
+            states.for_each(|p| p.changed |= outside);
         }
         program.functions = program.functions.iter().map(|function| CallExtractor::of(function, &program)).collect();
         let constants = program.blocks.iter().map(|block| constants_of(&block.name).len());
         let added = program.functions.iter().map(|f| f.name.len()).chain(constants).max().unwrap_or(0) + 1;
         if request.name().len() + added > LONGEST {
-            let rule =
-                format!("must have at most {} characters: MATLAB uses {LONGEST} of a function name", LONGEST - added);
+            let most = LONGEST - added;
+            let rule = format!("must have at most {most} characters: MATLAB uses {LONGEST} of a function name");
             return Err(Error::parameter("name", format!("`{}`", request.name()), rule));
         }
         Ok(Matlab { program, name: request.name(), single: request.options.float })
@@ -95,7 +92,7 @@ impl<'m> Matlab<'m> {
     }
 
     fn function(&self, function: &Function) -> String {
-        let printer = Printer { program: &self.program, function, language: self };
+        let printer = Printer { program: &self.program, function, language: self, single: self.single };
         let mut known = known(function);
         let mut gives: Vec<String> = function.takes.iter().filter(|p| p.changed).map(|p| p.name.clone()).collect();
         let mut last = String::new();
@@ -117,9 +114,8 @@ impl<'m> Matlab<'m> {
         function.expressions(&mut |expr| reads |= matches!(expr, Expr::Constant(..)));
         if reads {
             let name = self.own(&constants_of(&self.program.blocks[function.block].name));
-            out += &format!(
-                "    persistent constants\n    if isempty(constants)\n        constants = {name}();\n    end\n"
-            );
+            out += "    persistent constants\n    if isempty(constants)\n";
+            out += &format!("        constants = {name}();\n    end\n");
         }
         out + &printer.steps(&function.steps, 1) + &last + "end\n"
     }
@@ -184,10 +180,7 @@ fn from_one(index: &Expr) -> Expr {
     let sum = |left: &Expr, n: usize| Expr::Binary(Op::Add, Box::new(left.clone()), Box::new(Expr::Integer(n)));
     match index {
         Expr::Integer(n) => Expr::Integer(n + 1),
-        Expr::Binary(Op::Add, left, right) if matches!(**right, Expr::Integer(_)) => match **right {
-            Expr::Integer(n) => sum(left, n + 1),
-            _ => sum(index, 1),
-        },
+        Expr::Binary(Op::Add, left, right) if let Expr::Integer(n) = **right => sum(left, n + 1),
         Expr::Binary(Op::Subtract, left, right) if **right == Expr::Integer(1) => (**left).clone(),
         index => sum(index, 1),
     }
@@ -208,10 +201,6 @@ const KEYWORDS: Keywords = Keywords {
 impl Language for Matlab<'_> {
     fn keywords(&self) -> &'static Keywords {
         &KEYWORDS
-    }
-
-    fn single(&self) -> bool {
-        self.single
     }
 
     fn real(&self, value: f64) -> String {

@@ -9,17 +9,13 @@ mod matlab;
 
 use super::c::{C, checked};
 use super::template::{context, render, template};
-use super::{BOTH, CODE, ExportTarget, Exported, File};
+use super::{CODE, ExportTarget, Exported, File};
 use matlab::Matlab;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "simulink",
     summary: "S-functions in C for Simulink, and a class for MATLAB and GNU Octave, in double or single precision",
     reference: "MathWorks, Writing S-Functions: level-2 C MEX S-functions",
-    takes: CODE,
-    stands_alone: false,
-    makes: BOTH,
-    refuses: &[],
     make: |request| {
         let whole = checked(request)?;
         let (c, name) = (C::of(&whole, request), request.name());
@@ -40,4 +36,5 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         }
         Ok(Exported { files, functions: whole.functions(), notes: whole.notes })
     },
+    ..CODE
 };

@@ -51,10 +51,6 @@ impl Language for StBody<'_> {
         &KEYWORDS
     }
 
-    fn single(&self) -> bool {
-        self.st.single
-    }
-
     fn real(&self, value: f64) -> String {
         // A number without a type may be double precision, and so would be the result.
         format!("{}{}", if self.st.single { "REAL#" } else { "" }, self.st.plain(value))

@@ -14,7 +14,7 @@ use super::c::{shortest, wrapped};
 use super::exported::{Entry, ExportedProgram};
 use super::language::Printer;
 use super::template::{Value, blocks, context, quiet, render, template, template_context};
-use super::{BOTH, CODE, ExportRequest, ExportTarget, Exported, File, named};
+use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
 use body::StBody;
 use names::{Names, RESERVED};
 use piezoid_models::program::{Block, Constant, Expr, Field, FieldValue, Function, ValueType};
@@ -24,10 +24,6 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "st",
     summary: "function blocks in structured text, in LREAL or REAL, with a test program",
     reference: "IEC 61131-3:2003 and 2013",
-    takes: CODE,
-    stands_alone: false,
-    makes: BOTH,
-    refuses: &[],
     make: |request| {
         named(request.name(), RESERVED)?;
         let whole = ExportedProgram::new(request)?;
@@ -39,6 +35,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
         ];
         Ok(Exported { files, functions: whole.functions(), notes: whole.notes })
     },
+    ..CODE
 };
 
 /// Keys of names that are not in the program: tables, a counter, unused results.
@@ -63,7 +60,6 @@ type Variable = (String, String);
 /// The printer.
 struct St<'s> {
     whole: &'s ExportedProgram,
-    name: &'s str,
     single: bool,
     /// Names of types, function blocks and functions.
     globals: Names,
@@ -76,11 +72,6 @@ struct St<'s> {
 }
 
 impl St<'_> {
-    /// The function block of an entry.
-    fn block_of(&self, entry: &Entry) -> String {
-        entry.named(self.name)
-    }
-
     fn number(&self) -> &'static str {
         if self.single { "REAL" } else { "LREAL" }
     }
@@ -155,7 +146,7 @@ impl St<'_> {
         let program = &self.whole.program;
         let (names, inner) = &self.inner[k];
         let inside = StBody { st: self, names };
-        let printer = Printer { program, function, language: &inside };
+        let printer = Printer { program, function, language: &inside, single: self.single };
         let declared = |key: &str, kind: &str| format!("{} : {kind}", names.get(key));
         let (mut arguments, mut changed, mut constants) = (Vec::new(), Vec::new(), Vec::new());
         for p in &function.takes {
@@ -209,9 +200,9 @@ impl St<'_> {
         let mut names = Names::without(&self.globals.taken);
         entry.inputs.iter().for_each(|input| names.add(input.name, input.name));
         names.add("!output", entry.output.name);
-        [("!reset", "reset"), ("!state", "state"), ("!rest", "rest"), (TABLES, "tables")]
-            .iter()
-            .for_each(|(key, wish)| names.add(key, wish));
+        for (key, wish) in [("!reset", "reset"), ("!state", "state"), ("!rest", "rest"), (TABLES, "tables")] {
+            names.add(key, wish);
+        }
         // Parameter names inside the function, and their arguments here.
         let inner = &self.inner[k].0;
         let outer = step.takes.iter().map(|p| match p.kind {

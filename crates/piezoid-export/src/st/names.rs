@@ -50,7 +50,6 @@ impl<'s> St<'s> {
         let (mut globals, mut fields) = (Names::default(), Names::default());
         let mut st = St {
             whole,
-            name: request.name(),
             single: request.options.float,
             globals: Names::default(),
             fields: Names::default(),
@@ -58,7 +57,7 @@ impl<'s> St<'s> {
             reading: Vec::new(),
         };
         for entry in &whole.entries {
-            globals.add(&format!("!{}", entry.step), &st.block_of(entry));
+            globals.add(&format!("!{}", entry.step), &entry.named(request.name()));
         }
         for own in ["tables", "test"] {
             globals.add(&format!("!{own}"), &format!("{}_{own}", request.name()));

@@ -11,9 +11,7 @@
 //! Reference: see [`piezoid::compensation`]. It does not do: the transient from rest to the steady state.
 
 use piezoid::compensation::{FeedForward, FeedForwardSettings, Learning};
-use piezoid::error::Error;
-use piezoid::hammerstein::Model;
-use piezoid::system::System;
+use piezoid::{Error, Model, System};
 use piezoid_numerics::error::finite;
 use piezoid_numerics::number::{round, short};
 use piezoid_numerics::series::ends;
@@ -69,10 +67,9 @@ impl PeriodicDrive {
         let learning = Learning { trials, gain: 1.0, cutoff_hz: None };
         let learned = learning.run(&mut |u| answer(model, u).y, &inverse, &r)?;
         // If the step from the end to the start is too fast, clipping continues into the start.
-        let u = if settings.clip {
-            settings.limits.clip(&learned.u.repeat(2), model.ts())?.split_off(n)
-        } else {
-            learned.u
+        let u = match settings.clip {
+            true => settings.limits.clip(&learned.u.repeat(2), model.ts())?.split_off(n),
+            false => learned.u,
         };
         let joined = [u.as_slice(), &u[..1]].concat();
         settings.limits.refuse(&joined, model.ts())?;
@@ -89,11 +86,8 @@ fn follows(model: &Model, n: usize) -> Result<(), Error> {
     let because = if driver.lag_s > LAGGING * length {
         format!("its driver has a lag of {} s", short(driver.lag_s))
     } else if let Some(slew) = driver.slew.filter(|slew| slew * length < SLEWING * (high - low)) {
-        format!(
-            "its driver slews at most {} {unit} in a period, but the range is {} {unit}",
-            short(slew * length),
-            round(high - low)
-        )
+        let (most, range) = (short(slew * length), round(high - low));
+        format!("its driver slews at most {most} {unit} in a period, but the range is {range} {unit}")
     } else {
         return Ok(());
     };
@@ -116,11 +110,8 @@ fn joins(r: &[f64], unit: &str) -> Result<Vec<String>, Error> {
     let jump = (first - last).abs();
     if jump > inside * (1.0 + SAME) {
         let value = format!("{} {unit} from its last sample to its first", short(jump));
-        let inside = short(inside);
-        let rule = format!(
-            "the step from the last sample to the first must not exceed the largest step inside \
-                            ({inside} {unit}): give one whole period"
-        );
+        let rule = "the step from the last sample to the first must not exceed the largest step inside";
+        let rule = format!("{rule} ({} {unit}): give one whole period", short(inside));
         return Err(Error::parameter("reference", value, rule));
     }
     let twice = first == last && r[0] != r[1];

@@ -18,11 +18,9 @@ mod nv200;
 mod table;
 
 use super::template::{Value, context, render, template};
-use super::{ExportOptions, ExportRequest, ExportTarget, Exported, FEED_FORWARD, File, named};
+use super::{CODE, ExportOptions, ExportRequest, ExportTarget, Exported, FEED_FORWARD, File, named};
 use drive::{PeriodicDrive, answer};
-use piezoid::error::Error;
-use piezoid::hammerstein::Model;
-use piezoid::system::System;
+use piezoid::{Error, Model, System};
 use piezoid_numerics::error::positive;
 use piezoid_numerics::number::{round, short};
 use piezoid_numerics::series::ends;
@@ -33,10 +31,9 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     summary: "the drive voltage for a periodic reference as a table: CSV, PI GCS wave table, piezosystem jena NV200",
     reference: "PI GCS 2.0, E-727 user manual E727T0005; piezosystem jena NV200/D NET instruction manual",
     takes: &["reference", "clip", "servo_cycle", "range"],
-    stands_alone: false,
     makes: &[FEED_FORWARD],
-    refuses: &[],
     make,
+    ..CODE
 };
 
 /// Decimals of the voltages in the CSV file: 0.1 mV.
@@ -59,8 +56,8 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     let ExportOptions { servo_cycle, range, .. } = request.options;
     positive("servo_cycle", servo_cycle, "seconds")?;
     let drive = PeriodicDrive::new(model, request.settings, r)?;
-    let plain =
-        WaveTable::new(TableCapacity { cycle: ts, points: usize::MAX, cycles: 1 }, &drive.u, ts, (0.0, 1.0), DECIMALS)?;
+    let all = TableCapacity { cycle: ts, points: usize::MAX, cycles: 1 };
+    let plain = WaveTable::new(all, &drive.u, ts, (0.0, 1.0), DECIMALS)?;
     let wave = gcs::table(&drive.u, ts, servo_cycle)?;
     let buffer = range.map(|range| nv200::table(&drive.u, ts, range)).transpose()?;
 
@@ -74,23 +71,21 @@ fn make(request: &ExportRequest) -> Result<Exported, Error> {
     };
     let mut sentences = vec![add("the model's own", ".csv", &plain, rows(request, &drive, &plain)?)];
     sentences.push(add("PI GCS 2.0", "_gcs.txt", &wave, gcs::commands(&wave)?.into()));
+    let missing = "no NV200 file is written, because its points are in percent of a voltage range: give the option \
+        `range` with the voltages of 0 % and 100 %";
     match &buffer {
         Some(buffer) => sentences.push(add("NV200", "_nv200.txt", buffer, nv200::commands(buffer)?.into())),
-None => exported.notes.push(
-    "no NV200 file is written, because its points are in percent of a voltage range: give the option `range` with \
-     the voltages of 0 % and 100 %"
-    .into(),
-),
-}
+        None => exported.notes.push(missing.into()),
+    }
     exported.notes.extend(sentences);
     let pair = |(low, high): (f64, f64)| [low, high];
     let page = context! {
-    name, ts => ts.to_string(), unit => &model.units().y, samples => drive.u.len(),
-    period => drive.u.len() as f64 * ts, u => pair(ends(drive.u.iter().copied())),
-    r => pair(ends(drive.r.iter().copied())), tables, servo_cycle,
-            range => range.map(|(low, high)| [low.to_string(), high.to_string()]), beginning => beginning(model, &drive),
-            slowest => model.creep().lags().iter().map(|lag| lag.tau_s).fold(0.0, f64::max),
-        };
+        name, ts => ts.to_string(), unit => &model.units().y, samples => drive.u.len(),
+        period => drive.u.len() as f64 * ts, u => pair(ends(drive.u.iter().copied())),
+        r => pair(ends(drive.r.iter().copied())), tables, servo_cycle,
+        range => range.map(|(low, high)| [low.to_string(), high.to_string()]), beginning => beginning(model, &drive),
+        slowest => model.creep().lags().iter().map(|lag| lag.tau_s).fold(0.0, f64::max),
+    };
     exported.files.push(File::new(format!("{name}.md"), render(template!("waveform/readme.md.j2"), page)?));
     Ok(exported)
 }
@@ -99,12 +94,9 @@ None => exported.notes.push(
 fn stated(whose: &str, file: String, table: &WaveTable, model: &Model, drive: &PeriodicDrive) -> (Value, String) {
     let Figures { period, u, y, differs } = table.figures(model, drive);
     let period_off = if period == 0.0 { String::new() } else { format!(", period error {} %", short(100.0 * period)) };
+    let (points, point, rms, most) = (table.held.len(), round(table.point()), short(y.rms), short(y.largest));
     let sentence = format!(
-        "{file}: {} points of {} s{period_off}; predicted error {} % of the stroke rms, at most {} %",
-        table.held.len(),
-        round(table.point()),
-        short(y.rms),
-        short(y.largest)
+        "{file}: {points} points of {point} s{period_off}; predicted error {rms} % of the stroke rms, at most {most} %"
     );
     let figures = context! {
         whose, file, point => table.point(), period => 100.0 * period, differs,
@@ -127,11 +119,8 @@ fn rows(request: &ExportRequest, drive: &PeriodicDrive, table: &WaveTable) -> Re
     let digits = (0..300).map(|k| 10f64.powi(k)).find(|digits| 1.0 / digits <= FINE * (high - low)).unwrap_or(1.0);
     let rounded = |x: &[f64]| x.iter().map(|x| (digits * x).round() / digits + 0.0).collect::<Vec<_>>();
     let (r, answered) = (rounded(&drive.r), rounded(&answer(model, &table.held).y));
-    piezoid::formats::Table::write(
-        "table.csv",
-        model.ts(),
-        &[("u_V", &table.held), (&format!("r_{y}"), &r), (&format!("y_{y}"), &answered)],
-    )
+    let columns = [("u_V", &table.held[..]), (&format!("r_{y}"), &r), (&format!("y_{y}"), &answered)];
+    piezoid::formats::Table::write("table.csv", model.ts(), &columns)
 }
 
 #[cfg(test)]

@@ -40,11 +40,8 @@ pub(super) fn table(u: &[f64], ts: f64, range: (f64, f64)) -> Result<WaveTable, 
     let (low, high) = range;
     let value = format!("{} to {} V", round(low), round(high));
     if !(low < high && (high - low).is_finite()) {
-        return Err(Error::parameter(
-            "range",
-            value,
-            "must be the voltage of 0 % followed by the higher voltage of 100 %",
-        ));
+        let rule = "must be the voltage of 0 % followed by the higher voltage of 100 %";
+        return Err(Error::parameter("range", value, rule));
     }
     let (lowest, highest) = ends(u.iter().copied());
     if lowest < low || highest > high {

@@ -14,9 +14,7 @@
 
 use super::drive::{Answer, PeriodicDrive, answer};
 use crate::template::{Value, context};
-use piezoid::error::Error;
-use piezoid::hammerstein::Model;
-use piezoid::system::System;
+use piezoid::{Error, Model, System};
 use piezoid_numerics::number::short;
 use piezoid_numerics::series::ends;
 
@@ -111,11 +109,6 @@ impl WaveTable {
         self.cycles as f64 * self.cycle
     }
 
-    /// Duration of the table [s].
-    pub(super) fn period(&self) -> f64 {
-        self.held.len() as f64 * self.point()
-    }
-
     /// The errors of the table.
     pub(super) fn figures(&self, model: &Model, drive: &PeriodicDrive) -> Figures {
         let (n, points) = (drive.u.len(), self.held.len());
@@ -124,7 +117,7 @@ impl WaveTable {
         let Answer { y, differs } = answer(model, &means(&self.held, n));
         let errors = y.iter().zip(&drive.r).map(|(y, r)| (y - r, 1.0 / n as f64));
         Figures {
-            period: self.period() / (n as f64 * model.ts()) - 1.0,
+            period: points as f64 * self.point() / (n as f64 * model.ts()) - 1.0,
             u: Share::of(overlaps(n, points).map(off), &drive.u),
             y: Share::of(errors, &drive.r),
             differs,
