@@ -21,13 +21,9 @@ pub(super) fn section(result: &Identification) -> Option<Section> {
 /// The cost by iteration.
 fn convergence(history: &[f64]) -> Figure {
     let iterations: Vec<f64> = (0..history.len()).map(|k| k as f64).collect();
-    let (first, last) = (history[0], history[history.len() - 1]);
-    let caption = format!(
-        "The cost of the linear block falls from {} to {} in {} iterations.",
-        short(first),
-        short(last),
-        history.len() - 1
-    );
+    let n = history.len() - 1;
+    let [first, last] = [history[0], history[n]].map(short);
+    let caption = format!("The cost of the linear block falls from {first} to {last} in {n} iterations.");
     let positive = history.iter().all(|cost| *cost > 0.0);
     let cost = if positive { Axis::log("cost") } else { Axis::new("cost") };
     let panel = Axes::new("iteration", cost).height(0.7).with(Series::line(&iterations, history).role(Role::Model));

@@ -26,14 +26,10 @@ fn known(domain: &Domain, unit: &str) -> String {
         hz.map_or(String::new(), |[low, high]| format!(", with power from {} to {} Hz", short(low), short(high)));
     // Means that are zero up to rounding.
     let mean = mean.map(|mean| if mean.abs() < 1e-9 * (u[1] - u[0]) { 0.0 } else { mean });
+    let ([low, high], [lowest, highest], slew) = (u.map(short), mean.map(short), short(slew));
     format!(
-        "Identified on inputs from {} to {} {unit}, with means from {} to {} {unit}, and rates up to {} \
-        {unit}/s{power}. Outside this range it extrapolates.",
-        short(u[0]),
-        short(u[1]),
-        short(mean[0]),
-        short(mean[1]),
-        short(slew),
+        "Identified on inputs from {low} to {high} {unit}, with means from {lowest} to {highest} {unit}, and rates up \
+        to {slew} {unit}/s{power}. Outside this range it extrapolates."
     )
 }
 

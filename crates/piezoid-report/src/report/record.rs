@@ -39,11 +39,10 @@ fn time_series(trial: &Compared) -> Figure {
     let error: Vec<f64> = y[start..].iter().zip(&simulated[start..]).map(|(y, s)| y - s).collect();
     let worst = worst(trial);
     let (shown, words) = cycles::periods(record, start, worst);
+    let [rms, at] = [validation.metrics.rms_pp_percent, worst as f64 * record.ts()].map(short);
     let caption = format!(
-        "Above: measurement and free run{words}. Below: the residual over the whole record, {} % of peak-to-peak (rms). \
-        It is largest at {} s.",
-        short(validation.metrics.rms_pp_percent),
-        short(worst as f64 * record.ts())
+        "Above: measurement and free run{words}. Below: the residual over the whole record, {rms} % of peak-to-peak \
+        (rms). It is largest at {at} s."
     );
     let (t, axis) = (|| Axis::new("t [s]").tight(), |label: &str| Axis::new(format!("{label} [{}]", units.y)));
     let top = Axes::new(t(), axis("y"))
@@ -62,11 +61,11 @@ fn loops(section: Section, trial: &Compared) -> Section {
     let Some((figures, words)) = loops::figures(record, validation.start, worst(trial), &[model]) else {
         return section;
     };
+    let rms = short(validation.metrics.rms_pp_percent);
     let caption = format!(
         "Output against input, measured and in free run; beside it the same less the least-squares straight line of \
         each measured loop, so that the width of the loops is seen.{words} Over the whole record measurement and free \
-        run differ by {} % of the peak-to-peak output (rms).",
-        short(validation.metrics.rms_pp_percent)
+        run differ by {rms} % of the peak-to-peak output (rms)."
     );
     section.figures(2, "Loops", caption, figures)
 }

@@ -22,10 +22,9 @@ const GRID: usize = 400;
 
 /// The page: one self-contained file.
 pub fn tracking(compared: &Comparison) -> Page {
-    let subtitle = format!(
-        "plant {}, controllers tuned to a model of it; errors in % of the peak-to-peak of the reference",
-        compared.plant
-    );
+    let plant = &compared.plant;
+    let subtitle =
+        format!("plant {plant}, controllers tuned to a model of it; errors in % of the peak-to-peak of the reference");
     Page::new("Comparison of controllers")
         .subtitle(subtitle)
         .section(errors(compared))

@@ -25,24 +25,22 @@ pub(super) struct Bench {
     seed: u64,
     /// Range of the sensor [mm].
     range: Option<f64>,
+    /// The records in which limits of the plant were reached.
+    pub(super) limits: Vec<(String, Saturation)>,
 }
 
 impl Bench {
     /// The plant with these parameters and this seed of its noise.
     pub(super) fn new(spec: &Spec, seed: u64) -> Result<Self, Error> {
-        Ok(Bench { plant: Plant::new(spec, TS)?, seed, range: spec.sensor_range().map(|m| 1e3 * m) })
+        let range = spec.sensor_range().map(|m| 1e3 * m);
+        Ok(Bench { plant: Plant::new(spec, TS)?, seed, range, limits: Vec::new() })
     }
 
-    /// Runs the plant from rest and records it; adds the limits that were reached to `limits`.
-    pub(super) fn measure(
-        &self,
-        u: Vec<f64>,
-        what: &str,
-        limits: &mut Vec<(String, Saturation)>,
-    ) -> Result<Record, Error> {
+    /// Runs the plant from rest and records it, and notes the limits that were reached.
+    pub(super) fn measure(&mut self, u: Vec<f64>, what: &str) -> Result<Record, Error> {
         let (y, saturation) = self.answer(&u);
         if saturation.any() {
-            limits.push((what.into(), saturation));
+            self.limits.push((what.into(), saturation));
         }
         Ok(Record::new(TS, u, y)?.with_units(Units { u: "V".into(), y: "mm".into() }))
     }
@@ -73,28 +71,23 @@ impl Bench {
     }
 
     /// A rising sine up to the largest amplitude within the sensor's range.
-    pub(super) fn rising(&self, hz: f64, limits: &mut Vec<(String, Saturation)>) -> Result<Record, Error> {
+    pub(super) fn rising(&mut self, hz: f64) -> Result<Record, Error> {
         let n = (RISING_DURATION / TS) as usize;
         let rising = |amplitude| RisingSine { amplitude, frequency: hz, ..Default::default() }.samples(TS, n);
-        self.measure(rising(self.amplitude(&[&rising])?)?, &format!("rising sine of {hz} Hz"), limits)
+        let amplitude = self.amplitude(&[&rising])?;
+        self.measure(rising(amplitude)?, &format!("rising sine of {hz} Hz"))
     }
 
     /// Steps 3 to 6 of the paper at one frequency, for every method.
-    pub(super) fn frequency(
-        &self,
-        hz: f64,
-        own: &(Arx, f64),
-        joint: &Model,
-        limits: &mut Vec<(String, Saturation)>,
-    ) -> Result<Frequency, Error> {
+    pub(super) fn frequency(&mut self, hz: f64, own: &(Arx, f64), joint: &Model) -> Result<Frequency, Error> {
         let n = (DURATION / TS) as usize;
         let frequency = hz;
         let sine = |amplitude| Sine { amplitude, frequency, ..Default::default() }.samples(TS, n);
         let stepped =
             |amplitude| SteppedSine { amplitude, frequency, steps: Study::STEPS_USED, offset: 0.0 }.samples(TS, n);
         let amplitude = self.amplitude(&[&sine, &stepped])?;
-        let sine = self.measure(sine(amplitude)?, &format!("sine of {hz} Hz"), limits)?;
-        let whole = self.measure(stepped(amplitude)?, &format!("stepped sine of {hz} Hz"), limits)?;
+        let sine = self.measure(sine(amplitude)?, &format!("sine of {hz} Hz"))?;
+        let whole = self.measure(stepped(amplitude)?, &format!("stepped sine of {hz} Hz"))?;
         let settled = (SETTLING / TS) as usize;
 
         let loop_of = |z: &[f64]| -> Result<HiddenLoop, Error> {

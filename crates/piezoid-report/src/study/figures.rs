@@ -41,21 +41,17 @@ fn iterations(n: usize) -> Vec<f64> {
 pub(super) fn convergence(study: &Study) -> Figure {
     let best = &study.convergence;
     let printed = &study.convergence_as_printed;
-    let caption = format!(
-        "The best sum of absolute errors falls from {:.3} to {:.6} mm in {} iterations.",
-        best[0],
-        best[best.len() - 1],
-        best.len() - 1,
-    );
+    let n = best.len() - 1;
+    let (first, last) = (best[0], best[n]);
+    let caption = format!("The best sum of absolute errors falls from {first:.3} to {last:.6} mm in {n} iterations.");
     let compared = study.optimum.map_or(String::new(), |optimum| {
         let above = |history: &[f64]| (history.last().copied().unwrap_or(f64::NAN) / optimum - 1.0).max(1e-12);
+        let (ever, current) = (above(best), above(printed));
         format!(
             " The exact minimum of a block of this form is {optimum:.6} mm (linear programming); the result of the \
-            swarm is larger by a relative {:.0e}. All particles are attracted to the best position found so far, as is \
-            customary. With the best of the current positions, as the paper prints equation (4), their result is \
-            larger by a relative {:.0e}.",
-            above(best),
-            above(printed)
+            swarm is larger by a relative {ever:.0e}. All particles are attracted to the best position found so far, \
+            as is customary. With the best of the current positions, as the paper prints equation (4), their result is \
+            larger by a relative {current:.0e}."
         )
     });
     let (best_line, printed_line) =
@@ -103,12 +99,11 @@ pub(super) fn response(study: &Study) -> Figure {
     let gain = |arx: &Arx| curve(arx, &|r| r.gain / arx.dc_gain().abs());
     let phase = |arx: &Arx| curve(arx, &|r| r.phase.to_degrees());
     let axis = || Axis::log("f [Hz]").ticks(&[2.0, 5.0, 10.0, 20.0, 40.0, 80.0, 160.0, 320.0, 900.0]).tight();
+    let [phase_printed, phase_own] = [printed, own].map(|arx| arx.response(80.0).phase.to_degrees());
     let caption = format!(
-        "Gain over static gain, and phase. At 80 Hz the phase of the paper's Table 2 is {:.0}°, that of the block \
-        estimated here {:.0}°. The inverse of a block with more phase lead delays z by the difference, which widens \
-        the loop.",
-        printed.response(80.0).phase.to_degrees(),
-        own.response(80.0).phase.to_degrees()
+        "Gain over static gain, and phase. At 80 Hz the phase of the paper's Table 2 is {phase_printed:.0}°, that of \
+        the block estimated here {phase_own:.0}°. The inverse of a block with more phase lead delays z by the \
+        difference, which widens the loop."
     );
     Figure::new("Frequency response of the linear blocks", caption)
         .panel(
@@ -148,12 +143,11 @@ pub(super) fn hysteresis_loops(study: &Study) -> impl Iterator<Item = Figure> {
 }
 
 fn loop_caption(f: &Frequency) -> String {
+    let [own, joint] = [&f.own, &f.joint].map(|found| 100.0 * found.found.branches.width());
+    let agreement = 100.0 * f.own.found.agreement;
     format!(
-        "The width of the loop is {:.1} % of its height; {:.0} % of its points lie on the side of the line that \
-         matches their direction. The loop of the joint model opens by {:.1} %.",
-        100.0 * f.own.found.branches.width(),
-        100.0 * f.own.found.agreement,
-        100.0 * f.joint.found.branches.width()
+        "The width of the loop is {own:.1} % of its height; {agreement:.0} % of its points lie on the side of the line \
+         that matches their direction. The loop of the joint model opens by {joint:.1} %."
     )
 }
 
@@ -325,14 +319,12 @@ pub(super) fn deviation(study: &Study) -> Figure {
         let found = TestSignal::nearest(&study.test_signals, method);
         found.map_or(String::new(), |s| format!("{} ({:.0} %)", s.words(), 100.0 * s.deviation(method)))
     };
+    let [printed, upper, table_2] = ["printed-rule", TestSignal::UPPER_RULE, "table2-arx"].map(found);
     let caption = format!(
         "The largest of the four deviations from the paper's Table 1, in % of its value. Solid: sines in steps of \
         equal length, against steps per period; dashed: staircases, against levels. Closest with the rule as printed \
-        is a {}; if the upper branch of the rule is the one that lies above, a {}; with the linear block of the paper's Table 2, \
-        a {}.",
-        found("printed-rule"),
-        found(TestSignal::UPPER_RULE),
-        found("table2-arx")
+        is a {printed}; if the upper branch of the rule is the one that lies above, a {upper}; with the linear block \
+        of the paper's Table 2, a {table_2}."
     );
     let axes = Axes::new(steps(), Axis::log("largest deviation from the paper's Table 1 [%]"));
     let shown = SHOWN.iter().filter(|(method, ..)| *method != "held-direction");

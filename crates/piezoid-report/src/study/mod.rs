@@ -268,12 +268,12 @@ impl Study {
     /// # Errors
     /// The errors of the identification, and [`Error::Cancelled`].
     pub fn run(plant: &'static Preset, seed: u64, progress: &mut Progress) -> Result<Study, Error> {
-        let bench = Bench::new(&plant.spec(), seed)?;
-        let (mut notes, mut limits) = (Vec::new(), Vec::new());
+        let mut bench = Bench::new(&plant.spec(), seed)?;
+        let mut notes = Vec::new();
 
         let period = (1 << 12) - 1;
         let prbs = Prbs { order: 12, amplitude: PRBS_AMPLITUDE_V, ..Default::default() }.samples(TS, period)?;
-        let small_signal = bench.measure(prbs, "PRBS", &mut limits)?;
+        let small_signal = bench.measure(prbs, "PRBS")?;
         let by = |name, global_best, progress: &mut Progress| {
             let (estimator, settings) =
                 (linear::Estimator::find(name)?, SwarmSettings { seed, global_best, ..Default::default() });
@@ -310,7 +310,7 @@ impl Study {
             ));
         }
 
-        let rising = RISING.into_iter().map(|hz| bench.rising(hz, &mut limits)).collect::<Result<Vec<_>, _>>()?;
+        let rising = RISING.into_iter().map(|hz| bench.rising(hz)).collect::<Result<Vec<_>, _>>()?;
         let mut of_joint = |stage: Stage| {
             progress(Stage { what: &format!("{}: one model of all frequencies, {}", plant.name, stage.what), ..stage })
         };
@@ -326,12 +326,12 @@ impl Study {
             if progress(Stage::new(&what, done, total)).is_break() {
                 return Err(Error::Cancelled { what, done, total });
             }
-            frequencies.push(bench.frequency(hz, &own, &joint.model, &mut limits)?);
+            frequencies.push(bench.frequency(hz, &own, &joint.model)?);
         }
         let mut of_signals =
             |stage: Stage| progress(Stage { what: &format!("{}: {}", plant.name, stage.what), ..stage });
         let test_signals = test_signal::all(&bench, &frequencies, &mut of_signals)?;
-        notes.extend(words::limits_in_words(&limits));
+        notes.extend(words::limits_in_words(&bench.limits));
         let block = |fit: &Fit| StudyBlock { name: fit.estimator, arx: fit.arx.clone(), fit: Some(fit.clone()) };
         let mut blocks = vec![StudyBlock { name: "printed", arx: table_2(5.0)?, fit: None }, block(&swarm_fit)];
         blocks.extend(exact.as_ref().map(block));

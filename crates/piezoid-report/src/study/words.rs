@@ -3,6 +3,7 @@
 use super::figures::FLOOR;
 use super::{AMPLITUDE, Frequency, METHODS, RISING, Study, TS, TestSignal};
 use piezoid::plant::Saturation;
+use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_numerics::number::join;
 use piezoid_numerics::series::ends;
 
@@ -56,32 +57,30 @@ fn over_frequencies(study: &Study) -> String {
     let beaten: String = beaten.collect();
     let width = |f: &Frequency| 100.0 * f.own.found.branches.width().abs();
     let widest = study.frequencies.iter().max_by(|f, g| width(f).total_cmp(&width(g)));
-    let grown = widest.filter(|f| width(f) > 2.0 * width(&study.frequencies[0])).map_or(String::new(), |f| {
+    let of = |f: &Frequency| (f.hz, width(f));
+    let ends = study.frequencies.first().map(of).zip(widest.map(of));
+    let grown = ends.filter(|((_, narrow), (_, wide))| *wide > 2.0 * narrow);
+    let grown = grown.map_or(String::new(), |((lowest, narrow), (hz, wide))| {
         format!(
-            " With the estimated block the width of the loop of the hidden variable z is {:.0} % of its height at {} \
-             Hz, and {3:.0} % at {2} Hz: \
-             at the former frequency the branches also contain the error of the block, and would be wrong for another signal.",
-            width(f),
-            f.hz,
-            study.frequencies[0].hz,
-            width(&study.frequencies[0])
+            " With the estimated block the width of the loop of the hidden variable z is {wide:.0} % of its height at \
+             {hz} Hz, and {narrow:.0} % at {lowest} Hz: at the former frequency the branches also contain the error of \
+             the block, and would be wrong for another signal."
         )
     });
     let beyond: Vec<&Frequency> = study.frequencies.iter().filter(|f| f.hz > 80.0).collect();
     let listed = |words: &dyn Fn(&Frequency) -> String| join(&beyond.iter().map(|f| words(f)).collect::<Vec<_>>());
-    let turned = |found: &dyn Fn(&Frequency) -> f64| {
-        at_hz(study, |f| found(f) < 0.0).map_or("no frequency".into(), |hz| format!("{hz} Hz"))
+    let turned = |found: fn(&Frequency) -> &HiddenLoop| {
+        let inverted = at_hz(study, |f| found(f).found.branches.width() < 0.0);
+        inverted.map_or("no frequency".into(), |hz| format!("{hz} Hz"))
     };
+    let (printed, hz) = (listed(&|f| mse(error(f, "printed-rule"))), listed(&|f| f.hz.to_string()));
+    let (own, by_table_2) = (turned(|f| &f.own), turned(|f| &f.by_table_2));
     format!(
         "For `held-direction` the error is largest at {worst_hz} Hz: {worst:.2} % of peak-to-peak (rms). The error of \
          a model without hysteresis is up to {linear:.1} %.{needless}{beaten}{grown} The paper reports an error that \
          grows rapidly beyond 80 Hz, and an inverted loop above the resonance. Here the error of the rule as printed \
-         is {} mm² at {} Hz. The loop is inverted (the ascending branch lies above) at {} with \
-         the estimated block, and at {} with the block of the paper's Table 2.",
-        listed(&|f| mse(error(f, "printed-rule"))),
-        listed(&|f| f.hz.to_string()),
-        turned(&|f| f.own.found.branches.width()),
-        turned(&|f| f.by_table_2.found.branches.width()),
+         is {printed} mm² at {hz} Hz. The loop is inverted (the ascending branch lies above) at {own} with the \
+         estimated block, and at {by_table_2} with the block of the paper's Table 2."
     )
 }
 
@@ -92,26 +91,22 @@ fn against_table_1(study: &Study) -> String {
     let of = |method: &str| Study::PRINTED_MSE.map(|(hz, _)| at(method, hz));
     let over = |method: &str| Study::PRINTED_MSE.map(|(hz, printed)| at(method, hz) / printed);
     let (printed, hz) = (Study::PRINTED_MSE.map(|(_, mse)| mse), Study::PRINTED_MSE.map(|(hz, _)| hz));
-    let growth = |[first, .., last]: [f64; 4]| last / first;
     let (least, most) = ends(over("table2-arx"));
     let by_its_own = TestSignal::nearest(&study.test_signals, "table2-arx").map_or(String::new(), |s| {
         let (signal, off) = (s.words(), 100.0 * s.deviation("table2-arx"));
         format!("; with the test signal that suits that block best, a {signal}, the error deviates from Table 1 by up to {off:.0} %")
     });
+    let [here, paper] = [of("printed-rule"), printed].map(|errors| join(&errors.map(mse)));
+    let [grows, paper_grows] = [of("printed-rule"), printed].map(|[first, .., last]| last / first);
+    let held = mse(of("held-direction").into_iter().fold(0.0, f64::max));
+    let (hz, chosen, used) = (join(&hz), chosen(study), Study::STEPS_USED);
     format!(
-        "The paper states neither the form nor the number of steps of its test signal. {} With a stepped sine of \
-         {used} steps, and a linear block that is estimated here, the error of the rule as printed is {} mm² at {} Hz; \
-         the paper's Table 1 has {}. The error at 80 Hz is {:.1} times the error at 5 Hz; in the paper, {:.1} times. For \
-         `held-direction` (a held voltage keeps its direction) the error is at most {} mm² at these four frequencies. With the linear block of the paper's Table \
-         2 the error of the rule as printed is {least:.0} to {most:.0} times the paper's{by_its_own}.",
-        chosen(study),
-        join(&of("printed-rule").map(mse)),
-        join(&hz),
-        join(&printed.map(mse)),
-        growth(of("printed-rule")),
-        growth(printed),
-        mse(of("held-direction").into_iter().fold(0.0, f64::max)),
-        used = Study::STEPS_USED
+        "The paper states neither the form nor the number of steps of its test signal. {chosen} With a stepped sine of \
+         {used} steps, and a linear block that is estimated here, the error of the rule as printed is {here} mm² at {hz} \
+         Hz; the paper's Table 1 has {paper}. The error at 80 Hz is {grows:.1} times the error at 5 Hz; in the paper, \
+         {paper_grows:.1} times. For `held-direction` (a held voltage keeps its direction) the error is at most {held} \
+         mm² at these four frequencies. With the linear block of the paper's Table 2 the error of the rule as printed \
+         is {least:.0} to {most:.0} times the paper's{by_its_own}."
     )
 }
 
@@ -124,40 +119,32 @@ fn chosen(study: &Study) -> String {
     };
     let (low, high) = (TestSignal::STEPS.start(), TestSignal::STEPS.end());
     let tried = format!("stepped sines of {low} to {high} steps per period and staircases of {low} to {high} levels");
+    let (name, off) = (used.words(), percent(used));
     if nearest == used {
-        format!(
-            "Among {tried}, the {} comes nearest to the paper's Table 1 (within {}), and is used here.",
-            used.words(),
-            percent(used)
-        )
-    } else {
-        format!(
-            "A {} is used here, because it comes nearest to Table 1 on the twin `paper`. On this twin it deviates by \
-             up to {}; of {tried}, a {} comes nearest, and deviates by up to {}.",
-            used.words(),
-            percent(used),
-            nearest.words(),
-            percent(nearest)
-        )
+        return format!(
+            "Among {tried}, the {name} comes nearest to the paper's Table 1 (within {off}), and is used here."
+        );
     }
+    let (nearest, least) = (nearest.words(), percent(nearest));
+    format!(
+        "A {name} is used here, because it comes nearest to Table 1 on the twin `paper`. On this twin it deviates by up \
+         to {off}; of {tried}, a {nearest} comes nearest, and deviates by up to {least}."
+    )
 }
 
 /// The errors with the other interpretation of the rule: its "upper" branch is the one that lies above.
 fn by_upper_rule(study: &Study) -> String {
     let Some(signal) = TestSignal::nearest(&study.test_signals, TestSignal::UPPER_RULE) else { return String::new() };
     let within = |method: &str| study.test_signals.iter().filter(|s| s.deviation(method) <= NEAR).count();
+    let (name, errors) = (signal.words(), join(&signal.of(TestSignal::UPPER_RULE).map(mse)));
+    let [off, near] = [signal.deviation(TestSignal::UPPER_RULE), NEAR].map(|share| 100.0 * share);
+    let [upper, printed] = [TestSignal::UPPER_RULE, "printed-rule"].map(within);
+    let all = study.test_signals.len();
     format!(
         "The paper's rule reads its \"upper\" branch while the voltage rises. Here that is the ascending branch, which \
-         on a piezo loop lies below. If the branch that lies above is taken instead, a {} comes nearest to the paper's \
-         Table 1: its errors are {} mm² and deviate by up to {:.0} %. With that \
-         choice, {} of {} test signals come within {:.0} % of Table 1; with the choice used here, {}.",
-        signal.words(),
-        join(&signal.of(TestSignal::UPPER_RULE).map(mse)),
-        100.0 * signal.deviation(TestSignal::UPPER_RULE),
-        within(TestSignal::UPPER_RULE),
-        study.test_signals.len(),
-        100.0 * NEAR,
-        within("printed-rule"),
+         on a piezo loop lies below. If the branch that lies above is taken instead, a {name} comes nearest to the \
+         paper's Table 1: its errors are {errors} mm² and deviate by up to {off:.0} %. With that choice, {upper} of {all} \
+         test signals come within {near:.0} % of Table 1; with the choice used here, {printed}."
     )
 }
 
@@ -173,18 +160,16 @@ pub(super) fn over_test_signals(study: &Study) -> String {
     let (Some(least), Some(most)) = (errors.iter().copied().min_by(by), errors.iter().copied().max_by(by)) else {
         return String::new();
     };
+    let (hz, used) = (Study::PRINTED_MSE[last].0, Study::STEPS_USED);
+    let (most, few) = (mse(most.0), most.1);
+    let (least, many) = (mse(least.0), least.1);
+    let samples = 1.0 / (hz * TS);
     format!(
         "Mean squared error at the paper's four frequencies. Solid: sines in steps of equal length, against steps per \
          period; dashed: staircases, steps of equal height, against levels; the horizontal line is the paper's value. \
-         Errors below {FLOOR:e} mm² are drawn at {FLOOR:e} mm². With the rule as printed, the error at {} Hz falls from {} mm² \
-         with {} steps to {} with {}; a period there has {:.0} samples, so that with as many steps or more no sample is held. The rest of the study uses {used} steps.",
-        Study::PRINTED_MSE[last].0,
-        mse(most.0),
-        most.1,
-        mse(least.0),
-        least.1,
-        1.0 / (Study::PRINTED_MSE[last].0 * TS),
-        used = Study::STEPS_USED
+         Errors below {FLOOR:e} mm² are drawn at {FLOOR:e} mm². With the rule as printed, the error at {hz} Hz falls \
+         from {most} mm² with {few} steps to {least} with {many}; a period there has {samples:.0} samples, so that with \
+         as many steps or more no sample is held. The rest of the study uses {used} steps."
     )
 }
 
@@ -215,10 +200,9 @@ fn joint(study: &Study) -> String {
         (hz.join(", "), if some.len() > 1 { several } else { format!("{} % of peak-to-peak (rms)", percent(most)) })
     };
     let rising: Vec<String> = RISING.iter().map(f64::to_string).collect();
+    let (operator, rising) = (study.joint.model.hysteresis().operator().name, rising.join(", "));
     let mut words = format!(
-        "The joint model, {} identified once on rising sines of {} Hz, is used at all frequencies.",
-        study.joint.model.hysteresis().operator().name,
-        rising.join(", ")
+        "The joint model, {operator} identified once on rising sines of {rising} Hz, is used at all frequencies."
     );
     if !better.is_empty() {
         let (hz, range) = listed(&better);
