@@ -164,10 +164,7 @@ impl<'f> Fmu<'f> {
     fn library(&self, files: &[File]) -> Result<File, Error> {
         let none = "no C compiler was found; the importing tool must compile the sources";
         let compiler = self.request.compiler.ok_or_else(|| Error::Content(none.into()))?;
-        let source = |file: &File| {
-            let name = file.name.strip_prefix(SOURCES)?;
-            Some(File { name: name.into(), bytes: file.bytes.clone() })
-        };
+        let source = |file: &File| Some(File::new(file.name.strip_prefix(SOURCES)?, file.bytes.clone()));
         let bytes = (compiler.run)(&files.iter().filter_map(source).collect::<Vec<_>>())?;
         let extension = match compiler.platform.rsplit('-').next() {
             Some("windows") => "dll",

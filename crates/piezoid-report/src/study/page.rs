@@ -140,13 +140,9 @@ fn loops(study: &Study) -> Section {
         [] => words += " The ascending branch lies below at every frequency, as in a piezo loop.",
         some => words += &format!(" At {} Hz the loop is inverted: the ascending branch lies above.", some.join(", ")),
     }
+    let title = "Loops with separating line and branches (the paper's Figs 2, 4, 5)";
     Section::new(format!("Twin “{}”: the loops", study.plant.name))
-        .figures(
-            2,
-            "Loops with separating line and branches (the paper's Figs 2, 4, 5)",
-            words,
-            figures::hysteresis_loops(study),
-        )
+        .figures(2, title, words, figures::hysteresis_loops(study))
         .figure(figures::width(study))
 }
 
@@ -193,11 +189,10 @@ fn joint(study: &Study) -> Section {
 fn tests(study: &Study) -> Section {
     let caption = "Two periods of the test signal in free run, and the error of each method. With the rule as printed \
                    the model jumps to the descending branch at every held step.";
+    let title = "Mean squared error on the test signal [mm²] (the paper's Table 1)";
     Section::new(format!("Twin “{}”: the tests", study.plant.name))
         .each(words::paragraphs(study), Section::text)
-        .table(errors(study, true, "Mean squared error on the test signal [mm²] (the paper's Table 1)", |r| {
-            mse(r.metrics.mse)
-        }))
+        .table(errors(study, true, title, |r| mse(r.metrics.mse)))
         .figure(figures::error(study))
         .table(errors(study, false, "The same as rms error [% of peak-to-peak]", |r| percent(r.metrics.rms_pp_percent)))
         .figures(2, "Test and prediction", caption, study.frequencies.iter().map(figures::test))
