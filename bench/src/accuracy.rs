@@ -1,7 +1,7 @@
 //! docs/accuracy.md: errors of joint identification on validation data, compared with the paper's method. One model
 //! covers all frequencies. The joint method is also used on twins drawn at random.
 
-use crate::page::{self, cell, row};
+use crate::page::{self, cell, head, row};
 use crate::twin::{KINDS, OUTSIDE, RecordKind, TWINS, Twin, error};
 use piezoid::hammerstein::{Identified, Model};
 use piezoid::hysteresis::Split;
@@ -114,9 +114,9 @@ fn drawn(seed: u64) -> Result<Spec, Box<dyn std::error::Error>> {
 
 /// Table of the errors on twins drawn at random: of each twin its median error, and its largest one.
 fn draws() -> Result<String, Box<dyn std::error::Error>> {
-    let titles = ["method", "median of a twin: smallest [%]", "median [%]", "largest [%]"].map(String::from);
-    let worst = ["largest of a twin: smallest [%]", "median [%]", "largest [%]"].map(String::from);
-    let mut text = row(&[&titles[..], &worst[..]].concat()) + "|---|--:|--:|--:|--:|--:|--:|\n";
+    let titles = ["method", "median of a twin: smallest [%]", "median [%]", "largest [%]"];
+    let worst = ["largest of a twin: smallest [%]", "median [%]", "largest [%]"];
+    let mut text = head(titles.into_iter().chain(worst), 1);
     for way in &WAYS[PAPER.end..] {
         let (mut medians, mut largest) = (Vec::new(), Vec::new());
         for seed in 0..DRAWS {
@@ -128,7 +128,7 @@ fn draws() -> Result<String, Box<dyn std::error::Error>> {
             largest.push(most);
         }
         let shown = [medians, largest].map(|errors| range(&errors).map(cell));
-        text += &row(&[&[way.name.to_string()][..], &shown.concat()].concat());
+        text += &row([way.name.into()].into_iter().chain(shown.concat()));
     }
     Ok(text)
 }
@@ -153,7 +153,7 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
         "smallest ratio `paper` / row",
         "smallest ratio `paper, best settings` / row",
     ];
-    let mut text = row(&titles.map(String::from)) + "|---|---|---|--:|--:|--:|--:|--:|\n";
+    let mut text = head(titles, 3);
     for (k, (outcomes, o)) in twins.iter().flat_map(|outcomes| outcomes.iter().map(move |o| (outcomes, o))).enumerate()
     {
         let [lowest, median, worst] = range(&o.errors.concat());
@@ -164,7 +164,7 @@ fn summary(twins: &[Vec<Outcome>]) -> String {
         let [name, operator] = [o.twin, o.operator].map(|name| format!("`{name}`"));
         let [paper, tuned] = [0, 1].map(|k| below(&outcomes[PAPER][k]));
         let [lowest, median, worst] = [format!("{lowest:.3}"), format!("{median:.3}"), format!("{worst:.2}")];
-        text += &row(&[name, o.way.name.into(), operator, lowest, median, worst, paper, tuned]);
+        text += &row([name, o.way.name.into(), operator, lowest, median, worst, paper, tuned]);
     }
     let inside = twins.iter().filter(|outcomes| outcomes[0].twin != OUTSIDE);
     text + &page::wrapped(&inside.map(|outcomes| near(outcomes)).collect::<String>())
@@ -187,13 +187,12 @@ fn near(outcomes: &[Outcome]) -> String {
 /// Table of all errors.
 fn table(twins: &[Vec<Outcome>]) -> String {
     let titles = ["twin", "record", "method"].map(String::from).into_iter();
-    let titles: Vec<String> = titles.chain(VALIDATION.map(|hz| hz.to_string())).collect();
-    let mut text = row(&titles) + "|---|---|---|" + &"--:|".repeat(VALIDATION.len()) + "\n";
+    let mut text = head(titles.chain(VALIDATION.map(|hz| hz.to_string())), 3);
     for outcomes in twins {
         for (k, kind) in KINDS.iter().enumerate() {
             for o in outcomes {
                 let names = [format!("`{}`", o.twin), kind.name.into(), o.way.name.into()].into_iter();
-                text += &row(&names.chain(o.errors[k].iter().map(|e| cell(*e))).collect::<Vec<_>>());
+                text += &row(names.chain(o.errors[k].iter().map(|e| cell(*e))));
             }
         }
     }

@@ -1,7 +1,7 @@
 //! docs/control.md: tracking errors of two twins of a bender under each control scheme, with models identified from
 //! records alone, and over plants with tolerances.
 
-use crate::page::{self, cell, row};
+use crate::page::{self, cell, head, row};
 use crate::twin::{TS, TWINS, Twin};
 use piezoid::compensation::FeedForwardSettings;
 use piezoid::control::{
@@ -83,11 +83,9 @@ pub fn errors(result: &SchemeResult) -> Vec<f64> {
 
 /// A table of errors by reference; each row begins with its names.
 fn table<'a>(titles: &[&str], rows: impl Iterator<Item = (Vec<String>, &'a SchemeResult)>) -> String {
-    let head = titles.iter().map(|t| t.to_string()).chain(PATHS.map(|(kind, hz)| format!("{kind} {hz}")));
-    let rule = "|".to_string() + &"---|".repeat(titles.len()) + &"--:|".repeat(PATHS.len()) + "\n";
-    let body =
-        rows.map(|(names, d)| row(&names.into_iter().chain(errors(d).into_iter().map(cell)).collect::<Vec<_>>()));
-    row(&head.collect::<Vec<_>>()) + &rule + &body.collect::<String>()
+    let all = titles.iter().map(|t| t.to_string()).chain(PATHS.map(|(kind, hz)| format!("{kind} {hz}")));
+    let body = rows.map(|(names, d)| row(names.into_iter().chain(errors(d).into_iter().map(cell))));
+    head(all, titles.len()) + &body.collect::<String>()
 }
 
 fn code(name: impl std::fmt::Display) -> String {
@@ -107,9 +105,9 @@ fn margins(drives: &[TunedScheme]) -> String {
     let figures = drives.iter().filter_map(|d| Some((d.scheme.name(), d.margins()?, d.least_bandwidth_hz()?)));
     let body = figures.map(|(name, m, least)| {
         let figures = [m.gain_db, m.phase_deg, m.peak, m.bandwidth_hz, least].map(cell);
-        row(&[code(name)].into_iter().chain(figures).collect::<Vec<_>>())
+        row([code(name)].into_iter().chain(figures))
     });
-    row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
+    head(titles, 1) + &body.collect::<String>()
 }
 
 /// The errors of each scheme over plants with tolerances.
@@ -120,9 +118,9 @@ fn spreads(drawn: &Comparison) -> String {
         let counted = |_| format!("{} of {}", spread.unstable(), spread.trials.len());
         let unstable = d.tuned.scheme.law.map_or("-".into(), counted);
         let nominal = cell(errors(d)[0]);
-        row(&[code(d.name()), nominal].into_iter().chain(shares).chain([unstable]).collect::<Vec<_>>())
+        row([code(d.name()), nominal].into_iter().chain(shares).chain([unstable]))
     });
-    row(&titles.map(String::from)) + "|---|--:|--:|--:|--:|--:|\n" + &body.collect::<String>()
+    head(titles, 1) + &body.collect::<String>()
 }
 
 /// Errors along triangles of the first twin by frequency, and over tolerances.

@@ -1,7 +1,7 @@
 //! docs/operators.md: every operator identified as every operator, followed by a resonance. How well does one
 //! hysteresis law describe another?
 
-use crate::page::{self, cell};
+use crate::page::{self, cell, head, row};
 use piezoid::excitation::{Prbs, RisingSine, Staircase};
 use piezoid::hammerstein::Model;
 use piezoid::hysteresis::{OPERATORS, Operator};
@@ -63,13 +63,11 @@ pub fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
 
 /// The errors as the table of docs/operators.md.
 fn table(errors: &[Vec<f64>]) -> String {
-    let numbers: Vec<String> = (1..=errors.len()).map(|k| k.to_string()).collect();
-    let mut text = format!("| true operator | {} |\n|---|{}\n", numbers.join(" | "), "--:|".repeat(errors.len()));
-    for ((row, truth), number) in errors.iter().zip(OPERATORS).zip(&numbers) {
-        let cells: Vec<String> = row.iter().map(|e| cell(*e)).collect();
-        let _ = writeln!(text, "| {number} `{}` | {} |", truth.name, cells.join(" | "));
-    }
-    text
+    let numbers = (1..=errors.len()).map(|k| k.to_string());
+    let body = errors.iter().zip(OPERATORS).enumerate().map(|(k, (errors, truth))| {
+        row([format!("{} `{}`", k + 1, truth.name)].into_iter().chain(errors.iter().map(|e| cell(*e))))
+    });
+    head(["true operator".into()].into_iter().chain(numbers), 1) + &body.collect::<String>()
 }
 
 /// Width of the names, height of the numbers above, and size of a cell [units of the drawing].
@@ -107,12 +105,10 @@ fn map(errors: &[Vec<f64>]) -> String {
                 0.03 + 0.6 * shade
             );
             let words = cell(error);
-            let class = if i == j {
-                "bold"
-            } else if words.len() > 6 {
-                "small"
-            } else {
-                ""
+            let class = match words.len() {
+                _ if i == j => "bold",
+                7.. => "small",
+                _ => "",
             };
             svg += &text(x + CELL / 2, middle, "middle", class, &words);
         }

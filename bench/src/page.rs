@@ -14,31 +14,21 @@ pub fn cell(percent: f64) -> String {
 }
 
 /// A row of a table.
-pub fn row(cells: &[String]) -> String {
+pub fn row(cells: impl IntoIterator<Item = impl ToString>) -> String {
+    let cells: Vec<String> = cells.into_iter().map(|cell| cell.to_string()).collect();
     format!("| {} |\n", cells.join(" | "))
+}
+
+/// The head of a table: the first columns hold so many `words`, the others numbers.
+pub fn head(titles: impl IntoIterator<Item = impl ToString>, words: usize) -> String {
+    let titles: Vec<_> = titles.into_iter().collect();
+    let rule = "---|".repeat(words) + &"--:|".repeat(titles.len() - words);
+    format!("{}|{rule}\n", row(titles))
 }
 
 /// The paragraphs of `text`, in lines of 120 characters at most.
 pub fn wrapped(text: &str) -> String {
-    let mut lines = String::new();
-    for paragraph in text.lines() {
-        let mut width = 0;
-        for word in paragraph.split_whitespace() {
-            let n = word.chars().count();
-            let gap = if width == 0 {
-                ""
-            } else if width + 1 + n > 120 {
-                "\n"
-            } else {
-                " "
-            };
-            width = if gap == " " { width + 1 + n } else { n };
-            lines += gap;
-            lines += word;
-        }
-        lines += "\n";
-    }
-    lines
+    text.lines().map(|paragraph| piezoid_numerics::words::wrapped(paragraph, 120, "") + "\n").collect()
 }
 
 /// Replaces the text in `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.

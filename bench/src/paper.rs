@@ -1,6 +1,6 @@
 //! docs/paper.md: the paper's Table 1 beside the errors of the study, and the test signals that it may have used.
 
-use crate::page::{self, row};
+use crate::page::{self, head, row};
 use piezoid::plant::Preset;
 use piezoid::progress::Stage;
 use piezoid_numerics::number::short;
@@ -14,12 +14,11 @@ const KEPT: [(&str, &str); 3] =
 /// Errors of every method at the frequencies of Table 1.
 fn table_1(study: &Study) -> String {
     let heads = ["f [Hz]", "the paper"].into_iter().chain(METHODS.iter().map(|method| method.name));
-    let mut text =
-        row(&heads.map(String::from).collect::<Vec<_>>()) + "|--:|" + &"--:|".repeat(1 + METHODS.len()) + "\n";
+    let mut text = head(heads, 0);
     for (hz, printed) in Study::PRINTED_MSE {
         let Some(f) = study.frequencies.iter().find(|f| f.hz == hz) else { continue };
         let errors = f.rows.iter().map(|r| short(r.metrics.mse));
-        text += &row(&[hz.to_string(), format!("{printed:.4}")].into_iter().chain(errors).collect::<Vec<_>>());
+        text += &row([hz.to_string(), format!("{printed:.4}")].into_iter().chain(errors));
     }
     text
 }
@@ -28,15 +27,14 @@ fn table_1(study: &Study) -> String {
 fn signals(study: &Study) -> String {
     let heads = ["method", "test signal"].map(String::from).into_iter();
     let heads = heads.chain(Study::PRINTED_MSE.map(|(hz, _)| format!("{hz} Hz"))).chain(["largest deviation".into()]);
-    let mut text = row(&heads.collect::<Vec<_>>()) + "|---|---|" + &"--:|".repeat(Study::PRINTED_MSE.len() + 1) + "\n";
+    let mut text = head(heads, 2);
     for method in ["printed-rule", TestSignal::UPPER_RULE, "table2-arx"] {
         for form in TestSignal::FORMS {
             let some = study.test_signals.iter().filter(|s| s.form == form);
             let Some(signal) = TestSignal::nearest(some, method) else { continue };
             let errors = signal.of(method).map(|mse| format!("{mse:.4}"));
             let off = format!("{:.0} %", 100.0 * signal.deviation(method));
-            let cells = [format!("`{method}`"), signal.words()].into_iter().chain(errors).chain([off]);
-            text += &row(&cells.collect::<Vec<_>>());
+            text += &row([format!("`{method}`"), signal.words()].into_iter().chain(errors).chain([off]));
         }
     }
     text

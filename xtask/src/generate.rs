@@ -3,7 +3,7 @@
 //! With `--check` the files stay as they are, and those that would change are named. Without parts it does those that
 //! take seconds; the others are done by name.
 
-use crate::{cargo, python, root, step, web};
+use crate::{cargo, python, root, step, tidy, web};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -116,10 +116,6 @@ fn measured(what: &str, flags: &[&str], folder: &str) -> Result<(), String> {
 }
 
 fn golden() -> Result<(), String> {
-    let folder = root().join("crates/piezoid/tests/golden");
-    let entries = std::fs::read_dir(&folder).map_err(|e| format!("cannot read {}: {e}", folder.display()))?;
-    let mut scripts: Vec<PathBuf> = entries.filter_map(|e| Some(e.ok()?.path())).collect();
-    scripts.retain(|path| path.extension().is_some_and(|e| e == "py"));
-    scripts.sort();
+    let scripts = tidy::files(&root().join("crates/piezoid/tests/golden"), "py");
     scripts.iter().try_for_each(|script| step(python().arg(script)))
 }

@@ -1,8 +1,9 @@
 //! Keywords of Python: a TypedDict for each verb, whose docstring lists the options, and the defaults.
 
 use crate::verbs::KEYWORDS;
-use crate::words::Keywords;
+use crate::words;
 use piezoid_numerics::options::{OptionKind, OptionRow};
+use piezoid_numerics::words::wrapped;
 use serde_json::Value;
 use std::fmt::Write;
 
@@ -61,27 +62,15 @@ fn documented(rows: &[OptionRow]) -> String {
 /// The line of an option in a docstring, wrapped.
 fn line(row: &OptionRow) -> String {
     let known = match row.values {
-        OptionKind::Choice(known) => {
-            known.iter().map(|(name, _)| format!("\"{name}\"")).collect::<Vec<_>>().join(" or ")
-        }
+        OptionKind::Choice(known) => quoted(known).join(" or "),
         _ => row.unit.to_string(),
     };
     let known = if known.is_empty() { known } else { format!(" [{known}]") };
     let usual = row.usual();
     let default = if usual.is_empty() || usual == "false" { String::new() } else { format!("; default: {usual}") };
-    let help = row.help_in(&Keywords);
-    let mut text = String::from("   ");
-    let mut width = text.len();
-    for word in format!("{}: {help}{known}{default}", row.name).split_whitespace() {
-        if width + 1 + word.chars().count() > WIDTH {
-            text += "\n       ";
-            width = 7;
-        }
-        text += " ";
-        text += word;
-        width += 1 + word.chars().count();
-    }
-    text + "\n"
+    let help = row.help_in(&words::KEYWORDS);
+    let text = format!("    {}: {help}{known}{default}", row.name);
+    wrapped(&text, WIDTH, "        ") + "\n"
 }
 
 /// The type of a keyword. A number with a unit may be a text such as "0.5 ms".
@@ -92,10 +81,7 @@ fn typed(row: &OptionRow) -> String {
         OptionKind::Number { .. } if row.unit.is_empty() => "float".into(),
         OptionKind::Number { .. } | OptionKind::Text("FACTOR") => "float | str".into(),
         OptionKind::Pair | OptionKind::Numbers => "Sequence[float]".into(),
-        OptionKind::Choice(known) => {
-            let names: Vec<String> = known.iter().map(|(name, _)| format!("\"{name}\"")).collect();
-            format!("Literal[{}]", names.join(", "))
-        }
+        OptionKind::Choice(known) => format!("Literal[{}]", quoted(known).join(", ")),
         // Columns have names or numbers.
         OptionKind::Text(_) if row.name.ends_with("_col") => "str | int".into(),
         OptionKind::Text(_) => "str".into(),
@@ -106,6 +92,11 @@ fn typed(row: &OptionRow) -> String {
         Value::Null => format!("{own} | None"),
         _ => own,
     }
+}
+
+/// The names of choices in quotes.
+fn quoted(known: &[(&str, &str)]) -> Vec<String> {
+    known.iter().map(|(name, _)| format!("\"{name}\"")).collect()
 }
 
 /// A value as Python writes it.

@@ -1,6 +1,6 @@
 //! The tables of options in docs/reference.md.
 
-use crate::words::Reference;
+use crate::words::REFERENCE;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid_gcs::Simulation;
@@ -41,21 +41,14 @@ fn line(row: &OptionRow) -> String {
     let rule = row.rule();
     let value = rule.trim_start_matches("must be ");
     let value = value.strip_prefix("a ").or(value.strip_prefix("an ")).unwrap_or(value);
-    let value = match row.values {
-        OptionKind::Switch => "switch",
-        OptionKind::Choice(_) => "",
-        _ => value,
-    };
-    let names = match row.values {
-        OptionKind::Choice(known) => known.iter().map(|(name, _)| format!("`{name}`")).collect::<Vec<_>>().join(", "),
-        _ => String::new(),
-    };
-    let meanings = match row.values {
+    let (value, meanings) = match row.values {
+        OptionKind::Switch => ("switch".into(), String::new()),
         OptionKind::Choice(known) => {
+            let names: Vec<String> = known.iter().map(|(name, _)| format!("`{name}`")).collect();
             let all: Vec<String> = known.iter().map(|(name, meaning)| format!("`{name}`, {meaning}")).collect();
-            format!(": {}", all.join("; "))
+            (names.join(", "), format!(": {}", all.join("; ")))
         }
-        _ => String::new(),
+        _ => (value.to_string(), String::new()),
     };
     let default = match row.usual() {
         _ if row.required => "required".into(),
@@ -64,11 +57,6 @@ fn line(row: &OptionRow) -> String {
         usual => usual,
     };
     let cell = |text: String| text.replace('|', "\\|");
-    let cells = [
-        format!("`{}`", row.name),
-        cell(format!("{value}{names}")),
-        cell(default),
-        cell(row.help_in(&Reference) + &meanings),
-    ];
+    let cells = [format!("`{}`", row.name), cell(value), cell(default), cell(row.help_in(&REFERENCE) + &meanings)];
     format!("| {} |\n", cells.join(" | ")).replace("|  |", "| |")
 }

@@ -1,5 +1,6 @@
 //! Types of the catalogue for the page: those of its lists, inferred from their content, and the options of each call.
 
+use piezoid_numerics::words::capitalised;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 
@@ -25,7 +26,7 @@ pub(crate) fn catalogue() -> String {
     text += &typed(&[&lists], "", &known);
     text += "\n\n/** The options of each call by name. */\nexport interface CallOptions {\n";
     for call in &calls {
-        text += &format!("  /** {}. */\n  {}: {{\n", capital(&call["summary"]), text_of(&call["name"]));
+        text += &format!("  /** {}. */\n  {}: {{\n", capitalised(text_of(&call["summary"])), text_of(&call["name"]));
         for row in rows(&call["options"]) {
             let unit = text_of(&row["unit"]);
             let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
@@ -128,10 +129,4 @@ fn grouped(own: String) -> String {
 
 fn text_of(value: &Value) -> &str {
     value.as_str().unwrap_or_default()
-}
-
-fn capital(summary: &Value) -> String {
-    let text = text_of(summary);
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
 }

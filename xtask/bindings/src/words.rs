@@ -3,29 +3,21 @@
 use piezoid_numerics::words::Words;
 use serde_json::Value;
 
-/// The documentation: options by name, lists as commands.
-pub(crate) struct Reference;
-
-/// Docstrings of Python: options as keywords, lists as members of the package.
-pub(crate) struct Keywords;
-
-impl Words for Reference {
-    fn option(&self, name: &str) -> String {
-        format!("`{name}`")
-    }
-
-    fn remedy(&self, name: &str, _: &Value) -> String {
-        self.option(name)
-    }
-
-    fn list(&self, name: &str) -> String {
-        format!("`piezoid {name}`")
-    }
+/// The words of a text: each form stands around a name.
+pub(crate) struct Forms {
+    option: [&'static str; 2],
+    list: [&'static str; 2],
 }
 
-impl Words for Keywords {
+/// The documentation: options by name, lists as commands.
+pub(crate) const REFERENCE: Forms = Forms { option: ["`", "`"], list: ["`piezoid ", "`"] };
+
+/// Docstrings of Python: options as keywords, lists as members of the package.
+pub(crate) const KEYWORDS: Forms = Forms { option: ["", ""], list: ["`pz.", "`"] };
+
+impl Words for Forms {
     fn option(&self, name: &str) -> String {
-        name.into()
+        self.option.join(name)
     }
 
     fn remedy(&self, name: &str, _: &Value) -> String {
@@ -33,6 +25,6 @@ impl Words for Keywords {
     }
 
     fn list(&self, name: &str) -> String {
-        format!("`pz.{name}`")
+        self.list.join(name)
     }
 }
