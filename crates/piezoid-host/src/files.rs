@@ -82,8 +82,7 @@ impl FileSet {
         }
         let files: Vec<_> = files.iter().map(|file| (folder.join(&file.name), file.bytes.clone())).collect();
         if let Some((path, _)) = files.iter().find(|(path, _)| path.is_dir()) {
-            let what = "there is a folder of that name: move it, or name another folder";
-            return Err(Error::Content(format!("cannot write {}: {what}", path.display())));
+            return Err(cannot_write(path, "there is a folder of that name: move it, or name another folder"));
         }
         Ok(FileSet { files, folder: Some(folder.into()), remove: Vec::new() })
     }
@@ -135,10 +134,7 @@ impl FileSet {
         let staged: Vec<(NamedTempFile, PathBuf)> = self.files.iter().map(stage).collect::<Result<_, _>>()?;
         let mut places = BTreeSet::new();
         match staged.iter().find(|(_, place)| !places.insert(place)) {
-            Some((_, place)) => {
-                let what = "two results lead to this file: name another for one of them";
-                Err(Error::Content(format!("cannot write {}: {what}", place.display())))
-            }
+            Some((_, place)) => Err(cannot_write(place, "two results lead to this file: name another for one of them")),
             None => Ok(staged),
         }
     }
@@ -229,17 +225,27 @@ fn gone(removed: io::Result<()>) -> io::Result<()> {
     removed.or_else(|error| if error.kind() == ErrorKind::NotFound { Ok(()) } else { Err(error) })
 }
 
+/// Locks a file or a folder. Waits so long for another process that has it locked.
+///
+/// # Errors
+/// The errors of [`std::fs::File::try_lock`].
+pub fn lock(file: &std::fs::File, patience: Duration) -> Result<(), TryLockError> {
+    let requested = Instant::now();
+    loop {
+        match file.try_lock() {
+            Err(TryLockError::WouldBlock) if requested.elapsed() < patience => {
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            locked => return locked,
+        }
+    }
+}
+
 /// Has other runs wait until this is dropped. What cannot be locked is not.
 fn locked(folder: &Path) -> Option<std::fs::File> {
     let file = std::fs::File::open(folder).ok()?;
-    let requested = Instant::now();
-    while let Err(TryLockError::WouldBlock) = file.try_lock() {
-        if requested.elapsed() > PATIENCE {
-            return None;
-        }
-        std::thread::sleep(Duration::from_millis(1));
-    }
-    Some(file)
+    let waited = matches!(lock(&file, PATIENCE), Err(TryLockError::WouldBlock));
+    (!waited).then_some(file)
 }
 
 fn text(names: &BTreeSet<String>) -> String {
@@ -256,8 +262,7 @@ fn named_in(folder: &Path) -> BTreeSet<String> {
 /// The place of a file: `path`, or where its links lead, also if there is no file yet.
 fn end(path: &Path) -> Result<PathBuf, Error> {
     if path.is_dir() {
-        let path = path.display();
-        return Err(Error::Content(format!("cannot write {path}: this is a folder: name a file in it")));
+        return Err(cannot_write(path, "this is a folder: name a file in it"));
     }
     let mut place = path.to_path_buf();
     for _ in 0..LINKS {
@@ -270,7 +275,7 @@ fn end(path: &Path) -> Result<PathBuf, Error> {
             }
         }
     }
-    Err(Error::Content(format!("cannot write {}: it is a link that leads to itself: delete it", path.display())))
+    Err(cannot_write(path, "it is a link that leads to itself: delete it"))
 }
 
 /// Why `path` cannot be written, and what to do.
@@ -286,6 +291,10 @@ fn unwritable(path: &Path, error: &io::Error) -> Error {
         ErrorKind::PermissionDenied => format!("the folder {} may not be written to: name another", folder.display()),
         other => other.to_string(),
     };
+    cannot_write(path, &why)
+}
+
+fn cannot_write(path: &Path, why: &str) -> Error {
     Error::Content(format!("cannot write {}: {why}", path.display()))
 }
 

@@ -5,7 +5,7 @@
 //!
 //! Why: docs/decisions/front-ends-and-serve.md, "A call of the server is a process".
 
-use crate::Server;
+use crate::Shared;
 use crate::body::{self, PATIENCE};
 use crate::failure::Failure;
 use crate::worker::STOPPING;
@@ -68,7 +68,7 @@ fn kib(bytes: u64) -> u32 {
 }
 
 /// Answers a packed request.
-pub(crate) async fn call(State(server): State<Arc<Server>>, request: Request) -> Result<Response, Failure> {
+pub(crate) async fn call(State(server): Shared, request: Request) -> Result<Response, Failure> {
     let internal = |e: &dyn std::fmt::Display| Failure::new(StatusCode::INTERNAL_SERVER_ERROR, e.to_string());
     let closed = |e: AcquireError| internal(&e);
     let (parts, mut body) = request.into_parts();
@@ -136,7 +136,7 @@ async fn relay(child: &mut Child, pieces: &mpsc::Sender<std::io::Result<Bytes>>)
         Err(e) => e,
     };
     let last = match head {
-        Head::Line { begins: true } => {
+        Head::Begin => {
             let message = format!(
                 "the work ended without an answer ({why}): there was not enough memory, or this is a bug in \
                  piezoid. The terminal of `piezoid serve` shows more. No file was changed"
@@ -149,27 +149,24 @@ async fn relay(child: &mut Child, pieces: &mpsc::Sender<std::io::Result<Bytes>>)
     drop(timeout(PATIENCE, pieces.send(last)).await);
 }
 
-/// What was handed on: lines of progress, or the empty line and part of the answer too.
-#[derive(Debug, PartialEq)]
+/// What was handed on: whole lines of progress, part of a line, or the empty line and part of the answer too.
+#[derive(Debug, Default, PartialEq)]
 enum Head {
-    Line { begins: bool },
+    #[default]
+    Begin,
+    Line,
     Passed,
-}
-
-impl Default for Head {
-    fn default() -> Self {
-        Head::Line { begins: true }
-    }
 }
 
 impl Head {
     fn pass(&mut self, piece: &[u8]) {
         for byte in piece {
-            match self {
-                Head::Passed => return,
-                Head::Line { begins: true } if *byte == b'\n' => *self = Head::Passed,
-                Head::Line { begins } => *begins = *byte == b'\n',
-            }
+            *self = match (&self, byte) {
+                (Head::Passed, _) => return,
+                (Head::Begin, b'\n') => Head::Passed,
+                (Head::Line, b'\n') => Head::Begin,
+                _ => Head::Line,
+            };
         }
     }
 }
@@ -185,9 +182,9 @@ mod tests {
             pieces.iter().for_each(|piece| head.pass(piece.as_bytes()));
             head
         };
-        assert_eq!(after(&[]), Head::Line { begins: true });
-        assert_eq!(after(&["{}\n{", "}\n"]), Head::Line { begins: true });
-        assert_eq!(after(&["{}\n{"]), Head::Line { begins: false });
+        assert_eq!(after(&[]), Head::Begin);
+        assert_eq!(after(&["{}\n{", "}\n"]), Head::Begin);
+        assert_eq!(after(&["{}\n{"]), Head::Line);
         assert_eq!(after(&["\n"]), Head::Passed);
         assert_eq!(after(&["{}\n", "\nanswer\n"]), Head::Passed);
     }

@@ -1,9 +1,7 @@
 //! The project folder: ordinary files, whole or absent. Versions keep two pages from overwriting each other's changes.
 
-use crate::Server;
-use crate::body;
 use crate::failure::{Failure, document};
-use crate::{names, tags};
+use crate::{Server, Shared, body, names, tags};
 use axum::body::Body;
 use axum::extract::rejection::PathRejection;
 use axum::extract::{Path as Segment, Request, State};
@@ -16,7 +14,6 @@ use sha2::{Digest, Sha256};
 use std::fs::File;
 use std::io::{Error, Read, Seek};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use std::time::UNIX_EPOCH;
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
 use tokio::sync::Mutex;
@@ -100,7 +97,7 @@ fn tagged(status: StatusCode, tag: &str) -> Response {
 }
 
 /// The ordinary files of the folder, by name.
-pub(crate) async fn list(State(server): State<Arc<Server>>) -> Result<Response, Failure> {
+pub(crate) async fn list(State(server): Shared) -> Result<Response, Failure> {
     let listed = move || -> Result<Vec<Value>, Error> {
         let mut rows = Vec::new();
         for entry in std::fs::read_dir(&server.folder.path)? {
@@ -121,11 +118,7 @@ pub(crate) async fn list(State(server): State<Arc<Server>>) -> Result<Response, 
 }
 
 /// A file of the folder. It is never shown in the page's place: it may be a page itself.
-pub(crate) async fn read(
-    State(server): State<Arc<Server>>,
-    name: Name,
-    headers: HeaderMap,
-) -> Result<Response, Failure> {
+pub(crate) async fn read(State(server): Shared, name: Name, headers: HeaderMap) -> Result<Response, Failure> {
     let (name, path) = named(&server, name)?;
     let none = Failure::new(StatusCode::NOT_FOUND, format!("the project folder has no file {name}"));
     let (file, length, tag) = blocking(move || opened(&path, &name)).await??.ok_or(none)?;
@@ -150,11 +143,7 @@ pub(crate) async fn read(
 }
 
 /// Writes a file beside its place, and then renames it.
-pub(crate) async fn write(
-    State(server): State<Arc<Server>>,
-    name: Name,
-    request: Request,
-) -> Result<Response, Failure> {
+pub(crate) async fn write(State(server): Shared, name: Name, request: Request) -> Result<Response, Failure> {
     let (name, path) = named(&server, name)?;
     let (parts, mut body) = request.into_parts();
     let stated = body::length(&parts.headers, &mut body, server.limit).await?;
@@ -192,11 +181,7 @@ pub(crate) async fn write(
 }
 
 /// Deletes a file.
-pub(crate) async fn remove(
-    State(server): State<Arc<Server>>,
-    name: Name,
-    headers: HeaderMap,
-) -> Result<Response, Failure> {
+pub(crate) async fn remove(State(server): Shared, name: Name, headers: HeaderMap) -> Result<Response, Failure> {
     let (name, path) = named(&server, name)?;
     let changing = server.folder.change.lock().await;
     let removed = move || {

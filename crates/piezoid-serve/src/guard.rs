@@ -6,7 +6,7 @@
 //!   read it (CORS).
 //! - What is under `/api` needs the key, which other users of this machine do not know.
 
-use crate::Server;
+use crate::Shared;
 use crate::failure::Failure;
 use crate::listen::Place;
 use axum::extract::{Request, State};
@@ -31,7 +31,7 @@ const HEADERS: [(&str, &str); 6] = [
 ];
 
 /// Refuses requests of other sites, and adds [`HEADERS`] to answers.
-pub(crate) async fn guard(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
+pub(crate) async fn guard(State(server): Shared, request: Request, next: Next) -> Response {
     let mut response = match allowed(server.port, &request) {
         Ok(()) => next.run(request).await,
         Err(failure) => failure.into_response(),
@@ -43,7 +43,7 @@ pub(crate) async fn guard(State(server): State<Arc<Server>>, request: Request, n
 }
 
 /// Refuses requests without the key.
-pub(crate) async fn locked(State(server): State<Arc<Server>>, request: Request, next: Next) -> Response {
+pub(crate) async fn locked(State(server): Shared, request: Request, next: Next) -> Response {
     let arguments = text(request.headers(), "authorization").and_then(|value| value.strip_prefix("Bearer "));
     // Compared to the end: the time must not tell where they differ.
     let same = |arguments: &str| {

@@ -3,7 +3,7 @@
 //! Each start makes a new key, so that a key that anybody has learned opens no later server. And before the page sends
 //! anything, the server proves that it has the key: the port may belong to another program by then.
 
-use crate::Server;
+use crate::Shared;
 use crate::failure::document;
 use axum::extract::{RawQuery, State};
 use axum::response::Response;
@@ -12,7 +12,6 @@ use serde_json::json;
 use sha2::Sha256;
 use std::io::Write;
 use std::path::Path;
-use std::sync::Arc;
 
 /// The file of the key. The interface gives no file whose name begins with a dot.
 const FILE: &str = ".piezoid-key";
@@ -37,7 +36,7 @@ pub(crate) fn key(folder: &Path) -> std::io::Result<String> {
 
 /// The version, and for a request with `?nonce=` and 32 hexadecimal digits the HMAC-SHA256 (RFC 2104) of these digits
 /// under the key.
-pub(crate) async fn health(State(server): State<Arc<Server>>, RawQuery(query): RawQuery) -> Response {
+pub(crate) async fn health(State(server): Shared, RawQuery(query): RawQuery) -> Response {
     let nonce = query.as_deref().and_then(|query| query.strip_prefix("nonce="));
     let valid = |nonce: &&str| nonce.len() == 2 * LENGTH && nonce.bytes().all(|digit| digit.is_ascii_hexdigit());
     document(&match nonce.filter(valid).and_then(|nonce| proof(&server.key, nonce)) {

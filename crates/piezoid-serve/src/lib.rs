@@ -63,6 +63,9 @@ struct Server {
     calls: calls::Calls,
 }
 
+/// The state of the server, as a request gets it.
+type Shared = axum::extract::State<Arc<Server>>;
+
 /// How long file operations may go on when the server ends.
 const GRACE: Duration = Duration::from_millis(700);
 

@@ -1,10 +1,11 @@
 //! One folder, one server: versions of files are compared in one process.
 
 use piezoid::Error;
+use piezoid_host::files::lock;
 use std::fs::{File, OpenOptions, TryLockError};
 use std::io::{ErrorKind, Read, Write};
 use std::path::Path;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// The file that is locked, with the address of the server. The operating system unlocks it however the server ends.
 const FILE: &str = ".piezoid-lock";
@@ -38,7 +39,7 @@ impl Lock {
             Err(e) if is_refused(&e) && !path.exists() => return Ok(Lock(None)),
             Err(e) => return Err(failed(e)),
         };
-        match patient(&file) {
+        match lock(&file, PATIENCE) {
             Ok(()) => Ok(Lock(Some(file))),
             // The file system has no locks.
             Err(TryLockError::Error(e)) if e.kind() == ErrorKind::Unsupported => Ok(Lock(None)),
@@ -71,19 +72,6 @@ impl Lock {
 /// True if new files cannot be made.
 fn is_refused(error: &std::io::Error) -> bool {
     matches!(error.kind(), ErrorKind::PermissionDenied | ErrorKind::ReadOnlyFilesystem)
-}
-
-/// Locks a file, also if the server that has it is ending.
-fn patient(file: &File) -> Result<(), TryLockError> {
-    let began = Instant::now();
-    loop {
-        match file.try_lock() {
-            Err(TryLockError::WouldBlock) if began.elapsed() < PATIENCE => {
-                std::thread::sleep(Duration::from_millis(50));
-            }
-            locked => return locked,
-        }
-    }
 }
 
 #[cfg(test)]
