@@ -1,11 +1,12 @@
 //! The terminal: text on stdout, progress and messages on stderr, Ctrl-C.
 
 use crate::flags::failed;
-use crate::layout::wrapped;
+use crate::layout::table;
 use crate::values::{CANCELLED, Ended};
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
 use piezoid::progress::Stage;
+use piezoid_numerics::words::wrapped;
 use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::ControlFlow;
@@ -51,14 +52,29 @@ impl Console {
         terminal_size::terminal_size_of(std::io::stdout()).map(|(width, _)| usize::from(width.0))
     }
 
+    /// A table for stdout.
+    pub(crate) fn table(&self, header: &[&str], rows: impl IntoIterator<Item = Vec<String>>) -> String {
+        table(header, &rows.into_iter().collect::<Vec<_>>(), self.room())
+    }
+
     /// A paragraph for stdout; all lines except the first are indented.
     pub(crate) fn paragraph(&self, text: &str, indent: &str) -> String {
         wrapped(text, self.room().unwrap_or(USUAL).min(WIDEST), indent) + "\n"
     }
 
+    /// Prints a sentence on stdout, without its full stop in `text`.
+    pub(crate) fn sentence(&self, text: &str) -> Result<()> {
+        self.print(&self.paragraph(&format!("{text}."), ""))
+    }
+
     /// Prints a remark on stderr, even with `--quiet`.
     pub(crate) fn remark(&self, text: &str) {
         self.bar.borrow().suspend(|| say(&format!("note: {text}")));
+    }
+
+    /// Prints each of these remarks.
+    pub(crate) fn remarks(&self, texts: impl IntoIterator<Item = impl AsRef<str>>) {
+        texts.into_iter().for_each(|text| self.remark(text.as_ref()));
     }
 
     /// Shows the library's progress as a bar if stderr is a terminal; breaks after a signal. The work ends with

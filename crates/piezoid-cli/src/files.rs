@@ -1,6 +1,7 @@
 //! Files: reads records, writes results. Each file is complete or absent, and those of a verb are new or old together.
 
 use crate::console::Console;
+use crate::values::apart;
 use anyhow::{Error, Result, anyhow};
 use piezoid_host::files::{self, FileSet};
 use piezoid_verbs::File;
@@ -14,19 +15,17 @@ fn named(path: &Path) -> String {
 
 /// Reads the file at `path` once, because it may be a pipe.
 pub(crate) fn read(path: &Path) -> Result<File> {
+    let name = named(path);
     let bytes = std::fs::read(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => anyhow!("{}: there is no such file: check its name and folder", named(path)),
-        ErrorKind::PermissionDenied => {
-            anyhow!("{}: no permission to read this file: check its permissions", named(path))
-        }
-        _ if path.is_dir() => anyhow!("{}: this is a folder: name a file in it", named(path)),
-        _ => Error::new(error).context(format!("cannot read {}", named(path))),
-    });
-    let bytes = bytes?;
+        ErrorKind::NotFound => anyhow!("{name}: there is no such file: check its name and folder"),
+        ErrorKind::PermissionDenied => anyhow!("{name}: no permission to read this file: check its permissions"),
+        _ if path.is_dir() => anyhow!("{name}: this is a folder: name a file in it"),
+        _ => Error::new(error).context(format!("cannot read {name}")),
+    })?;
     if let Some(remark) = files::unfinished(path) {
         crate::console::say(&format!("note: {remark}"));
     }
-    Ok(File::new(named(path), bytes))
+    Ok(File::new(name, bytes))
 }
 
 /// Reads the files at these paths.
@@ -48,16 +47,16 @@ impl Results {
     }
 
     /// With a result for this path, if there is one; - is stdout.
-    pub(crate) fn file(self, path: Option<&Path>, content: impl Into<Vec<u8>>) -> Self {
+    pub(crate) fn file(mut self, path: Option<&Path>, content: impl Into<Vec<u8>>) -> Self {
         let Some(path) = path else { return self };
         // A pipe or a device is written to and not replaced.
         let is_stream = std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir());
-        let Results { files, mut streams } = self;
         if is_stream || path == Path::new("-") {
-            streams.push((path.into(), content.into()));
-            return Results { files, streams };
+            self.streams.push((path.into(), content.into()));
+        } else {
+            self.files = self.files.with(path, content);
         }
-        Results { files: files.with(path, content), streams }
+        self
     }
 
     /// With a document.
@@ -94,6 +93,14 @@ fn stream(path: &Path, content: &[u8]) -> Result<()> {
         ErrorKind::BrokenPipe => Ok(()),
         _ => Err(Error::new(error).context(format!("cannot write {}", named(path)))),
     })
+}
+
+/// Returns an error, before the work begins, if results would overwrite each other or an input, or if one could not be
+/// written. True if none of them goes to stdout, which is then free for text.
+pub(crate) fn check(outputs: &[Option<&Path>], inputs: &[&PathBuf]) -> Result<bool> {
+    apart(outputs, inputs)?;
+    ready(outputs)?;
+    Ok(!outputs.contains(&Some(Path::new("-"))))
 }
 
 /// Returns an error, before the work begins, if a result could not be written.

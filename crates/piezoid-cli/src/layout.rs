@@ -1,4 +1,4 @@
-//! Tables and paragraphs as plain text.
+//! Tables as plain text.
 
 /// Minimum width of the first column of a table.
 const NARROWEST: usize = 12;
@@ -55,37 +55,6 @@ fn ending(text: &str, width: usize) -> String {
     format!("…{kept}")
 }
 
-/// Breaks a paragraph between words into lines of at most `width` characters. All lines except the first begin with
-/// `indent`. Repeated spaces are kept.
-pub(crate) fn wrapped(text: &str, width: usize, indent: &str) -> String {
-    let mut lines = vec![String::new()];
-    // Length of the last line; true if it contains a word.
-    let (mut length, mut begun) = (0, false);
-    for (k, word) in text.split(' ').enumerate() {
-        let last = lines.len() - 1;
-        let long = word.chars().count();
-        if begun && !word.is_empty() && length + 1 + long > width {
-            let end = lines[last].trim_end().len();
-            lines[last].truncate(end);
-            lines.push(format!("{indent}{word}"));
-            length = indent.chars().count() + long;
-        } else {
-            let gap = if k > 0 { " " } else { "" };
-            lines[last] += gap;
-            lines[last] += word;
-            length += gap.len() + long;
-            begun |= !word.is_empty();
-        }
-    }
-    lines.join("\n")
-}
-
-/// The text with a capital first letter.
-pub(crate) fn capitalised(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().chain(letters).collect()).unwrap_or_default()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -109,12 +78,5 @@ mod tests {
         let rows = [vec!["5".into(), "0.01128".into(), "2.391e-6".into()]];
         let text = table(&["f [Hz]", "printed-rule", "held"], &rows, Some(20));
         assert_eq!(text, "f [Hz] 5\n  printed-rule  0.01128\n  held          2.391e-6\n");
-    }
-
-    #[test]
-    fn paragraphs_break_between_words() {
-        assert_eq!(wrapped("* one two three", 8, "  "), "* one\n  two\n  three");
-        assert_eq!(wrapped("immeasurable", 4, ""), "immeasurable");
-        assert_eq!(wrapped("  a    1.5  2.5  3.5", 14, "       "), "  a    1.5\n       2.5\n       3.5");
     }
 }

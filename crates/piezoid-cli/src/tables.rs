@@ -2,10 +2,10 @@
 //! residuals.
 
 use crate::console::Console;
-use crate::layout::{capitalised, table};
-use piezoid::Verdict;
 use piezoid::validation::{Bin, Floor, LoopComparison, Metrics};
+use piezoid::{Units, Verdict};
 use piezoid_numerics::number::{round, short as number};
+use piezoid_numerics::words::capitalised;
 use piezoid_validation::Source;
 use piezoid_verbs::{Compared, Validated};
 
@@ -13,30 +13,31 @@ use piezoid_verbs::{Compared, Validated};
 const MOST: usize = 12;
 const WORST: usize = 8;
 
-/// A verdict as text.
+/// A verdict as the beginning of a sentence.
 pub(crate) fn verdict(found: Option<&Verdict>) -> String {
-    found.map_or_else(|| "not proven: the output is constant, or the free run is not finite".into(), Verdict::to_string)
+    let unproven = || "not proven: the output is constant, or the free run is not finite".into();
+    capitalised(&found.map_or_else(unproven, Verdict::to_string))
 }
 
 /// The table of the error figures.
 pub(crate) fn brief(validated: &Validated, console: &Console) -> String {
     let unit = validated.files.first().map_or("", |first| &first.record.units().y);
-    figures(validated, unit, console.room())
+    figures(validated, unit, console)
 }
 
 /// All tables; `full` adds all bands, all loops and the results of the residual tests.
 pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> String {
     let compared = &validated.files[..];
     let Some(first) = compared.first() else { return String::new() };
-    let (units, room) = (first.record.units(), console.room());
+    let units = first.record.units();
     let [by_frequency, by_amplitude] = validated.bins();
     let amplitude = format!("amplitude [{}]", units.u);
     [
-        figures(validated, &units.y, room) + &summary(validated, console),
+        figures(validated, &units.y, console) + &summary(validated, console),
         bins("f [Hz]", &by_frequency, &units.y, full, console),
         bins(&amplitude, &by_amplitude, &units.y, full, console),
-        loops(compared, full, console),
-        residuals(compared, full, console),
+        loops(compared, units, full, console),
+        residuals(compared, units, full, console),
         open(&validated.not_covered(), console),
     ]
     .into_iter()
@@ -45,7 +46,7 @@ pub(crate) fn all(validated: &Validated, full: bool, console: &Console) -> Strin
     .join("\n")
 }
 
-fn figures(validated: &Validated, unit: &str, room: Option<usize>) -> String {
+fn figures(validated: &Validated, unit: &str, console: &Console) -> String {
     let row = |name: &str, m: &Metrics, floor: Option<Floor>| {
         let noise = floor.map_or("-".into(), |f| number(f.nrmse_percent));
         let [rmse, max, nrmse, share, fit] =
@@ -58,7 +59,7 @@ fn figures(validated: &Validated, unit: &str, room: Option<usize>) -> String {
         rows.push(row("total", &validated.total(), validated.floor()));
     }
     let (rmse, max) = (format!("rmse [{unit}]"), format!("max [{unit}]"));
-    table(&["free run", "n", &rmse, &max, "nrmse %", "noise %", "rms/pp %", "fit %"], &rows, room)
+    console.table(&["free run", "n", &rmse, &max, "nrmse %", "noise %", "rms/pp %", "fit %"], rows)
 }
 
 /// The error in one sentence: noise, drift, and what a better model could gain.
@@ -88,72 +89,62 @@ fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> 
         vec![number(b.at), of, number(b.rmse), number(b.nrmse_percent), number(b.rms_pp_percent)]
     };
     let rmse = format!("rmse [{unit}]");
-    let header = [head, "cycles", &rmse, "nrmse %", "rms/pp %"];
-    let text = table(&header, &shown.iter().map(row).collect::<Vec<_>>(), console.room());
-    match shown.len() < bins.len() {
-        true => {
-            let left = format!(
-                "Only the {} of {} bands with the largest error are shown; `validate --full` shows all.",
-                shown.len(),
-                bins.len()
-            );
-            text + &console.paragraph(&left, "")
-        }
-        false => text,
+    let text = console.table(&[head, "cycles", &rmse, "nrmse %", "rms/pp %"], shown.iter().map(row));
+    if shown.len() == bins.len() {
+        return text;
     }
+    let (some, all) = (shown.len(), bins.len());
+    let left = format!("Only the {some} of {all} bands with the largest error are shown; `validate --full` shows all.");
+    text + &console.paragraph(&left, "")
 }
 
 /// The largest loops of each record; with `full`, all loops with all their figures.
-fn loops(compared: &[Compared], full: bool, console: &Console) -> String {
-    let largest = |p: &Compared| {
+fn loops(compared: &[Compared], unit: &Units, full: bool, console: &Console) -> String {
+    let mut rows: Vec<(&str, &LoopComparison)> = Vec::new();
+    for p in compared {
         let most = p.validation.loops.iter().map(|l| l.amplitude).fold(0.0, f64::max);
-        p.validation.loops.iter().filter(move |l| full || l.amplitude == most).copied().collect::<Vec<_>>()
-    };
-    let rows: Vec<(&str, LoopComparison)> =
-        compared.iter().flat_map(|p| largest(p).into_iter().map(move |l| (p.name.as_str(), l))).collect();
-    let Some(unit) = compared.first().filter(|_| !rows.is_empty()).map(|p| p.record.units()) else {
+        let shown = p.validation.loops.iter().filter(|l| full || l.amplitude == most);
+        rows.extend(shown.map(|l| (p.name.as_str(), l)));
+    }
+    if rows.is_empty() {
         return String::new();
-    };
-    let pair = |measured: f64, model: f64| [number(measured), number(model)];
+    }
     let amplitude = format!("amplitude [{}]", unit.u);
     let (slope, area) = (format!("slope [{}/{}]", unit.y, unit.u), format!("area [{} {}]", unit.u, unit.y));
-    let widths = |(file, l): &(&str, LoopComparison)| {
-        let [width, closure, slope] = [
-            pair(l.measured.width_percent, l.model.width_percent),
-            pair(l.measured.closure_percent, l.model.closure_percent),
-            pair(l.measured.slope, l.model.slope),
-        ];
-        let place = [file.to_string(), round(l.hz), number(l.amplitude)];
-        place
-            .into_iter()
-            .chain(width)
-            .chain(slope)
-            .chain(if full { closure.to_vec() } else { vec![] })
-            .collect::<Vec<_>>()
+    let place = |file: &str, l: &LoopComparison| vec![file.to_string(), round(l.hz), number(l.amplitude)];
+    let pair = |measured: f64, model: f64| [number(measured), number(model)];
+    let widths = |(file, l): &(&str, &LoopComparison)| {
+        let mut cells = place(file, l);
+        cells.extend(pair(l.measured.width_percent, l.model.width_percent));
+        cells.extend(pair(l.measured.slope, l.model.slope));
+        if full {
+            cells.extend(pair(l.measured.closure_percent, l.model.closure_percent));
+        }
+        cells
     };
     let mut header = vec!["loops", "f [Hz]", &amplitude, "width %", "model", &slope, "model"];
     if full {
         header.extend(["closure %", "model"]);
     }
-    let mut text = table(&header, &rows.iter().map(widths).collect::<Vec<_>>(), console.room());
+    let mut text = console.table(&header, rows.iter().map(widths));
     if full {
-        let more = |(file, l): &(&str, LoopComparison)| {
-            let [area, reversals] =
-                [pair(l.measured.area, l.model.area), pair(l.measured.reversals, l.model.reversals)];
-            let known = |s: Option<f64>| s.map_or("-".into(), number);
-            let turn = [known(l.measured.slope_after_reversal), known(l.model.slope_after_reversal)];
-            let place = [file.to_string(), round(l.hz), number(l.amplitude)];
-            place.into_iter().chain(area).chain(turn).chain(reversals).collect::<Vec<_>>()
+        let more = |(file, l): &(&str, &LoopComparison)| {
+            let known = |slope: Option<f64>| slope.map_or("-".into(), number);
+            let mut cells = place(file, l);
+            cells.extend(pair(l.measured.area, l.model.area));
+            cells.extend([l.measured.slope_after_reversal, l.model.slope_after_reversal].map(known));
+            cells.extend(pair(l.measured.reversals, l.model.reversals));
+            cells
         };
         let header =
             ["loops", "f [Hz]", &amplitude, &area, "model", "slope after reversal", "model", "reversals", "model"];
-        text += &format!("\n{}", table(&header, &rows.iter().map(more).collect::<Vec<_>>(), console.room()));
+        text += &format!("\n{}", console.table(&header, rows.iter().map(more)));
     }
     text
 }
 
 /// The noise floor, the drift, and the correlations of the residuals.
-fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
+fn residuals(compared: &[Compared], unit: &Units, full: bool, console: &Console) -> String {
     let tested = compared.iter().filter(|p| p.validation.whiteness.is_some() || p.validation.floor.is_some());
     let row = |p: &Compared| {
         let (floor, whiteness) = (&p.validation.floor, &p.validation.whiteness);
@@ -167,12 +158,12 @@ fn residuals(compared: &[Compared], full: bool, console: &Console) -> String {
         ]
     };
     let rows: Vec<_> = tested.map(row).collect();
-    let Some(unit) = compared.first().filter(|_| !rows.is_empty()).map(|p| p.record.units().y.clone()) else {
+    if rows.is_empty() {
         return String::new();
-    };
-    let (floor, drift) = (format!("floor [{unit}]"), format!("drift [{unit}/s]"));
+    }
+    let (floor, drift) = (format!("floor [{}]", unit.y), format!("drift [{}/s]", unit.y));
     let header = ["residuals", &floor, "rmse/floor", &drift, "lag-1 corr.", "corr. with u"];
-    let mut text = table(&header, &rows, console.room());
+    let mut text = console.table(&header, rows);
     for p in compared.iter().filter(|_| full) {
         for sentence in p.validation.whiteness.iter().flat_map(|w| &w.verdict) {
             text += &console.paragraph(&format!("{}: {sentence}.", p.name), "  ");

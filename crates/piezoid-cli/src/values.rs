@@ -7,11 +7,13 @@ use clap::builder::{PathBufValueParser, TypedValueParser};
 use std::path::{Path, PathBuf};
 
 /// A failure with an exit status of its own.
-#[derive(Debug)]
+#[derive(Debug, thiserror::Error)]
 pub(crate) enum Ended {
     /// An error in the command line that the parser cannot find.
+    #[error("{0}")]
     Misused(String),
     /// Ctrl-C.
+    #[error("{0}")]
     Cancelled(String),
 }
 
@@ -27,15 +29,6 @@ impl Ended {
         }
     }
 }
-
-impl std::fmt::Display for Ended {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let (Misused(text) | Cancelled(text)) = self;
-        f.write_str(text)
-    }
-}
-
-impl std::error::Error for Ended {}
 
 /// Takes the path of a record to write, whose extension selects its format.
 pub(crate) fn record() -> impl TypedValueParser<Value = PathBuf> {

@@ -1,18 +1,10 @@
 //! `piezoid acquire`: a drive played and recorded by a controller.
 
-use super::Run;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::layout::table;
-use crate::values::{apart, record};
-use anyhow::{Result, bail};
-use clap::Args;
+use super::prelude::*;
+use crate::values::record;
 use piezoid::Error;
 use piezoid_gcs::{AcquireOptions, Controller};
 use piezoid_numerics::number::{round, short};
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,13 +38,12 @@ pub(crate) struct Acquire {
 
 impl Run for Acquire {
     fn run(self, console: &Console) -> Result<()> {
-        let results = [self.output.as_deref(), self.json.as_deref()];
-        apart(&results, &self.drive.iter().collect::<Vec<_>>())?;
-        files::ready(&results)?;
+        let drives: Vec<&PathBuf> = self.drive.iter().collect();
+        let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &drives)?;
         let options = self.options.0;
         let Some(drive) = &self.drive else {
             let controller = options.connection.connect().map_err(failed)?;
-            if self.json.as_ref().is_none_or(|path| path.as_os_str() != "-") {
+            if is_free {
                 console.print(&summary(&controller, console))?;
             }
             return Results::default().json(self.json.as_deref(), &controller.to_json()).write(console);
@@ -65,7 +56,7 @@ impl Run for Acquire {
                 .remark("the wave generator is stopped; the axis is in open loop, and its voltage stays where it is");
         }
         let result = console.done(outcome)?;
-        result.notes.iter().for_each(|note| console.remark(note));
+        console.remarks(&result.notes);
         let results = Results::default().record(Some(output), |name| result.record.written(name))?;
         results.json(self.json.as_deref(), &result.to_json()).write(console)
     }
@@ -90,5 +81,5 @@ fn summary(controller: &Controller, console: &Console) -> String {
             reported(axis.servo.map(|servo| if servo { "on".into() } else { "off".into() })),
         ]
     });
-    head + &table(&["axis", "position", "voltage", "limits", "servo"], &rows.collect::<Vec<_>>(), console.room())
+    head + &console.table(&["axis", "position", "voltage", "limits", "servo"], rows)
 }

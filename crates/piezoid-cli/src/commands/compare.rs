@@ -1,18 +1,10 @@
 //! `piezoid compare`: several models on the same records.
 
-use super::Run;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::layout::{capitalised, table};
-use crate::values::apart;
-use anyhow::Result;
-use clap::Args;
+use super::prelude::*;
 use piezoid_numerics::number::short as number;
+use piezoid_numerics::words::capitalised;
 use piezoid_report::report::comparison;
 use piezoid_verbs::{CompareOptions, ModelComparison, Source};
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -48,32 +40,25 @@ pub(crate) struct Compare {
 
 impl Run for Compare {
     fn run(self, console: &Console) -> Result<()> {
-        let results = [self.output.as_deref(), self.json.as_deref()];
-        apart(&results, &self.models.iter().chain(&self.data).collect::<Vec<_>>())?;
-        files::ready(&results)?;
+        let inputs: Vec<&PathBuf> = self.models.iter().chain(&self.data).collect();
+        let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &inputs)?;
         let (models, data) = (files::read_all(&self.models)?, files::read_all(&self.data)?);
         let data = Source::all(data, &self.columns.read()?);
         let compared = self.options.0.run(&models, &data).map_err(failed)?;
-        let is_free = !results.contains(&Some(Path::new("-")));
         if is_free {
             console.print(&errors(&compared, console))?;
         }
         for one in &compared.models {
             for run in &one.validated.files {
-                for remark in &run.validation.remarks {
-                    console.remark(&format!("{}, {}: {remark}", one.name, run.name));
-                }
+                let remarks = &run.validation.remarks;
+                console.remarks(remarks.iter().map(|remark| format!("{}, {}: {remark}", one.name, run.name)));
             }
         }
         let page = Results::default().file(self.output.as_deref(), comparison(&compared).html());
         page.json(self.json.as_deref(), &compared.to_json()).write(console)?;
         let text = compared.summary().unwrap_or_else(|| "no error is defined: the outputs are constant".into());
-        let wrote = match &self.output {
-            Some(path) => format!("; wrote {}", path.display()),
-            None => String::new(),
-        };
-        let text = capitalised(&text) + &wrote;
-        if is_free { console.print(&console.paragraph(&format!("{text}."), "")) } else { Ok(()) }
+        let wrote = self.output.map(|path| format!("; wrote {}", path.display())).unwrap_or_default();
+        if is_free { console.sentence(&(capitalised(&text) + &wrote)) } else { Ok(()) }
     }
 }
 
@@ -89,5 +74,5 @@ fn errors(compared: &ModelComparison, console: &Console) -> String {
         let what = [one.name.clone(), one.model.hysteresis().operator().name.into()];
         what.into_iter().chain(each).chain(total).collect()
     };
-    table(&header, &compared.models.iter().map(row).collect::<Vec<_>>(), console.room())
+    console.table(&header, compared.models.iter().map(row))
 }

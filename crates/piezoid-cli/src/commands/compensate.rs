@@ -1,18 +1,10 @@
 //! `piezoid compensate`: the voltage for a requested displacement, by feed-forward.
 
-use super::Run;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::layout::table;
-use crate::values::{apart, record};
-use anyhow::{Result, bail};
-use clap::Args;
+use super::prelude::*;
+use crate::values::record;
 use piezoid::validation::Metrics;
 use piezoid_numerics::number::{round, short as number};
 use piezoid_verbs::{CompensateOptions, Compensation};
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -55,18 +47,14 @@ impl Run for Compensate {
         let Some(reference) = self.file.or(self.reference) else {
             bail!("name the file of the requested displacement")
         };
-        apart(&[Some(&self.output), self.json.as_deref()], &[&self.model, &reference])?;
-        files::ready(&[Some(&self.output), self.json.as_deref()])?;
+        let is_free = files::check(&[Some(&self.output), self.json.as_deref()], &[&self.model, &reference])?;
         let columns = self.columns.read()?;
         let (model, reference) = (files::read(&self.model)?, files::read(&reference)?);
         let result = self.options.0.run(&model, &reference, &columns).map_err(failed)?;
-        let stdout = Some(Path::new("-"));
-        if self.json.as_deref() != stdout && Some(&*self.output) != stdout {
+        if is_free {
             console.print(&tables(&result, console))?;
         }
-        for note in result.compensated.notes.iter().chain([&result.proven()]) {
-            console.remark(note);
-        }
+        console.remarks(result.compensated.notes.iter().chain([&result.proven()]));
         let record = Results::default().record(Some(&self.output), |name| result.written(name))?;
         record.json(self.json.as_deref(), &result.to_json()).write(console)
     }
@@ -89,12 +77,11 @@ fn tables(result: &Compensation, console: &Console) -> String {
     // What the inverse leaves is rounding, unless it is set to clip or to stop early.
     let left = expected.is_none() || metrics.rms_pp_percent > ROUNDING;
     let name = if of_requested.is_some() { "on the model, shaped reference" } else { "on the model" };
-    let rows: Vec<_> = expected
+    let rows = expected
         .into_iter()
         .chain(left.then(|| figures(name, &metrics)))
-        .chain(of_requested.map(|m| figures("on the model, requested reference", &m)))
-        .collect();
-    let error = table(&["error", &rms, &max, "% of peak-to-peak of r"], &rows, console.room());
+        .chain(of_requested.map(|m| figures("on the model, requested reference", &m)));
+    let error = console.table(&["error", &rms, &max, "% of peak-to-peak of r"], rows);
     let input = &result.units.u;
     let row = |peak: &piezoid_records::excitation::Peak| {
         let (quantity, unit) = (peak.quantity.trim_end_matches(" voltage"), peak.unit.replace('V', input));
@@ -102,6 +89,6 @@ fn tables(result: &Compensation, console: &Console) -> String {
         let share = peak.share.map_or("-".into(), |share| format!("{:.0}", 100.0 * share));
         vec![format!("{quantity} [{unit}]"), number(peak.value), limit, share]
     };
-    let rows: Vec<Vec<String>> = result.compensated.usage.peaks().map(row).collect();
-    error + "\n" + &table(&["input", "value", "limit", "% of limit"], &rows, console.room())
+    let peaks = result.compensated.usage.peaks().map(row);
+    error + "\n" + &console.table(&["input", "value", "limit", "% of limit"], peaks)
 }

@@ -1,15 +1,8 @@
 //! `piezoid control`: the closed loop on a simulated actuator, several schemes side by side.
 
-use super::Run;
 use super::lists;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::Flags;
-use crate::layout::table;
+use super::prelude::*;
 use crate::values::{Ended::Misused, apart, record};
-use anyhow::{Result, bail};
-use clap::Args;
 use piezoid::System;
 use piezoid::control::{
     ClosedLoopRun, Comparison, ControllerInput, NamedReference, Reference, ReferenceResult, TunedScheme,
@@ -17,7 +10,6 @@ use piezoid::control::{
 use piezoid_numerics::number::{round, short as number};
 use piezoid_verbs::{ComparisonReport, ControlOptions};
 use std::hint::black_box;
-use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
@@ -87,9 +79,7 @@ impl Run for Control {
         if !results.contains(&Some(Path::new("-"))) {
             console.print(&tables(&compared, console))?;
         }
-        for remark in compared.remarks().into_iter().chain(steps(&compared)) {
-            console.remark(&remark);
-        }
+        console.remarks(compared.remarks().into_iter().chain(steps(&compared)));
         let record = Results::default().record(self.output.as_deref(), |name| compared.written(name))?;
         let page = piezoid_report::report::tracking(&compared).html();
         record.file(self.report.as_deref(), page).json(self.json.as_deref(), &compared.to_json()).write(console)
@@ -144,11 +134,10 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
             };
             [vec![d.name()], figures].concat()
         };
-        let rows: Vec<_> = compared.results.iter().map(row).collect();
         let (rms, max) = (format!("rms [{unit}]"), format!("max [{unit}]"));
         let header =
             [&*only.name, "rms [% of p-p of r]", &rms, &max, "rms change of u per sample [V]", "highest |u| [V]"];
-        return table(&header, &rows, console.room());
+        return console.table(&header, compared.results.iter().map(row));
     }
     let row = |(k, reference): (usize, &NamedReference)| {
         let figure =
@@ -158,7 +147,7 @@ fn tracking(compared: &Comparison, console: &Console) -> String {
     };
     let names: Vec<String> = compared.results.iter().map(|d| d.name()).collect();
     let header: Vec<&str> = ["rms error [% of p-p of r]"].into_iter().chain(names.iter().map(String::as_str)).collect();
-    table(&header, &compared.references.iter().enumerate().map(row).collect::<Vec<_>>(), console.room())
+    console.table(&header, compared.references.iter().enumerate().map(row))
 }
 
 fn margins(compared: &Comparison, console: &Console) -> Option<String> {
@@ -169,7 +158,7 @@ fn margins(compared: &Comparison, console: &Console) -> Option<String> {
     };
     let rows: Vec<Vec<String>> = compared.results.iter().filter_map(row).collect();
     let header = ["loop", "gain margin [dB]", "phase margin [deg]", "peak of |S|", "bandwidth [Hz]"];
-    (!rows.is_empty()).then(|| table(&header, &rows, console.room()))
+    (!rows.is_empty()).then(|| console.table(&header, rows))
 }
 
 fn spreads(compared: &Comparison, console: &Console) -> Option<String> {
@@ -182,5 +171,5 @@ fn spreads(compared: &Comparison, console: &Console) -> Option<String> {
     };
     let rows: Vec<Vec<String>> = compared.results.iter().filter_map(row).collect();
     let header = ["random plants, rms [% of p-p of r]", "median", "90th percentile", "worst", "unstable"];
-    (!rows.is_empty()).then(|| table(&header, &rows, console.room()))
+    (!rows.is_empty()).then(|| console.table(&header, rows))
 }

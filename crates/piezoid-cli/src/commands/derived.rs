@@ -1,19 +1,14 @@
 //! A verb from the row of its operation: files by their roles, options as flags, the result as JSON.
 
 use super::Task;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{argument, failed, values};
-use crate::values::apart;
+use super::prelude::*;
+use crate::flags::{argument, values};
 use crate::words::flag;
-use anyhow::Result;
-use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
+use clap::{Arg, ArgMatches, Command, FromArgMatches};
 use piezoid_host::files::FileSet;
 use piezoid_numerics::options::Options;
 use piezoid_operations::{Operation, Request};
 use serde_json::{Value, json};
-use std::path::PathBuf;
 
 // Flags of every such verb. This is no doc comment, because that would become the help of each verb.
 #[derive(Args)]
@@ -59,8 +54,7 @@ fn run(
     console: &Console,
 ) -> Result<()> {
     let paths: Vec<PathBuf> = roles.iter().flat_map(|(_, names)| names).map(PathBuf::from).collect();
-    apart(&[common.json.as_deref()], &paths.iter().collect::<Vec<_>>())?;
-    files::ready(&[common.json.as_deref()])?;
+    files::check(&[common.json.as_deref()], &paths.iter().collect::<Vec<_>>())?;
     let (files, columns) = (files::read_all(&paths)?, common.columns.read()?.to_json());
     let named: serde_json::Map<String, Value> = roles
         .iter()

@@ -1,19 +1,17 @@
 //! `piezoid excite KIND`: writes a drive signal or a reference. Each row of the library's list is a subcommand, each of
 //! its parameters a flag.
 
-use super::Run;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, argument, failed, placeholder, values};
-use crate::layout::{capitalised, wrapped};
+use super::Task;
+use super::prelude::*;
+use crate::flags::{argument, placeholder, values};
 use crate::values::record;
-use anyhow::Result;
-use clap::{ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
-use piezoid::excitation::{self, EXCITATIONS, Excitation};
+use crate::words::flag;
+use clap::{ArgMatches, Command, FromArgMatches, error::ErrorKind};
+use piezoid::excitation::{EXCITATIONS, Excitation};
 use piezoid_numerics::number::{round, short as number};
-use piezoid_verbs::{ExciteOptions, Excited};
+use piezoid_numerics::words::{capitalised, wrapped};
+use piezoid_verbs::ExciteOptions;
 use serde_json::Value;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -29,12 +27,6 @@ Examples:
   Options of one kind:
     piezoid excite multisine --help";
 
-pub(crate) struct Excite {
-    kind: &'static Excitation,
-    parameters: Value,
-    common: Common,
-}
-
 // Flags of every kind. This is no doc comment, because that would become the help of each kind.
 #[derive(Args)]
 struct Common {
@@ -47,60 +39,47 @@ struct Common {
 
 const COMMON_USAGE: &str = "--ts <SECONDS> --duration <SECONDS> [OPTIONS] -o <FILE>";
 
-impl Args for Excite {
-    fn augment_args(command: Command) -> Command {
-        let kinds = EXCITATIONS.iter().map(|kind| {
-            let rows = (kind.rows)();
-            let needed = rows.iter().filter(|row| row.required);
-            let needed: String =
-                needed.map(|row| format!("--{} <{}> ", row.name.replace('_', "-"), placeholder(row))).collect();
-            let usage = format!("piezoid excite {} {needed}{COMMON_USAGE}", kind.name);
-            Common::augment_args(Command::new(kind.name).args(rows.iter().map(argument)))
-                .about(capitalised(kind.summary))
-                .override_usage(wrapped(&usage, 70, "           "))
-                .after_help(format!("Reference: {}", kind.reference))
-        });
-        command
-            .subcommands(kinds)
-            .subcommand_required(true)
-            .arg_required_else_help(true)
-            .subcommand_value_name("KIND")
-            .subcommand_help_heading("Kinds")
-            .after_help(EXAMPLES)
-    }
-
-    fn augment_args_for_update(command: Command) -> Command {
-        Self::augment_args(command)
-    }
+/// The kinds as subcommands.
+pub(super) fn arguments(_: &'static str, command: Command) -> Command {
+    let kinds = EXCITATIONS.iter().map(|kind| {
+        let rows = (kind.rows)();
+        let needed = rows.iter().filter(|row| row.required);
+        let needed: String = needed.map(|row| format!("--{} <{}> ", flag(row.name), placeholder(row))).collect();
+        let usage = format!("piezoid excite {} {needed}{COMMON_USAGE}", kind.name);
+        Common::augment_args(Command::new(kind.name).args(rows.iter().map(argument)))
+            .about(capitalised(kind.summary))
+            .override_usage(wrapped(&usage, 70, "           "))
+            .after_help(format!("Reference: {}", kind.reference))
+    });
+    command
+        .subcommands(kinds)
+        .subcommand_required(true)
+        .arg_required_else_help(true)
+        .subcommand_value_name("KIND")
+        .subcommand_help_heading("Kinds")
+        .after_help(EXAMPLES)
 }
 
-impl FromArgMatches for Excite {
-    fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        let wrong = |text: String| clap::Error::raw(ErrorKind::InvalidSubcommand, text);
-        let (name, matches) = matches.subcommand().ok_or_else(|| wrong("name a kind of drive signal".into()))?;
-        let kind = excitation::Excitation::find(name).map_err(|e| wrong(e.to_string()))?;
-        Ok(Excite { kind, parameters: values(&(kind.rows)(), matches), common: Common::from_arg_matches(matches)? })
-    }
-
-    fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
-        *self = Self::from_arg_matches(matches)?;
-        Ok(())
-    }
+/// Reads the arguments.
+pub(super) fn parse(_: &'static str, matches: &ArgMatches) -> Result<Task, clap::Error> {
+    let wrong = |text: String| clap::Error::raw(ErrorKind::InvalidSubcommand, text);
+    let (name, matches) = matches.subcommand().ok_or_else(|| wrong("name a kind of drive signal".into()))?;
+    let kind = Excitation::find(name).map_err(|e| wrong(e.to_string()))?;
+    let (parameters, common) = (values(&(kind.rows)(), matches), Common::from_arg_matches(matches)?);
+    Ok(Box::new(move |console| run(kind, parameters, common, console)))
 }
 
-impl Run for Excite {
-    fn run(self, console: &Console) -> Result<()> {
-        let Common { options: Flags(options), output } = self.common;
-        files::ready(&[Some(&output)])?;
-        let result: Excited = options.run(self.kind, self.parameters).map_err(failed)?;
-        if options.clip {
-            let of = options.limits.driver.map(|name| format!(" of `{name}`")).unwrap_or_default();
-            console.remark(&format!("{} of {} samples clipped to the limits{of}", result.clipped, result.u.len()));
-        }
-        for peak in result.usage.iter().flat_map(|usage| usage.peaks()) {
-            let share = peak.share.map(|s| format!(", {} % of the limit", round(100.0 * s))).unwrap_or_default();
-            console.remark(&format!("{}: {} {}{share}", peak.quantity, number(peak.value), peak.unit));
-        }
-        Results::default().record(Some(&output), |name| result.written(name))?.write(console)
+fn run(kind: &Excitation, parameters: Value, common: Common, console: &Console) -> Result<()> {
+    let Common { options: Flags(options), output } = common;
+    files::ready(&[Some(&output)])?;
+    let result = options.run(kind, parameters).map_err(failed)?;
+    if options.clip {
+        let of = options.limits.driver.map(|name| format!(" of `{name}`")).unwrap_or_default();
+        console.remark(&format!("{} of {} samples clipped to the limits{of}", result.clipped, result.u.len()));
     }
+    for peak in result.usage.iter().flat_map(|usage| usage.peaks()) {
+        let share = peak.share.map(|s| format!(", {} % of the limit", round(100.0 * s))).unwrap_or_default();
+        console.remark(&format!("{}: {} {}{share}", peak.quantity, number(peak.value), peak.unit));
+    }
+    Results::default().record(Some(&output), |name| result.written(name))?.write(console)
 }

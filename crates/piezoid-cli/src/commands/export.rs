@@ -1,19 +1,12 @@
 //! `piezoid export`: the model, its inverse and its controller for other machines.
 
-use super::Run;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
+use super::prelude::*;
 use crate::values::Ended::Misused;
 use crate::values::apart;
-use anyhow::{Result, bail};
-use clap::Args;
 use piezoid::formats::ColumnSelection;
 use piezoid_export::ExportOptions;
 use piezoid_host::compiler;
 use piezoid_host::files::FileSet;
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -72,9 +65,7 @@ impl Run for Export {
         let named = (self.target.as_str(), options.name.as_str());
         let files = FileSet::export(&self.output, named, &result, self.force).map_err(failed)?;
         Results::of(files).json(self.json.as_deref(), &result.to_json()).write(console)?;
-        for note in &result.notes {
-            console.remark(note);
-        }
+        console.remarks(&result.notes);
         Ok(())
     }
 }

@@ -1,11 +1,11 @@
 //! Tables of the results of `piezoid identify`.
 
 use crate::console::Console;
-use crate::layout::table;
 use crate::tables;
 use piezoid::hammerstein::{FittedParameter, Identified, OperatorTrial};
 use piezoid::linear::ModalForm;
-use piezoid::{Identification, Model, System};
+use piezoid::{Identification, Model, System, Units};
+use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::linear::{Residuals, Root};
 use piezoid_numerics::number::{round, short as number};
 use piezoid_verbs::Validated;
@@ -13,7 +13,7 @@ use piezoid_verbs::Validated;
 /// The results as text for the terminal.
 pub(super) fn summary(result: &Identification, console: &Console) -> String {
     let found = &result.found;
-    let (arx, units) = (found.model.linear(), found.model.units());
+    let (arx, Units { u, y }) = (found.model.linear(), found.model.units());
     let listed = |name: &str, values: Vec<String>| {
         console.paragraph(&format!("  {name:<9} {}", values.join("  ")), "            ")
     };
@@ -24,10 +24,9 @@ pub(super) fn summary(result: &Identification, console: &Console) -> String {
         [] => "y = b0 u + b1 u1 + ...",
         _ => "y = a1 y1 + ... + b0 u + b1 u1 + ...",
     };
-    let mut text = console.paragraph(
-        &format!("Linear block: {form}, where y1 and u1 are the previous samples; sampled every {} s", arx.ts()),
-        "  ",
-    );
+    let ts = arx.ts();
+    let form = format!("Linear block: {form}, where y1 and u1 are the previous samples; sampled every {ts} s");
+    let mut text = console.paragraph(&form, "  ");
     for (name, values) in
         [("a", each(arx.a())), ("b", each(arx.b())), ("zeros", arx.zeros().iter().map(Root::to_string).collect())]
     {
@@ -38,25 +37,21 @@ pub(super) fn summary(result: &Identification, console: &Console) -> String {
     if let Some(fit) = &found.linear.fit {
         let Residuals { rms, max_abs, .. } = fit.residuals;
         let white = if fit.residuals.are_white() { "white" } else { "not white" };
-        text += &format!(
-            "  errors    {} {y} rms, {} {y} at most, of the one-step prediction; residuals {white}\n",
-            number(rms),
-            number(max_abs),
-            y = units.y
-        );
+        let [rms, most] = [rms, max_abs].map(number);
+        let errors = format!("{rms} {y} rms, {most} {y} at most, of the one-step prediction");
+        text += &format!("  errors    {errors}; residuals {white}\n");
     }
     let reading = Some(arx.modal_form()).filter(|reading| !reading.poles.is_empty());
-    text += &format!("  gain      {} {}/{}\n", number(arx.dc_gain()), units.y, units.u);
+    text += &format!("  gain      {} {y}/{u}\n", number(arx.dc_gain()));
     if let Some(reading) = &reading {
         let sampled = if reading.delay < 0.0 { ": the output was sampled after its input acted" } else { "" };
         let delay = number(1e3 * reading.delay);
         let delay = format!("{delay} ms in addition to the zero-order hold, from the phase at low frequency{sampled}");
         text += &listed("delay", vec![delay]);
     }
-    text += &format!("  offset    {} {}\n", number(found.model.offset()), units.y);
+    text += &format!("  offset    {} {y}\n", number(found.model.offset()));
     if let Some(gain) = arx.noise_gain() {
-        let (gain, per) = (number(gain), format!("{} rms per {} rms", units.u, units.y));
-        text += &format!("  inverse   noise gain {gain} {per} of sensor noise\n");
+        text += &format!("  inverse   noise gain {} {u} rms per {y} rms of sensor noise\n", number(gain));
     }
     if let Some(reading) = &reading {
         text += &format!("\n{}", mechanics(reading, console));
@@ -64,22 +59,15 @@ pub(super) fn summary(result: &Identification, console: &Console) -> String {
     text += &format!("\nHysteresis block: {}\n", found.model.hysteresis().operator().name);
     text += &beside(&found.model, console);
     if !found.loops.is_empty() {
-        let row = |l: &piezoid_models::hammerstein::HiddenLoop| {
+        let row = |l: &HiddenLoop| {
             let (low, high) = l.found.branches.range();
+            let (hz, width) = (l.frequency_hz.map_or("-".into(), round), number(100.0 * l.found.branches.width()));
             let side = if l.found.ascending_below { "below" } else { "above" };
-            let width = number(100.0 * l.found.branches.width());
-            vec![
-                l.frequency_hz.map_or("-".into(), round),
-                round(low),
-                round(high),
-                width,
-                side.into(),
-                round(100.0 * l.found.agreement),
-            ]
+            vec![hz, round(low), round(high), width, side.into(), round(100.0 * l.found.agreement)]
         };
-        let (from, to) = (format!("from [{}]", units.u), format!("to [{}]", units.u));
+        let (from, to) = (format!("from [{u}]"), format!("to [{u}]"));
         let header = ["f [Hz]", &from, &to, "width %", "ascending branch", "side agrees with direction [% of points]"];
-        text += &table(&header, &found.loops.iter().map(row).collect::<Vec<_>>(), console.room());
+        text += &console.table(&header, found.loops.iter().map(row));
     }
     if !found.trials.is_empty() {
         text += &trials(found, console);
@@ -87,8 +75,8 @@ pub(super) fn summary(result: &Identification, console: &Console) -> String {
     if !found.parameters.is_empty() {
         let error = |p: &FittedParameter| Option::<f64>::from(p.error).map_or("-".into(), number);
         let row = |p: &FittedParameter| vec![p.name.clone(), number(p.value), error(p)];
-        let rows: Vec<_> = found.parameters.iter().map(row).collect();
-        text += &format!("\n{}", table(&["parameter", "value", "standard error"], &rows, console.room()));
+        let table = console.table(&["parameter", "value", "standard error"], found.parameters.iter().map(row));
+        text += &format!("\n{table}");
     }
     if !result.training.is_empty() {
         let training = Validated { files: result.training.clone() };
@@ -100,11 +88,11 @@ pub(super) fn summary(result: &Identification, console: &Console) -> String {
 /// Modes, delay and shares of the linear block as a table of mechanics.
 fn mechanics(reading: &ModalForm, console: &Console) -> String {
     let header = ["mechanics", "f [Hz]", "damping", "share %", "mass [g]", "damper [N s/m]"];
-    let rows: Vec<Vec<String>> = reading.rows().into_iter().map(Vec::from).collect();
+    let table = console.table(&header, reading.rows().into_iter().map(Vec::from));
     let note = "Shares of the static displacement. Mass and damper are for a spring of 1 N/mm at the point of \
                 measurement: both are proportional to the stiffness.";
     let sentence = [Some(note.to_string()), reading.images()].into_iter().flatten();
-    sentence.fold(table(&header, &rows, console.room()), |text, sentence| text + &console.paragraph(&sentence, ""))
+    sentence.fold(table, |text, sentence| text + &console.paragraph(&sentence, ""))
 }
 
 /// Creep and driver, if the model has them.
@@ -132,7 +120,7 @@ fn trials(found: &Identified, console: &Console) -> String {
         vec![t.operator.to_string(), t.parameters.to_string(), held_out, free_run, t.verdict.to_string()]
     };
     let header = ["operators, rms/pp %", "parameters", "held-out error", "free run", ""];
-    let text = format!("\n{}", table(&header, &trials.iter().map(row).collect::<Vec<_>>(), console.room()));
+    let text = format!("\n{}", console.table(&header, trials.iter().map(row)));
     let refused = trials.iter().filter_map(|t| t.refused.as_ref().map(|why| format!("{}: {why}", t.operator)));
     refused.fold(text, |text, why| text + &console.paragraph(&why, "  "))
 }

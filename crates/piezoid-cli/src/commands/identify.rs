@@ -1,16 +1,8 @@
 //! `piezoid identify`: from measured records to a model.
 
-use super::Run;
 use super::identified::summary;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::layout::capitalised;
+use super::prelude::*;
 use crate::tables::verdict;
-use crate::values::apart;
-use anyhow::Result;
-use clap::Args;
 use piezoid::formats::ColumnSelection;
 use piezoid::{IdentifyOptions, StatedVerdict};
 use piezoid_export::ExportTarget;
@@ -18,7 +10,6 @@ use piezoid_numerics::number::join;
 use piezoid_numerics::options::Options;
 use piezoid_report::report;
 use piezoid_verbs::{IdentifyAgain, Source};
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -84,8 +75,7 @@ impl Run for Identify {
     fn run(mut self, console: &Console) -> Result<()> {
         let paths: Vec<&PathBuf> = self.small_signal.iter().chain(&self.files).collect();
         let results = [self.output.as_deref(), self.report.as_deref(), self.json.as_deref()];
-        apart(&results, &paths)?;
-        files::ready(&results)?;
+        let is_free = files::check(&results, &paths)?;
         self.options.0.check().map_err(failed)?;
         if let Some(target) = &self.target {
             let options = &mut self.options.0;
@@ -105,15 +95,11 @@ impl Run for Identify {
         };
         drop(progress);
         let result = console.done(result)?;
-        let stdout = Path::new("-");
-        let is_free = !results.contains(&Some(stdout));
         if is_free && self.verbose {
             console.print(&(summary(&result, console) + "\n"))?;
         }
         let reasons = result.found.reasons.iter().filter(|_| self.verbose);
-        for note in reasons.chain(&result.found.notes) {
-            console.remark(note);
-        }
+        console.remarks(reasons.chain(&result.found.notes));
         for (file, linearity) in small.iter().zip(&result.linearity) {
             if let Some(linearity) = linearity.as_ref().filter(|linearity| linearity.is_linear != Some(true)) {
                 console.remark(&format!("{}: {}", file.name, linearity.verdict));
@@ -123,15 +109,15 @@ impl Run for Identify {
         let written = written.file(self.output.as_deref(), result.found.model.to_json());
         written.file(self.report.as_deref(), report::identification(&result).html()).write(console)?;
         let files = [self.output.as_deref(), self.report.as_deref()].into_iter().flatten();
-        let named: Vec<String> = files.filter(|path| *path != stdout).map(|path| path.display().to_string()).collect();
+        let named = files.filter(|path| *path != Path::new("-")).map(|path| path.display().to_string());
+        let named: Vec<String> = named.collect();
         let wrote = if named.is_empty() { String::new() } else { format!("; wrote {}", join(&named)) };
         let same = before.filter(|before| *before == result.found.model);
         let same = same.and(self.again).map(|path| format!("Equal to {} to the bit", path.display()));
-        let text =
-            [result.found.model.to_string(), capitalised(&verdict(result.found.model.verdict().as_ref())) + &wrote];
+        let text = [result.found.model.to_string(), verdict(result.found.model.verdict().as_ref()) + &wrote];
         for line in text.into_iter().chain(same) {
             match is_free {
-                true => console.print(&console.paragraph(&format!("{line}."), ""))?,
+                true => console.sentence(&line)?,
                 false => console.remark(&line),
             }
         }

@@ -1,19 +1,10 @@
 //! `piezoid inspect`: what files hold, how they are read, and what seems wrong with them.
 
-use super::Run;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::failed;
-use crate::layout::table;
-use crate::values::apart;
+use super::prelude::*;
 use crate::words::CommandLine;
-use anyhow::Result;
-use clap::Args;
-use piezoid::{Error, Record};
+use piezoid::{Error, Record, Units};
 use piezoid_numerics::number::round;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -43,14 +34,12 @@ pub(crate) struct Inspect {
 impl Run for Inspect {
     fn run(self, console: &Console) -> Result<()> {
         let inputs: Vec<&PathBuf> = self.data.iter().collect();
-        let results = [self.output.as_deref(), self.json.as_deref()];
-        apart(&results, &inputs)?;
-        files::ready(&results)?;
+        let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &inputs)?;
         let (columns, data) = (self.columns.read()?, files::read_all(&self.data)?);
         let mut all = Vec::new();
         for file in &data {
             let (inspection, record) = file.inspect(&columns).map_err(failed)?;
-            if !results.contains(&Some(Path::new("-"))) {
+            if is_free {
                 console.print(&summary(&inspection, record.as_ref(), console))?;
             }
             all.push(inspection);
@@ -74,25 +63,12 @@ fn summary(inspection: &Value, record: Result<&Record, &Error>, console: &Consol
         let (name, unit, role) = (text(&channel["name"]), text(&channel["unit"]), text(&channel["role"]));
         vec![name, role, unit, channel["samples"].to_string(), number(&channel["low"]), number(&channel["high"])]
     };
-    let rows: Vec<Vec<String>> = channels.iter().map(row).collect();
-    let header = ["channel", "role", "unit", "samples", "from", "to"];
-    let mut sentence = format!(
-        "{}: {}\n{}",
-        text(&inspection["file"]),
-        text(&inspection["format"]),
-        table(&header, &rows, console.room())
-    );
+    let table = console.table(&["channel", "role", "unit", "samples", "from", "to"], channels.iter().map(row));
+    let mut sentence = format!("{}: {}\n{table}", text(&inspection["file"]), text(&inspection["format"]));
     if let Ok(record) = record {
-        let (ts, units) = (record.ts(), record.units());
-        let rate = format!(
-            "{} samples every {} s ({} Hz), {} s; u in {}, y in {}",
-            record.len(),
-            round(ts),
-            round(1.0 / ts),
-            round(record.duration()),
-            units.u,
-            units.y
-        );
+        let (n, Units { u, y }) = (record.len(), record.units());
+        let [ts, hz, duration] = [record.ts(), 1.0 / record.ts(), record.duration()].map(round);
+        let rate = format!("{n} samples every {ts} s ({hz} Hz), {duration} s; u in {u}, y in {y}");
         sentence += &console.paragraph(&rate, "  ");
     }
     let list = |name: &str| inspection[name].as_array().into_iter().flatten().map(&text).collect::<Vec<_>>();

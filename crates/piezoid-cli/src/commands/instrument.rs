@@ -1,11 +1,8 @@
 //! `piezoid instrument`: a simulated controller on this machine.
 
-use super::Run;
 use super::lists;
-use crate::console::Console;
-use crate::flags::{Flags, failed};
-use anyhow::{Context, Result};
-use clap::Args;
+use super::prelude::*;
+use anyhow::Context;
 use piezoid_gcs::Simulation;
 use std::net::TcpListener;
 

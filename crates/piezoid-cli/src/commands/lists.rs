@@ -1,24 +1,16 @@
 //! The lists of operators, plants, drive signals and other members, each row with its one-line summary.
 
-use super::Run;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::failed;
+use super::prelude::*;
 use crate::values::Ended::Misused;
-use anyhow::{Result, anyhow};
-use clap::Args;
+use anyhow::anyhow;
 use piezoid::plant::{self, Spec};
 use piezoid_export::{FEED_FORWARD, MODEL};
 use piezoid_operations::catalogue;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
 
 /// The rows of a list: `name`, `summary` and, of most, `reference`; figures where there are some.
 fn rows(list: &str) -> Vec<Value> {
-    match json!(catalogue())[list].take() {
-        Value::Array(rows) => rows,
-        _ => Vec::new(),
-    }
+    json!(catalogue())[list].as_array().cloned().unwrap_or_default()
 }
 
 fn text<'a>(row: &'a Value, key: &str) -> &'a str {

@@ -22,6 +22,18 @@ mod simulate;
 mod study;
 mod validate;
 
+/// What the files of verbs have in common.
+mod prelude {
+    pub(super) use super::Run;
+    pub(super) use crate::columns::Columns;
+    pub(super) use crate::console::Console;
+    pub(super) use crate::files::{self, Results};
+    pub(super) use crate::flags::{Flags, failed};
+    pub(super) use anyhow::{Result, bail};
+    pub(super) use clap::Args;
+    pub(super) use std::path::{Path, PathBuf};
+}
+
 use crate::console::Console;
 use anyhow::Result;
 use clap::{ArgMatches, Args, Command, FromArgMatches};
@@ -77,7 +89,7 @@ const VERBS: [Verb; 26] = [
     operation::<plan::Plan>("plan"),
     operation::<inspect::Inspect>("inspect"),
     operation::<prepare::Prepare>("prepare"),
-    operation::<excite::Excite>("excite"),
+    Verb { name: "excite", about: "", arguments: excite::arguments, parse: excite::parse },
     operation::<simulate::Simulate>("simulate"),
     operation::<acquire::Acquire>("acquire"),
     own::<instrument::Instrument>("instrument", "Simulate a GCS controller with a plant on this machine"),

@@ -1,18 +1,10 @@
 //! `piezoid plan`: the drives that identify an actuator, and a page on them.
 
-use super::Run;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::layout::table;
+use super::prelude::*;
 use crate::values::Ended::Misused;
-use crate::values::apart;
-use anyhow::{Result, bail};
-use clap::Args;
 use piezoid_host::files::FileSet;
 use piezoid_numerics::number::round;
 use piezoid_verbs::PlanOptions;
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -51,23 +43,22 @@ impl Run for Plan {
         if self.output == Path::new("-") {
             bail!(Misused("-o must be a folder, because several files are written".into()));
         }
-        apart(&[self.json.as_deref()], &self.model.iter().collect::<Vec<_>>())?;
-        files::ready(&[self.json.as_deref()])?;
+        let is_free = files::check(&[self.json.as_deref()], &self.model.iter().collect::<Vec<_>>())?;
         let model = self.model.as_deref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
         let plan = self.options.0.run(model.as_ref()).map_err(failed)?;
         let files = FileSet::in_folder(&self.output, &plan.files().map_err(failed)?)?;
         Results::of(files).json(self.json.as_deref(), &plan.to_json()).write(console)?;
-        for note in &plan.notes {
-            console.remark(note);
+        console.remarks(&plan.notes);
+        if !is_free {
+            return Ok(());
         }
         let row = |drive: &piezoid_verbs::PlannedDrive| {
             let [low, high] = [&drive.usage.lowest, &drive.usage.highest].map(|peak| round(peak.value));
             let percent = drive.percent().map_or("-".into(), |percent| format!("{percent:.0}"));
             vec![drive.file(), drive.purpose.into(), round(plan.duration(drive)), format!("{low} to {high}"), percent]
         };
-        let rows: Vec<_> = plan.drives.iter().map(row).collect();
         let header = ["drive", "purpose", "duration [s]", "voltage [V]", "% of limits"];
-        let mut text = table(&header, &rows, console.room());
+        let mut text = console.table(&header, plan.drives.iter().map(row));
         let folder = self.output.display();
         let next = format!(
             "Next: measure each drive in this order, every {} s, as small.csv, rise1.csv and so on; {folder}/plan.md \
@@ -78,9 +69,6 @@ impl Run for Plan {
         if let Some(advice) = &plan.advice {
             text += &console.paragraph(advice, "");
         }
-        match self.json.as_deref() == Some(Path::new("-")) {
-            true => Ok(()),
-            false => console.print(&text),
-        }
+        console.print(&text)
     }
 }

@@ -1,16 +1,9 @@
 //! `piezoid prepare`: a record as it is to be identified, from one as it was measured.
 
-use super::Run;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::values::{apart, record};
-use anyhow::Result;
-use clap::Args;
+use super::prelude::*;
+use crate::values::record;
 use piezoid::PrepareOptions;
 use piezoid_verbs::{Source, Step};
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -48,13 +41,10 @@ pub(crate) struct Prepare {
 
 impl Run for Prepare {
     fn run(self, console: &Console) -> Result<()> {
-        apart(&[Some(&self.output)], &[&self.file])?;
-        files::ready(&[Some(&self.output)])?;
+        files::check(&[Some(&self.output)], &[&self.file])?;
         let (columns, file) = (self.columns.read()?, files::read(&self.file)?);
         let result = Source::new(file, columns, vec![Step::Prepare(self.options.0)]).record().map_err(failed)?;
-        for step in result.history() {
-            console.remark(step);
-        }
+        console.remarks(result.history());
         Results::default().record(Some(&self.output), |name| result.written(name))?.write(console)
     }
 }

@@ -1,16 +1,9 @@
 //! `piezoid report`: a self-contained page on a model and how well it predicts records.
 
-use super::Run;
+use super::prelude::*;
 use super::validate::ValidationFlags;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::layout::capitalised;
 use crate::tables::verdict;
-use crate::values::apart;
-use anyhow::Result;
-use clap::Args;
 use piezoid_report::report::report;
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Example:
@@ -29,14 +22,10 @@ pub(crate) struct Report {
 
 impl Run for Report {
     fn run(self, console: &Console) -> Result<()> {
-        apart(&[Some(&self.output)], &self.flags.inputs())?;
-        files::ready(&[Some(&self.output)])?;
+        let is_free = files::check(&[Some(&self.output)], &self.flags.inputs())?;
         let (model, validated) = self.flags.run()?;
         Results::default().file(Some(&self.output), report(&model, &validated).html()).write(console)?;
-        if self.output == Path::new("-") {
-            return Ok(());
-        }
-        let text = capitalised(&verdict(validated.verdict(&model).as_ref()));
-        console.print(&console.paragraph(&format!("{text}; wrote {}.", self.output.display()), ""))
+        let verdict = verdict(validated.verdict(&model).as_ref());
+        if is_free { console.sentence(&format!("{verdict}; wrote {}", self.output.display())) } else { Ok(()) }
     }
 }

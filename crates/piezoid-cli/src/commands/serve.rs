@@ -1,13 +1,8 @@
 //! `piezoid serve`: the page on this machine, with a project folder.
 
-use super::Run;
-use crate::console::Console;
-use crate::flags::failed;
-use anyhow::Result;
-use clap::Args;
+use super::prelude::*;
 use clap::builder::RangedU64ValueParser;
 use piezoid_serve::Settings;
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 const EXAMPLES: &str = "\

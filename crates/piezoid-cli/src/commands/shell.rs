@@ -1,10 +1,7 @@
 //! `piezoid completions` and `piezoid man`: completion scripts and manual pages.
 
-use super::Run;
-use crate::console::Console;
+use super::prelude::*;
 use crate::values::Ended::Misused;
-use anyhow::Result;
-use clap::Args;
 
 const COMPLETE: &str = "\
 Examples:

@@ -1,17 +1,10 @@
 //! `piezoid simulate`: the response of a plant or a model to a drive signal.
 
-use super::Run;
 use super::lists;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::values::{apart, record};
-use anyhow::{Result, bail};
-use clap::Args;
+use super::prelude::*;
+use crate::values::record;
 use piezoid::hammerstein::InitialCondition;
 use piezoid_verbs::SimulateOptions;
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -57,8 +50,7 @@ pub(crate) struct Simulate {
 impl Run for Simulate {
     fn run(self, console: &Console) -> Result<()> {
         let Some(input) = self.file.or(self.input) else { bail!("name the file of the drive signal") };
-        apart(&[Some(&self.output)], &[&input])?;
-        files::ready(&[Some(&self.output)])?;
+        files::check(&[Some(&self.output)], &[&input])?;
         let (mut options, columns) = (self.options.0, &self.columns.read()?);
         if self.settled {
             options.begin = InitialCondition::Settled;
@@ -70,9 +62,7 @@ impl Run for Simulate {
             _ => bail!("name a --plant or a --model"),
         };
         let result = result.map_err(failed)?;
-        if !result.reached.is_empty() {
-            console.remark(&result.reached);
-        }
+        console.remarks(Some(&result.reached).filter(|text| !text.is_empty()));
         Results::default().record(Some(&self.output), |name| result.written(name))?.write(console)
     }
 }

@@ -1,16 +1,9 @@
 //! `piezoid study`: the paper's experiment from end to end.
 
-use super::Run;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::layout::table;
-use anyhow::{Result, bail};
-use clap::Args;
+use super::prelude::*;
 use piezoid_host::files::FileSet;
 use piezoid_numerics::number::{round, short as number};
 use piezoid_report::study::{self, METHODS, Study as Outcome, StudyOptions};
-use std::path::{Path, PathBuf};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -72,8 +65,7 @@ fn summary(study: &Outcome, console: &Console) -> String {
         header.extend((!printed).then_some("u [V]"));
         header.extend(METHODS.iter().map(|m| m.name));
         header.extend(printed.then_some("paper"));
-        let rows: Vec<_> = study.frequencies.iter().map(row).collect();
-        format!("\n{}\n{}", title, table(&header, &rows, console.room()))
+        format!("\n{}\n{}", title, console.table(&header, study.frequencies.iter().map(row)))
     };
     text += &of_frequencies(
         &format!("Table 1: mean squared error on the stepped sine of {} steps [mm^2]", Outcome::STEPS_USED),
@@ -86,9 +78,8 @@ fn summary(study: &Outcome, console: &Console) -> String {
     text += &of_frequencies("The same as rms error [% of peak-to-peak]", &|r| r.metrics.rms_pp_percent, false);
 
     let coefficients = |b: &study::StudyBlock| [b.name.to_string()].into_iter().chain(b.printed()).collect();
-    let rows: Vec<_> = study.blocks.iter().map(coefficients).collect();
-    let header = ["linear block", "a1", "a2", "b0", "b1", "b2"];
-    text += &format!("\nTable 2: the linear block [b in mm/V]\n{}", table(&header, &rows, console.room()));
+    let table = console.table(&["linear block", "a1", "a2", "b0", "b1", "b2"], study.blocks.iter().map(coefficients));
+    text += &format!("\nTable 2: the linear block [b in mm/V]\n{table}");
 
     let dynamics = |b: &study::StudyBlock| {
         let pole = b.arx.poles().pop();
@@ -97,15 +88,13 @@ fn summary(study: &Outcome, console: &Console) -> String {
         let part = |what: &dyn Fn(piezoid::linear::Pole) -> f64| pole.map_or("-".into(), |p| number(what(p)));
         vec![b.name.into(), part(&|p| p.hz), part(&|p| p.damping), zeros.join("  "), inverse.into()]
     };
-    let rows: Vec<_> = study.blocks.iter().map(dynamics).collect();
     let header = ["linear block", "pole [Hz]", "damping", "moduli of zeros", "inverse (equation 8)"];
-    text += &format!("\nPoles, zeros and inverse of the linear block\n{}", table(&header, &rows, console.room()));
-    text += "\n";
+    let table = console.table(&header, study.blocks.iter().map(dynamics));
+    text += &format!("\nPoles, zeros and inverse of the linear block\n{table}\n");
     let paragraphs: Vec<String> = study.verdict().split("\n\n").map(|p| console.paragraph(p, "")).collect();
     text += &paragraphs.join("\n");
     for note in &study.notes {
-        text += "\n";
-        text += &console.paragraph(&format!("* {note}"), "  ");
+        text += &format!("\n{}", console.paragraph(&format!("* {note}"), "  "));
     }
     text + "\n"
 }

@@ -1,19 +1,10 @@
 //! `piezoid validate`: free runs of a model against validation records.
 
-use super::Run;
-use crate::columns::Columns;
-use crate::console::Console;
-use crate::files::{self, Results};
-use crate::flags::{Flags, failed};
-use crate::layout::capitalised;
+use super::prelude::*;
 use crate::tables;
-use crate::values::apart;
-use anyhow::Result;
-use clap::Args;
 use piezoid::Model;
 use piezoid::validation::ValidateOptions;
 use piezoid_verbs::{Source, ValidateRecords, Validated};
-use std::path::PathBuf;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -75,10 +66,8 @@ impl ValidationFlags {
 
 impl Run for Validate {
     fn run(self, console: &Console) -> Result<()> {
-        apart(&[self.json.as_deref()], &self.flags.inputs())?;
-        files::ready(&[self.json.as_deref()])?;
+        let is_free = files::check(&[self.json.as_deref()], &self.flags.inputs())?;
         let (model, validated) = self.flags.run()?;
-        let is_free = self.json.as_deref() != Some(std::path::Path::new("-"));
         if is_free {
             console.print(&match self.full || self.verbose {
                 true => tables::all(&validated, self.full, console),
@@ -86,12 +75,11 @@ impl Run for Validate {
             })?;
         }
         for compared in &validated.files {
-            for remark in compared.record.history().iter().chain(&compared.validation.remarks) {
-                console.remark(&format!("{}: {remark}", compared.name));
-            }
+            let remarks = compared.record.history().iter().chain(&compared.validation.remarks);
+            console.remarks(remarks.map(|remark| format!("{}: {remark}", compared.name)));
         }
         Results::default().json(self.json.as_deref(), &validated.to_json()).write(console)?;
-        let text = capitalised(&tables::verdict(validated.verdict(&model).as_ref()));
-        if is_free { console.print(&console.paragraph(&format!("{text}."), "")) } else { Ok(()) }
+        let verdict = tables::verdict(validated.verdict(&model).as_ref());
+        if is_free { console.sentence(&verdict) } else { Ok(()) }
     }
 }
