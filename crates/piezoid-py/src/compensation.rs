@@ -1,39 +1,14 @@
 //! From a displacement to a voltage.
 
 use crate::error::{raised, refused};
-use crate::json::{members, options};
 use crate::model::Model;
-use crate::samples::{array, samples, slice};
+use crate::samples::{Array, array, samples, slice};
 use crate::watch::in_pieces;
-use numpy::PyArray1;
 use piezoid::System;
-use piezoid::compensation::{Causal, Compensated, FeedForwardSettings};
-use piezoid_verbs::CompensateOptions;
+use piezoid::compensation::{Causal, FeedForwardSettings};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
-use pyo3::types::PyDict;
-use serde_json::json;
 use std::sync::{Mutex, MutexGuard, PoisonError};
-
-/// Settings of a feed-forward.
-pub(crate) fn feed_forward_settings(settings: &Bound<'_, PyDict>) -> PyResult<FeedForwardSettings> {
-    options::<CompensateOptions>(settings)?.settings().map_err(raised)
-}
-
-/// The voltage for a reference, the displacement that the model predicts, and the other results by name.
-pub(crate) fn compensated<'py>(
-    py: Python<'py>,
-    model: &piezoid::Model,
-    reference: &Bound<'_, PyAny>,
-    settings: &Bound<'_, PyDict>,
-) -> PyResult<Bound<'py, PyDict>> {
-    let (read, options) = (samples("reference", reference)?, options::<CompensateOptions>(settings)?);
-    let r = slice(&read)?;
-    let result = py.detach(|| options.of(model, r.to_vec())).map_err(raised)?;
-    let Compensated { u, reached, usage, clipped, notes } = result.compensated;
-    let document = json!({"usage": usage, "clipped": clipped, "notes": notes});
-    members(py, &document, [("u", array(py, u).into_any()), ("reached", array(py, reached).into_any())])
-}
 
 /// The inverse of a model, sample by sample; it keeps its state between calls.
 #[pyclass(frozen, module = "piezoid")]
@@ -75,13 +50,13 @@ impl FeedForward {
     }
 
     /// The voltages for the next samples of the reference, from the present state.
-    fn resume(&self, py: Python<'_>, reference: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+    fn resume(&self, py: Python<'_>, reference: &Bound<'_, PyAny>) -> PyResult<Array> {
         let read = samples("reference", reference)?;
         let r = slice(&read)?;
         let mut state = self.state(py);
         let x: &mut Vec<f64> = &mut state;
         let u = in_pieces(py, r, |r| self.causal.resume(x, r))?;
-        Ok(array(py, u).unbind())
+        Ok(array(py, u))
     }
 
     /// Resets the state: at rest, or settled at `reference`.

@@ -5,7 +5,7 @@ use crate::error::{raised, refused};
 use crate::json::{object, options};
 use crate::model::Model;
 use crate::plant::Plant;
-use crate::samples::{array, samples, slice};
+use crate::samples::{Array, array, samples, slice};
 use crate::watch::watched;
 use piezoid::System;
 use piezoid::control::{NamedReference, Reference};
@@ -16,16 +16,9 @@ use pyo3::types::{PyDict, PyList};
 
 /// `n` samples of the reference called `name`.
 #[pyfunction]
-pub(crate) fn follow(
-    py: Python<'_>,
-    name: &str,
-    ts: f64,
-    n: usize,
-    peak: f64,
-    hz: f64,
-) -> PyResult<Py<numpy::PyArray1<f64>>> {
+pub(crate) fn follow(py: Python<'_>, name: &str, ts: f64, n: usize, peak: f64, hz: f64) -> PyResult<Array> {
     let kind = Reference::find(name).map_err(raised)?;
-    kind.samples(ts, n, peak, hz).map(|r| array(py, r).unbind()).map_err(raised)
+    kind.samples(ts, n, peak, hz).map(|r| array(py, r)).map_err(raised)
 }
 
 /// Runs each scheme along each reference on a plant. Returns a document of figures, the runs, and a page.

@@ -50,7 +50,7 @@ pub(crate) fn export<'py>(
     let files = PyDict::new(py);
     result.files.iter().try_for_each(|file| files.set_item(&file.name, PyBytes::new(py, &file.bytes)))?;
     let document = json!({"functions": result.to_json()["functions"], "notes": result.notes});
-    members(py, &document, [("files", files.into_any())])
+    members(py, &document, [("files", files.into_any().unbind())])
 }
 
 /// The operators of a list that a target serves: `auto` without the others.

@@ -5,7 +5,7 @@ use crate::model::Model;
 use crate::record::Record;
 use crate::watch::watched;
 use piezoid::{IdentifyOptions, Records};
-use piezoid_verbs::{File, IdentifyAgain};
+use piezoid_verbs::{File, identify_again};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -40,6 +40,6 @@ pub(crate) fn again(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Model> {
     let files: Vec<File> = files.into_iter().map(|(name, bytes)| File::new(name, bytes)).collect();
-    let again = watched(py, progress, |progress| model.get().model.again(&files, progress))?;
+    let again = watched(py, progress, |progress| identify_again(&model.get().model, &files, progress))?;
     Ok(again.found.model.into())
 }

@@ -35,7 +35,7 @@ pub(crate) fn object(py: Python<'_>, value: &Value) -> PyResult<Py<PyAny>> {
 pub(crate) fn members<'py>(
     py: Python<'py>,
     document: &Value,
-    others: impl IntoIterator<Item = (&'static str, Bound<'py, PyAny>)>,
+    others: impl IntoIterator<Item = (&'static str, Py<PyAny>)>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let dict = object(py, document)?.into_bound(py).cast_into::<PyDict>()?;
     others.into_iter().try_for_each(|(name, value)| dict.set_item(name, value))?;

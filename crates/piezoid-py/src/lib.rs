@@ -23,29 +23,20 @@ mod watch;
 #[pyo3::pymodule]
 mod _piezoid {
     #[pymodule_export]
-    use crate::compare::compare;
-    #[pymodule_export]
-    use crate::compensation::FeedForward;
-    #[pymodule_export]
-    use crate::control::{control, follow};
-    #[pymodule_export]
-    use crate::error::PiezoidError;
-    #[pymodule_export]
-    use crate::export::{export, served, unfinished, write};
-    #[pymodule_export]
-    use crate::identify::{again, identify};
-    #[pymodule_export]
-    use crate::linear::{Arx, fit};
-    #[pymodule_export]
-    use crate::lists::{excite, lists, plan};
-    #[pymodule_export]
-    use crate::model::Model;
-    #[pymodule_export]
-    use crate::plant::Plant;
-    #[pymodule_export]
-    use crate::record::{Columns, Record};
-    #[pymodule_export]
-    use crate::study::study;
+    use crate::{
+        compare::compare,
+        compensation::FeedForward,
+        control::{control, follow},
+        error::PiezoidError,
+        export::{export, served, unfinished, write},
+        identify::{again, identify},
+        linear::{Arx, fit},
+        lists::{excite, lists, plan},
+        model::Model,
+        plant::Plant,
+        record::{Columns, Record},
+        study::study,
+    };
 
     #[pymodule_export]
     #[allow(non_upper_case_globals)]

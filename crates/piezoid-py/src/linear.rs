@@ -4,9 +4,8 @@ use crate::error::raised;
 use crate::json::{object, options};
 use crate::model::finite;
 use crate::record::Record;
-use crate::samples::{array, samples, slice};
+use crate::samples::{Array, array, samples, slice};
 use crate::watch::watched;
-use numpy::PyArray1;
 use piezoid::linear::{self, Estimator, Orders};
 use piezoid::{IdentifyOptions, System};
 use pyo3::prelude::*;
@@ -34,13 +33,13 @@ impl Arx {
     }
 
     #[getter]
-    fn a(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.arx.a().to_vec()).unbind()
+    fn a(&self, py: Python<'_>) -> Array {
+        array(py, self.arx.a().to_vec())
     }
 
     #[getter]
-    fn b(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.arx.b().to_vec()).unbind()
+    fn b(&self, py: Python<'_>) -> Array {
+        array(py, self.arx.b().to_vec())
     }
 
     #[getter]
@@ -64,14 +63,14 @@ impl Arx {
         object(py, &json!(self.arx.zeros()))
     }
 
-    fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+    fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Array> {
         let settings = samples("u", u)?;
         let u = finite("u", slice(&settings)?)?;
         let y = py.detach(|| self.arx.simulate(u));
-        Ok(array(py, y).unbind())
+        Ok(array(py, y))
     }
 
-    fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+    fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Array> {
         let settings = (samples("u", u)?, samples("y", y)?);
         let (u, y) = (finite("u", slice(&settings.0)?)?, finite("y", slice(&settings.1)?)?);
         if u.len() != y.len() {
@@ -79,7 +78,7 @@ impl Arx {
             return Err(raised(piezoid::Error::Lengths { left, left_len: u.len(), right, right_len: y.len() }));
         }
         let predicted = py.detach(|| self.arx.predict(u, y));
-        Ok(array(py, predicted).unbind())
+        Ok(array(py, predicted))
     }
 
     fn __eq__(&self, other: &Self) -> bool {

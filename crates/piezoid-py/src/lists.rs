@@ -4,8 +4,7 @@ use crate::compensation::inner;
 use crate::error::raised;
 use crate::json::{document, members, object, options, rows};
 use crate::model::Model;
-use crate::samples::array;
-use numpy::PyArray1;
+use crate::samples::{Array, array};
 use piezoid::excitation::{EXCITATIONS, Excitation};
 use piezoid_host::files::FileSet;
 use piezoid_operations::catalogue;
@@ -51,11 +50,11 @@ pub(crate) fn excite(
     name: &str,
     common: &Bound<'_, PyDict>,
     own: &Bound<'_, PyDict>,
-) -> PyResult<Py<PyArray1<f64>>> {
+) -> PyResult<Array> {
     let (excitation, own) = (Excitation::find(name).map_err(raised)?, document(own)?);
     let common: ExciteOptions = options(common)?;
     let result = py.detach(|| common.run(excitation, own)).map_err(raised)?;
-    Ok(array(py, result.u).unbind())
+    Ok(array(py, result.u))
 }
 
 /// The drives of an identification with their sampling period; the page, notes and advice. Files are written into a
@@ -77,5 +76,5 @@ pub(crate) fn plan<'py>(
     let document = json!({"ts": plan.ts, "page": plan.page(), "notes": plan.notes, "advice": plan.advice});
     let drives = PyDict::new(py);
     plan.drives.into_iter().try_for_each(|drive| drives.set_item(drive.name, array(py, drive.u)))?;
-    members(py, &document, [("drives", drives.into_any())])
+    members(py, &document, [("drives", drives.into_any().unbind())])
 }

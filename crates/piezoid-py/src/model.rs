@@ -1,15 +1,17 @@
 //! Models: from a voltage to a displacement, and the inverse.
 
-use crate::compensation::{FeedForward, compensated, feed_forward_settings};
+use crate::compensation::FeedForward;
 use crate::error::{raised, refused};
-use crate::json::{object, options};
+use crate::json::{members, object, options};
 use crate::record::Record;
-use crate::samples::{array, samples, slice};
+use crate::samples::{Array, array, samples, slice};
 use crate::watch::in_pieces;
 use numpy::{Complex64, PyArray1};
+use piezoid::compensation::Compensated;
 use piezoid::hammerstein::InitialCondition;
 use piezoid::validation::ValidateOptions;
 use piezoid::{StatedVerdict, System, Validate};
+use piezoid_verbs::CompensateOptions;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -60,13 +62,13 @@ impl Model {
     }
 
     #[getter]
-    fn a(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.model.linear().a().to_vec()).unbind()
+    fn a(&self, py: Python<'_>) -> Array {
+        array(py, self.model.linear().a().to_vec())
     }
 
     #[getter]
-    fn b(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        array(py, self.model.linear().b().to_vec()).unbind()
+    fn b(&self, py: Python<'_>) -> Array {
+        array(py, self.model.linear().b().to_vec())
     }
 
     #[getter]
@@ -111,49 +113,39 @@ impl Model {
     }
 
     #[pyo3(signature = (u, begin="rest"))]
-    fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>, begin: &str) -> PyResult<Py<PyArray1<f64>>> {
+    fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>, begin: &str) -> PyResult<Array> {
         let settings = samples("u", u)?;
         let u = finite("u", slice(&settings)?)?;
         let initial_condition = match begin {
-            "rest" => InitialCondition::Rest,
-            "settled" => InitialCondition::Settled,
-            "from-above" => InitialCondition::FromAbove,
-            "from-below" => InitialCondition::FromBelow,
-            "motion" => InitialCondition::Motion,
             "likely" => InitialCondition::of(u)[0],
-            _ => {
+            name => serde_json::from_value(json!(name)).map_err(|_| {
                 let rule = "must be rest, settled, from-above, from-below, motion or likely";
-                return Err(refused(&format!("begin = {begin}: {rule}")));
-            }
+                refused(&format!("begin = {begin}: {rule}"))
+            })?,
         };
         let mut x = py.detach(|| self.model.before(u, initial_condition));
         let y = in_pieces(py, u, |u| self.model.resume(&mut x, u))?;
-        Ok(array(py, y).unbind())
+        Ok(array(py, y))
     }
 
     /// Prediction one step ahead, from measured outputs.
-    fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+    fn predict(&self, py: Python<'_>, u: &Bound<'_, PyAny>, y: &Bound<'_, PyAny>) -> PyResult<Array> {
         let settings = (samples("u", u)?, samples("y", y)?);
         let (u, y) = (finite("u", slice(&settings.0)?)?, finite("y", slice(&settings.1)?)?);
         let predicted = py.detach(|| self.model.predict(u, y)).map_err(raised)?;
-        Ok(array(py, predicted).unbind())
+        Ok(array(py, predicted))
     }
 
     /// The output of hysteresis and creep for this input.
-    fn hidden(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+    fn hidden(&self, py: Python<'_>, u: &Bound<'_, PyAny>) -> PyResult<Array> {
         let settings = samples("u", u)?;
         let u = finite("u", slice(&settings)?)?;
         let z = py.detach(|| self.model.simulate_before_linear(u));
-        Ok(array(py, z).unbind())
+        Ok(array(py, z))
     }
 
     /// The figures of a free run as a document, and the free run.
-    fn _validate(
-        &self,
-        py: Python<'_>,
-        record: &Record,
-        settings: &Bound<'_, PyDict>,
-    ) -> PyResult<(Py<PyAny>, Py<PyArray1<f64>>)> {
+    fn _validate(&self, py: Python<'_>, record: &Record, settings: &Bound<'_, PyDict>) -> PyResult<(Py<PyAny>, Array)> {
         let options: ValidateOptions = options(settings)?;
         let v = py.detach(|| self.model.validate_with(&record.record, &options)).map_err(raised)?;
         let figures = json!({
@@ -163,20 +155,27 @@ impl Model {
             "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,
             "whiteness": v.whiteness, "remarks": v.remarks, "unproven": v.not_covered,
         });
-        Ok((object(py, &figures)?, array(py, v.simulated).unbind()))
+        Ok((object(py, &figures)?, array(py, v.simulated)))
     }
 
     fn _inverse(&self, delay_samples: usize, settings: &Bound<'_, PyDict>) -> PyResult<FeedForward> {
-        FeedForward::new(&self.model, feed_forward_settings(settings)?, delay_samples)
+        let settings = options::<CompensateOptions>(settings)?.settings().map_err(raised)?;
+        FeedForward::new(&self.model, settings, delay_samples)
     }
 
+    /// The voltage for a reference, the displacement that the model predicts, and the other results by name.
     fn _compensation<'py>(
         &self,
         py: Python<'py>,
         reference: &Bound<'_, PyAny>,
         settings: &Bound<'_, PyDict>,
     ) -> PyResult<Bound<'py, PyDict>> {
-        compensated(py, &self.model, reference, settings)
+        let (read, options) = (samples("reference", reference)?, options::<CompensateOptions>(settings)?);
+        let r = slice(&read)?;
+        let result = py.detach(|| options.of(&self.model, r.to_vec())).map_err(raised)?;
+        let Compensated { u, reached, usage, clipped, notes } = result.compensated;
+        let document = json!({"usage": usage, "clipped": clipped, "notes": notes});
+        members(py, &document, [("u", array(py, u).into_any()), ("reached", array(py, reached).into_any())])
     }
 
     /// The content of its file.

@@ -3,9 +3,8 @@
 use crate::error::raised;
 use crate::json::options;
 use crate::model::finite;
-use crate::samples::{array, samples, slice};
+use crate::samples::{Array, array, samples, slice};
 use crate::watch::in_pieces;
-use numpy::PyArray1;
 use piezoid::System;
 use piezoid::plant::{self, Spec};
 use piezoid_verbs::SimulateOptions;
@@ -49,14 +48,14 @@ impl Plant {
         u: &Bound<'_, PyAny>,
         ts: f64,
         settings: &Bound<'_, PyDict>,
-    ) -> PyResult<(Py<PyArray1<f64>>, Option<String>)> {
+    ) -> PyResult<(Array, Option<String>)> {
         let (read, options) = (samples("u", u)?, options::<SimulateOptions>(settings)?);
         let u = finite("u", slice(&read)?)?;
         let plant = plant::Plant::new(&self.spec, ts).map_err(raised)?.with_seed(options.seed);
         let mut x = options.before(&plant, u);
         let y = in_pieces(py, u, |u| plant.resume(&mut x, u))?;
         let saturation = plant.saturation(&x);
-        Ok((array(py, y).unbind(), saturation.any().then(|| saturation.to_string())))
+        Ok((array(py, y), saturation.any().then(|| saturation.to_string())))
     }
 
     fn __eq__(&self, other: &Self) -> bool {

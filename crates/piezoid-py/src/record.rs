@@ -2,12 +2,11 @@
 
 use crate::error::{raised, refused};
 use crate::json::{object, options};
-use crate::samples::{frozen, samples, slice};
-use numpy::PyArray1;
+use crate::samples::{Array, array, frozen, samples, slice};
 use piezoid::formats::{Channel, ColumnSelection, Format, Signal, Table};
 use piezoid::{PrepareOptions, Units};
 use piezoid_host::files;
-use piezoid_verbs::{InspectTable, Origin, Step};
+use piezoid_verbs::{Origin, Step, inspect};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::PyDict;
@@ -20,8 +19,8 @@ pub(crate) struct Record {
     pub(crate) record: piezoid::Record,
     /// Where it comes from, if not from arrays.
     pub(crate) origin: Option<Origin>,
-    u: PyOnceLock<Py<PyArray1<f64>>>,
-    y: PyOnceLock<Py<PyArray1<f64>>>,
+    u: PyOnceLock<Array>,
+    y: PyOnceLock<Array>,
 }
 
 impl From<piezoid::Record> for Record {
@@ -67,15 +66,13 @@ impl Record {
     }
 
     #[getter]
-    fn u(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
-        let result = || frozen(py, self.record.u()).map(Bound::unbind);
-        self.u.get_or_try_init(py, result).map(|u| u.clone_ref(py))
+    fn u(&self, py: Python<'_>) -> PyResult<Array> {
+        self.u.get_or_try_init(py, || frozen(py, self.record.u())).map(|u| u.clone_ref(py))
     }
 
     #[getter]
-    fn y(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
-        let result = || frozen(py, self.record.y()).map(Bound::unbind);
-        self.y.get_or_try_init(py, result).map(|y| y.clone_ref(py))
+    fn y(&self, py: Python<'_>) -> PyResult<Array> {
+        self.y.get_or_try_init(py, || frozen(py, self.record.y())).map(|y| y.clone_ref(py))
     }
 
     #[getter]
@@ -206,7 +203,7 @@ impl Columns {
     ) -> PyResult<(Py<PyAny>, Option<Record>, Option<String>)> {
         let columns = selection(settings, profile)?;
         let format = self.file.as_ref().map_or("arrays", |(format, _)| format);
-        let (inspection, read) = self.table.inspect(name, format, &columns);
+        let (inspection, read) = inspect(&self.table, name, format, &columns);
         let (record, error) = match read {
             Ok(record) => (Some(self.read_as(columns, record)), None),
             Err(error) => (None, Some(raised(error).value(py).to_string())),
@@ -222,36 +219,25 @@ impl Columns {
     }
 
     /// The sampling period [s] and the samples of the input, in this unit; `ts` is the period if no column is a time.
-    fn input(
-        &self,
-        py: Python<'_>,
-        settings: &Bound<'_, PyDict>,
-        model: (String, f64),
-    ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
+    fn input(&self, py: Python<'_>, settings: &Bound<'_, PyDict>, model: (String, f64)) -> PyResult<(f64, Array)> {
         let ((unit, ts), mut selection) = (model, options::<ColumnSelection>(settings)?);
         if !self.table.is_timed(&selection) {
             selection.ts = Some(ts);
         }
-        let Signal { ts, mut samples, unit: own } = self.table.input(&selection).map_err(raised)?;
-        let Some(factor) = Units::factor(&own, &unit) else {
-            return Err(refused(&format!("the input is in {own}, but {unit} is needed: convert it first")));
-        };
-        samples.iter_mut().for_each(|u| *u *= factor);
-        Ok((ts, crate::samples::array(py, samples).unbind()))
+        converted(py, self.table.input(&selection).map_err(raised)?, "the input", &unit)
     }
 
     /// The sampling period [s] and the samples of the reference, in this unit.
-    fn reference(
-        &self,
-        py: Python<'_>,
-        settings: &Bound<'_, PyDict>,
-        unit: &str,
-    ) -> PyResult<(f64, Py<PyArray1<f64>>)> {
-        let Signal { ts, mut samples, unit: own } = self.table.reference(&options(settings)?).map_err(raised)?;
-        let Some(factor) = Units::factor(&own, unit) else {
-            return Err(refused(&format!("the reference is in {own}, but {unit} is needed: convert it first")));
-        };
-        samples.iter_mut().for_each(|r| *r *= factor);
-        Ok((ts, crate::samples::array(py, samples).unbind()))
+    fn reference(&self, py: Python<'_>, settings: &Bound<'_, PyDict>, unit: &str) -> PyResult<(f64, Array)> {
+        converted(py, self.table.reference(&options(settings)?).map_err(raised)?, "the reference", unit)
     }
+}
+
+/// The sampling period of a signal, and its samples in this unit.
+fn converted(py: Python<'_>, signal: Signal, what: &str, unit: &str) -> PyResult<(f64, Array)> {
+    let Some(factor) = Units::factor(&signal.unit, unit) else {
+        let own = signal.unit;
+        return Err(refused(&format!("{what} is in {own}, but {unit} is needed: convert it first")));
+    };
+    Ok((signal.ts, array(py, signal.samples.iter().map(|v| v * factor).collect())))
 }

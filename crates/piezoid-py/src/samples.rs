@@ -6,6 +6,9 @@ use pyo3::intern;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
+/// A series of numbers in Python.
+pub(crate) type Array = Py<PyArray1<f64>>;
+
 /// The samples of a Python object: a view of a contiguous array of doubles, or a converted copy of anything else.
 ///
 /// # Errors
@@ -50,16 +53,16 @@ fn converted<'py>(what: &str, settings: &Bound<'py, PyAny>) -> PyResult<PyReadon
 }
 
 /// A vector as an array that owns it, without a copy.
-pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Bound<'_, PyArray1<f64>> {
-    PyArray1::from_vec(py, values)
+pub(crate) fn array(py: Python<'_>, values: Vec<f64>) -> Array {
+    PyArray1::from_vec(py, values).unbind()
 }
 
 /// The same as a read-only array, because several objects share it.
-pub(crate) fn frozen<'py>(py: Python<'py>, values: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {
+pub(crate) fn frozen(py: Python<'_>, values: &[f64]) -> PyResult<Array> {
     let array = PyArray1::from_slice(py, values);
     array.call_method1(intern!(py, "setflags"), (false,))?;
     // A view, because an array that owns its samples could be made writable again.
-    Ok(array.call_method0(intern!(py, "view"))?.cast_into()?)
+    Ok(array.call_method0(intern!(py, "view"))?.cast_into()?.unbind())
 }
 
 /// The samples as a slice.

@@ -1,7 +1,6 @@
 //! Several models on the same records.
 
-use super::validate::ValidateRecords;
-use super::validate::records;
+use super::validate::{ValidateRecords, records};
 use super::{File, Source, Validated, short};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;

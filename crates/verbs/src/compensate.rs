@@ -44,13 +44,6 @@ pub struct Compensation {
     pub verdict: Option<Verdict>,
 }
 
-impl Compensation {
-    /// How good the model is, in words.
-    pub fn proven(&self) -> String {
-        verdict::proven(self.verdict.as_ref())
-    }
-}
-
 impl CompensateOptions {
     /// Settings of the feed-forward.
     ///
@@ -85,6 +78,11 @@ impl CompensateOptions {
 }
 
 impl Compensation {
+    /// How good the model is, in words.
+    pub fn proven(&self) -> String {
+        verdict::proven(self.verdict.as_ref())
+    }
+
     /// Errors of the free run against the shaped reference, and, if it differs, against the requested one.
     pub fn metrics(&self) -> (Metrics, Option<Metrics>) {
         let of = |r: &[f64]| Metrics::of(r, &self.compensated.reached);

@@ -301,12 +301,8 @@ impl ComparisonReport for Comparison {
                             }
                         }
                         if run.limited > 0 {
-                            let n = run.u.len();
-                            message.push(format!(
-                                "{}, {along}: {} of {n} voltages are at a limit",
-                                d.name(),
-                                run.limited
-                            ));
+                            let (name, limited, n) = (d.name(), run.limited, run.u.len());
+                            message.push(format!("{name}, {along}: {limited} of {n} voltages are at a limit"));
                         }
                     }
                 }

@@ -117,24 +117,18 @@ impl Records<'_> {
     /// # Errors
     /// The errors of [`identify`], and [`Error::Cancelled`].
     pub fn identify(self, options: &IdentifyOptions, progress: &mut Progress) -> Result<Identified, Error> {
-        options.settings()?.identify(self, progress)
+        let Records { small_signal, large_signal } = self;
+        match options.settings()? {
+            Settings::Joint(settings) => identify_joint(small_signal, large_signal, &settings, progress),
+            Settings::Paper(settings) => identify_paper(small_signal, large_signal, &settings, progress),
+        }
     }
 }
 
 /// The settings of the method: options that were checked.
-pub(crate) enum Settings {
+enum Settings {
     Joint(JointOptions),
     Paper(PaperOptions),
-}
-
-impl Settings {
-    pub(crate) fn identify(&self, records: Records, progress: &mut Progress) -> Result<Identified, Error> {
-        let Records { small_signal, large_signal } = records;
-        match self {
-            Settings::Joint(settings) => identify_joint(small_signal, large_signal, settings, progress),
-            Settings::Paper(settings) => identify_paper(small_signal, large_signal, settings, progress),
-        }
-    }
 }
 
 impl<'r, R: AsRef<[Record]> + ?Sized> From<&'r R> for Records<'r> {
@@ -181,7 +175,7 @@ impl IdentifyOptions {
         self.settings().map(drop)
     }
 
-    pub(crate) fn settings(&self) -> Result<Settings, Error> {
+    fn settings(&self) -> Result<Settings, Error> {
         piezoid_models::hysteresis::Operator::list(&self.operator)?;
         self.check_method()?;
         match self.method {

@@ -3,7 +3,7 @@
 use super::origin::{Origin, Training};
 use super::verdict::StatedVerdict;
 use super::{Compared, Source, Verdict};
-use crate::identification::{IdentifyOptions, Method, Records, Settings};
+use crate::identification::{IdentifyOptions, Method, Records};
 use piezoid_identification::Identified;
 use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::linear::{Arx, PoleShare};
@@ -11,8 +11,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::options::Options;
 use piezoid_numerics::progress::Progress;
 use piezoid_records::record::Record;
-use piezoid_validation::Validate;
-use piezoid_validation::{Linearity, Offset, ValidateOptions};
+use piezoid_validation::{Linearity, Offset, Validate, ValidateOptions};
 use serde_json::{Value, json};
 
 /// A model, the other results of its identification, and its errors on the training data.
@@ -38,14 +37,14 @@ impl IdentifyOptions {
         command: &str,
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
-        let settings = self.settings()?;
+        self.check()?;
         let read = |sources: &[Source]| sources.iter().map(Source::record).collect::<Result<Vec<_>, _>>();
         let (small_signal, large_signal) = (read(small)?, read(large)?);
         let sources = || small.iter().chain(large);
         let origins: Vec<_> = sources().map(Source::origin).collect();
         let names: Vec<&str> = sources().map(|source| &*source.file.name).collect();
         let records = Records { small_signal: &small_signal, large_signal: &large_signal };
-        let mut result = self.validated(settings, records, &names, (command, &origins), progress)?;
+        let mut result = self.identify_and_validate(records, &names, (command, &origins), progress)?;
         let histories = names.iter().zip(small_signal.iter().chain(&large_signal));
         let steps =
             histories.flat_map(|(name, record)| record.history().iter().map(move |step| format!("{name}: {step}")));
@@ -62,21 +61,10 @@ impl IdentifyOptions {
         &self,
         records: Records,
         names: &[&str],
-        provenance: (&str, &[Origin]),
-        progress: &mut Progress,
-    ) -> Result<Identification, Error> {
-        self.validated(self.settings()?, records, names, provenance, progress)
-    }
-
-    fn validated(
-        &self,
-        settings: Settings,
-        records: Records,
-        names: &[&str],
         (command, origins): (&str, &[Origin]),
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
-        let mut found = settings.identify(records, progress).map_err(|error| named(error, records, names))?;
+        let mut found = records.identify(self, progress).map_err(|error| named(error, records, names))?;
         // The joint method fits a separate offset for each record.
         let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
         let options = ValidateOptions { offset, ..ValidateOptions::default() };
@@ -102,7 +90,7 @@ impl IdentifyOptions {
         Ok(Identification { found, training, linearity })
     }
 
-    /// How a model was identified, for its file: what repeats it (see [`Model::again`]), the operators that were tried,
+    /// How a model was identified, for its file: what repeats it (see [`identify_again`](crate::identify_again)), the operators that were tried,
     /// the parameters with their errors, notes and verdict. A report needs these, and the blocks do not contain them.
     fn fit(&self, found: &Identified, command: &str, files: &[Training], verdict: Option<&Verdict>) -> Value {
         let version = env!("CARGO_PKG_VERSION");

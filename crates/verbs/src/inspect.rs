@@ -3,7 +3,7 @@
 use super::File;
 use piezoid_numerics::error::Error;
 use piezoid_records::formats::{ColumnSelection, Format, Table};
-use piezoid_records::quality::{Finding, inspect};
+use piezoid_records::quality::{self, Finding};
 use piezoid_records::record::Record;
 use serde_json::{Value, json};
 use std::ops::Range;
@@ -29,7 +29,7 @@ impl File {
     /// Returns an error if the file has no format that is read, or is damaged.
     pub fn inspect(&self, columns: &ColumnSelection) -> Result<(Value, Result<Record, Error>), Error> {
         let table = Table::read(&self.name, &self.bytes).map_err(|error| error.of(&self.name))?;
-        Ok(table.inspect(&self.name, Format::of(&self.bytes).name, columns))
+        Ok(inspect(&table, &self.name, Format::of(&self.bytes).name, columns))
     }
 
     /// The selection that reads records like this one: the columns and units that were found, and the options in
@@ -45,44 +45,28 @@ impl File {
     }
 }
 
-/// Inspection of a table.
-pub trait InspectTable {
-    /// What a table with this name and format holds, as [`File::inspect`] gives it.
-    fn inspect(&self, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>);
-}
-
-impl InspectTable for Table {
-    fn inspect(&self, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
-        let read = self.record(columns);
-        let (record, history, problems, defects) = match &read {
-            Ok(record) => {
-                let found = inspect(record).findings;
-                let defects = found.iter().map(|finding| placed(finding, record.ts())).collect();
-                let texts = found.into_iter().map(|finding| finding.text).collect();
-                (described(record), record.history().to_vec(), texts, defects)
-            }
-            Err(error) => (Value::Null, Vec::new(), vec![error.to_string()], Vec::new()),
-        };
-        let inspection = json!({
-            "file": name,
-            "format": format,
-            "channels": self.described(columns),
-            "record": record,
-            "history": history,
-            "problems": problems,
-            "defects": defects,
-        });
-        (inspection, read)
-    }
+/// What a table with this name and format holds, as [`File::inspect`] gives it.
+pub fn inspect(table: &Table, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
+    let read = table.record(columns);
+    let (record, history, problems, defects) = match &read {
+        Ok(record) => {
+            let found = quality::inspect(record).findings;
+            let defects = found.iter().map(|finding| placed(finding, record.ts())).collect();
+            let texts = found.into_iter().map(|finding| finding.text).collect();
+            (described(record), record.history().to_vec(), texts, defects)
+        }
+        Err(error) => (Value::Null, Vec::new(), vec![error.to_string()], Vec::new()),
+    };
+    let inspection = json!({
+        "file": name, "format": format, "channels": table.described(columns), "record": record, "history": history,
+        "problems": problems, "defects": defects,
+    });
+    (inspection, read)
 }
 
 fn described(record: &Record) -> Value {
-    json!({
-        "ts": record.ts(),
-        "samples": record.len(),
-        "duration": record.duration(),
-        "units": record.units(),
-    })
+    let (ts, samples, duration) = (record.ts(), record.len(), record.duration());
+    json!({"ts": ts, "samples": samples, "duration": duration, "units": record.units()})
 }
 
 /// Most spans that are listed for a defect.

@@ -119,54 +119,47 @@ struct Recipe {
 /// Two models are the same but for rounding if their free runs differ by less [of the stroke].
 const ROUNDING: f64 = 1e-6;
 
-/// Identification of a model from the files that it names.
-pub trait IdentifyAgain {
-    /// Identifies this model again, from its files in any order and under any names, with its own options. If it is
-    /// not the same to the bit, the notes of the result say how far the two are apart.
-    ///
-    /// # Errors
-    /// Returns an error if the model does not state how it was identified, or if one of its records was in no file; if
-    /// a file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
-    fn again(&self, files: &[File], progress: &mut Progress) -> Result<Identification, Error>;
-}
-
-impl IdentifyAgain for Model {
-    fn again(&self, files: &[File], progress: &mut Progress) -> Result<Identification, Error> {
-        let older = |e| {
-            let why = "an older version wrote it, or another program than `identify`: identify it again";
-            Error::Content(format!("the model does not state how it was identified ({e}): {why}"))
-        };
-        let Recipe { command, version, options, files: training } =
-            Recipe::deserialize(self.provenance()).map_err(older)?;
-        let options = IdentifyOptions::from_json(options)?;
-        let origins: Vec<&Origin> = training.iter().map(|one| &one.origin).collect();
-        let of = |role: Role, sources: &[Source]| -> Vec<Source> {
-            let both = training.iter().zip(sources).filter(|(one, _)| one.role == role);
-            both.map(|(_, source)| source.clone()).collect()
-        };
-        let sources = sources(&origins, files)?;
-        let [small, large] = [Role::SmallSignal, Role::LargeSignal].map(|role| of(role, &sources));
-        let mut again = options.run((&small, &large), &command, progress)?;
-        if again.found.model != *self {
-            let mut apart = sources.iter().map(|source| apart(self, &again.found.model, &source.record()?));
-            let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;
-            let this = env!("CARGO_PKG_VERSION");
-            let versions = format!("identified by version {version}; this is version {this}");
-            if apart > ROUNDING {
-                let percent = piezoid_numerics::number::short(100.0 * apart);
-                let why = "it was changed since, or another version or machine identified it";
-                return Err(Error::Content(format!(
-                    "the repeated identification gives another model: free runs on the training records differ by up \
-                     to {percent} % of stroke ({versions}): {why}"
-                )));
-            }
-            again.found.notes.push(format!(
-                "the model is not the same to the bit ({versions}): free runs on the training records differ by up to \
-                 {apart:.1e} of stroke"
-            ));
+/// Identifies this model again, from its files in any order and under any names, with its own options. If it is not the
+/// same to the bit, the notes of the result say how far the two are apart.
+///
+/// # Errors
+/// Returns an error if the model does not state how it was identified, or if one of its records was in no file; if a
+/// file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
+pub fn identify_again(model: &Model, files: &[File], progress: &mut Progress) -> Result<Identification, Error> {
+    let older = |e| {
+        let why = "an older version wrote it, or another program than `identify`: identify it again";
+        Error::Content(format!("the model does not state how it was identified ({e}): {why}"))
+    };
+    let Recipe { command, version, options, files: training } =
+        Recipe::deserialize(model.provenance()).map_err(older)?;
+    let options = IdentifyOptions::from_json(options)?;
+    let origins: Vec<&Origin> = training.iter().map(|one| &one.origin).collect();
+    let of = |role: Role, sources: &[Source]| -> Vec<Source> {
+        let both = training.iter().zip(sources).filter(|(one, _)| one.role == role);
+        both.map(|(_, source)| source.clone()).collect()
+    };
+    let sources = sources(&origins, files)?;
+    let [small, large] = [Role::SmallSignal, Role::LargeSignal].map(|role| of(role, &sources));
+    let mut again = options.run((&small, &large), &command, progress)?;
+    if again.found.model != *model {
+        let mut apart = sources.iter().map(|source| apart(model, &again.found.model, &source.record()?));
+        let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;
+        let this = env!("CARGO_PKG_VERSION");
+        let versions = format!("identified by version {version}; this is version {this}");
+        if apart > ROUNDING {
+            let percent = piezoid_numerics::number::short(100.0 * apart);
+            let why = "it was changed since, or another version or machine identified it";
+            return Err(Error::Content(format!(
+                "the repeated identification gives another model: free runs on the training records differ by up \
+                 to {percent} % of stroke ({versions}): {why}"
+            )));
         }
-        Ok(again)
+        again.found.notes.push(format!(
+            "the model is not the same to the bit ({versions}): free runs on the training records differ by up to \
+             {apart:.1e} of stroke"
+        ));
     }
+    Ok(again)
 }
 
 /// The largest difference of the free runs of two models on a record, over the stroke.
@@ -194,23 +187,20 @@ fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
         let (name, hash) = (&origin.file, &origin.sha256);
         let named = files.iter().zip(&hashes).find(|(file, _)| short(&file.name) == name);
         Err(Error::Content(match named {
-            Some((file, other)) => format!(
-                "{} is not the file that the model was identified from: its SHA-256 is {other}, but was {hash}: give \
-                 the file as it was",
-                file.name
+            Some((File { name, .. }, other)) => format!(
+                "{name} is not the file that the model was identified from: its SHA-256 is {other}, but was {hash}: \
+                 give the file as it was"
             ),
             None => format!("the model was identified from {name} (SHA-256 {hash}): give this file as well"),
         }))
     };
     let sources = origins.iter().map(found).collect::<Result<_, _>>()?;
     match files.iter().zip(&hashes).find(|(_, hash)| origins.iter().all(|origin| origin.sha256 != **hash)) {
-        Some((file, _)) => {
+        Some((File { name, .. }, _)) => {
             let names: Vec<&str> = origins.iter().map(|origin| &*origin.file).collect();
             let known = piezoid_numerics::number::join(&names);
-            Err(Error::Content(format!(
-                "{} is none of the files that the model was identified from ({known}): leave it out",
-                file.name
-            )))
+            let why = format!("is none of the files that the model was identified from ({known}): leave it out");
+            Err(Error::Content(format!("{name} {why}")))
         }
         None => Ok(sources),
     }
@@ -243,7 +233,7 @@ mod tests {
     }
 
     fn again(model: &Model, files: &[File]) -> Result<Identification, String> {
-        model.again(files, &mut Stage::ignore).map_err(|e| e.to_string())
+        identify_again(model, files, &mut Stage::ignore).map_err(|e| e.to_string())
     }
 
     #[test]

@@ -5,8 +5,7 @@ use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::round;
 use piezoid_records::record::Record;
-use piezoid_validation::Validate;
-use piezoid_validation::{Bin, Floor, Metrics, ValidateOptions, Validation, summary};
+use piezoid_validation::{Bin, Floor, Metrics, Validate, ValidateOptions, Validation, summary};
 use serde_json::{Value, json};
 
 /// A record and the model's free run on it.

@@ -45,7 +45,7 @@ const LONG: f64 = 60.0;
 /// assert!(verdict.contains("+-10 V") && verdict.contains("unproven: "), "{verdict}");
 /// # Ok::<(), piezoid::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Verdict {
     /// Rms error over peak-to-peak of the output [%].
     pub error_percent: f64,
@@ -174,19 +174,7 @@ impl Verdict {
         let unit = records().next()?.units().u.clone();
         let noise_percent = validated.floor().map(|floor| 100.0 * floor.rms / validated.total().peak_to_peak);
         let hz = Domain::of(large).and_then(|domain| domain.hz);
-        let found = Verdict {
-            error_percent,
-            measured,
-            noise_percent,
-            u: whole.u,
-            unit,
-            hz,
-            unproven: Vec::new(),
-            worst_record: None,
-            worst_percent: None,
-            times_worse: None,
-            left_percent: None,
-        };
+        let found = Verdict { error_percent, measured, noise_percent, u: whole.u, unit, hz, ..Verdict::default() };
         error_percent.is_finite().then_some(found)
     }
 }

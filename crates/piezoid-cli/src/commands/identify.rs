@@ -9,7 +9,7 @@ use piezoid_export::ExportTarget;
 use piezoid_numerics::number::join;
 use piezoid_numerics::options::Options;
 use piezoid_report::report;
-use piezoid_verbs::{IdentifyAgain, Source};
+use piezoid_verbs::{Source, identify_again};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -87,7 +87,7 @@ impl Run for Identify {
         let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&self.files)?);
         let mut progress = console.progress();
         let result = match &before {
-            Some(before) => before.again(&large, &mut progress),
+            Some(before) => identify_again(before, &large, &mut progress),
             None => {
                 let [small, large] = [&small, &large].map(|files| Source::all(files.clone(), &columns));
                 self.options.0.run((&small, &large), "piezoid identify", &mut progress)

@@ -4,8 +4,7 @@ use super::{MODEL, NAME, optional};
 use crate::{Inputs, Operation, Output};
 use piezoid::Error;
 use piezoid_export::ExportOptions;
-use piezoid_numerics::options::options;
-use piezoid_numerics::options::{OptionRow, Options};
+use piezoid_numerics::options::{OptionRow, Options, options};
 
 pub(super) const OPERATIONS: &[Operation] = &[Operation {
     name: "export",

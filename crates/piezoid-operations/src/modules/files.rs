@@ -5,10 +5,9 @@ use crate::{Inputs, Operation, Output};
 use piezoid::excitation::Excitation;
 use piezoid::formats::{ColumnSelection, Format, Table};
 use piezoid::{Error, PrepareOptions};
-use piezoid_numerics::options::options;
-use piezoid_numerics::options::{OptionRow, Options};
+use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::spectrum;
-use piezoid_verbs::{ExciteOptions, File, InspectTable, PlanOptions, Source, Step};
+use piezoid_verbs::{ExciteOptions, File, PlanOptions, Source, Step};
 use serde_json::{Value, json};
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -49,7 +48,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
 fn inspect(inputs: &Inputs) -> Result<Output, Error> {
     let (file, columns) = (inputs.one("data")?, inputs.columns()?);
     let table = Table::read(&file.name, &file.bytes).map_err(|error| error.of(&file.name))?;
-    let (result, record) = table.inspect(&file.name, Format::of(&file.bytes).name, &columns);
+    let (result, record) = piezoid_verbs::inspect(&table, &file.name, Format::of(&file.bytes).name, &columns);
     let Ok(record) = record else { return Ok(Output { result, ..Output::default() }) };
     let profile = File::new("profile.toml", table.profile(&columns).to_toml());
     Ok(Output { result, series: named([("u", record.u()), ("y", record.y())]), files: vec![profile] })
@@ -60,7 +59,8 @@ fn prepare(inputs: &Inputs) -> Result<Output, Error> {
     let source = Source::new(inputs.one("data")?, inputs.columns()?, steps);
     let (outcome, name) = (source.record()?, "record.csv");
     let written = File::new(name, outcome.written(name)?);
-    let (mut result, _) = Table::read(name, &written.bytes)?.inspect(name, "csv", &ColumnSelection::default());
+    let table = Table::read(name, &written.bytes)?;
+    let (mut result, _) = piezoid_verbs::inspect(&table, name, "csv", &ColumnSelection::default());
     result["origin"] = json!(source.origin());
     Ok(Output { result, series: named([("u", outcome.u()), ("y", outcome.y())]), files: vec![written] })
 }

@@ -2,15 +2,13 @@
 
 use super::{DATA, MODEL, NAME, named, one, optional, several};
 use crate::{Inputs, Operation, Output};
-use piezoid::hammerstein::Model;
 use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
-use piezoid::{Error, IdentifyOptions, StatedVerdict};
+use piezoid::{Error, IdentifyOptions, StatedVerdict, Verdict};
 use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::hysteresis::LoopOptions;
-use piezoid_numerics::options::options;
-use piezoid_numerics::options::{OptionRow, Options};
+use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::{MIN_REVERSAL_SHARE, reversals};
 use piezoid_verbs::{CompensateOptions, File, SimulateOptions, ValidateRecords};
 use serde_json::json;
@@ -103,16 +101,12 @@ const FRONT_END: &str = if cfg!(target_family = "wasm") { "piezoid page" } else 
 fn identify(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let (small, large) = (inputs.sources("small_signal")?, inputs.sources("large_signal")?);
     let outcome = inputs.options::<IdentifyOptions>()?.run((&small, &large), FRONT_END, progress)?;
+    let (found, verdict) = (&outcome.found, outcome.found.model.verdict());
     let result = json!({
-        "model": outcome.found.model.to_string(), "verdict": outcome.found.model.verdict(), "sentence": sentence(&outcome.found.model),
-        "notes": outcome.found.notes, "reasons": outcome.found.reasons, "found": outcome.to_json(),
+        "model": found.model.to_string(), "verdict": verdict, "sentence": verdict.as_ref().map(Verdict::to_string),
+        "notes": found.notes, "reasons": found.reasons, "found": outcome.to_json(),
     });
-    Ok(Output { result, files: vec![File::new("model.json", outcome.found.model.to_json())], ..Output::default() })
-}
-
-/// The verdict on a model in words.
-fn sentence(model: &Model) -> Option<String> {
-    model.verdict().map(|verdict| verdict.to_string())
+    Ok(Output { result, files: vec![File::new("model.json", found.model.to_json())], ..Output::default() })
 }
 
 fn validate(inputs: &Inputs) -> Result<Output, Error> {
@@ -120,7 +114,7 @@ fn validate(inputs: &Inputs) -> Result<Output, Error> {
     let outcome = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
     let verdict = outcome.verdict(&model);
     let mut result = outcome.to_json();
-    result["sentence"] = json!(verdict.as_ref().map(ToString::to_string));
+    result["sentence"] = json!(verdict.as_ref().map(Verdict::to_string));
     result["verdict"] = json!(verdict);
     let mut series = Vec::new();
     for (k, compared) in outcome.files.iter().enumerate() {

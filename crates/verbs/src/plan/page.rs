@@ -35,18 +35,10 @@ impl Plan {
     pub fn page(&self) -> String {
         let rig = &self.rig;
         let mut page = String::from("# Records for the identification of an actuator\n\n");
-        let driver = match &rig.driver {
-            Some(name) => format!(", driver `{name}`"),
-            None => String::new(),
-        };
+        let driver = rig.driver.as_ref().map_or(String::new(), |name| format!(", driver `{name}`"));
         let actuator = rig.actuator.map_or(String::new(), |a| format!(", actuator {}", a.description()));
-        page += &format!(
-            "Range {} to {} V, up to {} Hz, sampling period {} s{driver}{actuator}.\n\n",
-            round(rig.low),
-            round(rig.high),
-            round(rig.bandwidth),
-            self.ts
-        );
+        let ([low, high, hz], ts) = ([rig.low, rig.high, rig.bandwidth].map(round), self.ts);
+        page += &format!("Range {low} to {high} V, up to {hz} Hz, sampling period {ts} s{driver}{actuator}.\n\n");
         page += "| drive | record | purpose | duration [s] | voltage [V] | slew [V/s] | current [A] |\n";
         page += "|---|---|---|---|---|---|---|\n";
         for drive in &self.drives {
@@ -102,25 +94,16 @@ impl Plan {
     }
 
     fn row(&self, drive: &PlannedDrive) -> String {
-        let share = |peak: &Peak| match peak.share {
-            Some(share) => format!(" ({} %)", round((1e3 * share).round() / 10.0)),
-            None => String::new(),
+        let share = |peak: &Peak| {
+            let percent = |share: f64| format!(" ({} %)", round((1e3 * share).round() / 10.0));
+            peak.share.map_or(String::new(), percent)
         };
         let value = |peak: &Peak| format!("{}{}", round(peak.value), share(peak));
-        let usage = &drive.usage;
-        let current = usage.current.as_ref().map_or("-".into(), |peak| {
-            let amperes = quantity(peak.value, "A");
-            format!("{amperes}{}", share(peak))
-        });
-        format!(
-            "| `{}` | `{}.csv` | {} | {} | {} to {} | {} | {current} |\n",
-            drive.file(),
-            drive.name,
-            drive.purpose,
-            round(self.duration(drive)),
-            value(&usage.lowest),
-            value(&usage.highest),
-            value(&usage.slew),
-        )
+        let PlannedDrive { name, purpose, usage, .. } = drive;
+        let [low, high, slew] = [&usage.lowest, &usage.highest, &usage.slew].map(value);
+        let amperes = |peak: &Peak| format!("{}{}", quantity(peak.value, "A"), share(peak));
+        let current = usage.current.as_ref().map_or("-".into(), amperes);
+        let (file, duration) = (drive.file(), round(self.duration(drive)));
+        format!("| `{file}` | `{name}.csv` | {purpose} | {duration} | {low} to {high} | {slew} | {current} |\n")
     }
 }
