@@ -5,7 +5,7 @@ use crate::layout::table;
 use crate::values::{CANCELLED, Ended};
 use anyhow::{Context, Result};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressState, ProgressStyle};
-use piezoid::progress::Stage;
+use piezoid::progress::{Progress, Stage};
 use piezoid_numerics::words::wrapped;
 use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal, Write};
@@ -62,7 +62,7 @@ impl Console {
         wrapped(text, self.room().unwrap_or(USUAL).min(WIDEST), indent) + "\n"
     }
 
-    /// Prints a sentence on stdout, without its full stop in `text`.
+    /// Prints a sentence on stdout, to which a full stop is added.
     pub(crate) fn sentence(&self, text: &str) -> Result<()> {
         self.print(&self.paragraph(&format!("{text}."), ""))
     }
@@ -77,16 +77,25 @@ impl Console {
         texts.into_iter().for_each(|text| self.remark(text.as_ref()));
     }
 
-    /// Shows the library's progress as a bar if stderr is a terminal; breaks after a signal. The work ends with
-    /// [`done`](Console::done).
-    pub(crate) fn progress(&self) -> impl FnMut(Stage) -> ControlFlow<()> + '_ {
+    /// Does work of the library. Its progress is a bar if stderr is a terminal. A signal ends the work in an orderly
+    /// way; one that comes later ends the process.
+    pub(crate) fn work<T>(&self, work: impl FnOnce(&mut Progress) -> Result<T, piezoid::Error>) -> Result<T> {
         WATCHED.store(true, Ordering::SeqCst);
-        move |stage| {
+        let outcome = work(&mut |stage: Stage| {
             if self.shows_progress {
                 self.show(stage);
             }
             if INTERRUPTED.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        WATCHED.store(false, Ordering::SeqCst);
+        self.bar.borrow().finish_and_clear();
+        if outcome.is_ok() && INTERRUPTED.load(Ordering::SeqCst) {
+            return Err(Ended::Cancelled("cancelled at the end of the work: nothing was written".into()).into());
         }
+        outcome.map_err(|error| match error {
+            piezoid::Error::Cancelled { .. } => Ended::Cancelled(format!("{error}: nothing was written")).into(),
+            other => failed(other),
+        })
     }
 
     fn show(&self, stage: Stage) {
@@ -109,20 +118,6 @@ impl Console {
             bar.set_message(stage.what.to_string());
         }
         bar.set_position(stage.done as u64);
-    }
-
-    /// Removes the progress bar, and returns the result of the work or its error. A signal that came before is seen
-    /// here; one that comes later ends the process.
-    pub(crate) fn done<T>(&self, outcome: Result<T, piezoid::Error>) -> Result<T> {
-        WATCHED.store(false, Ordering::SeqCst);
-        self.bar.borrow().finish_and_clear();
-        if outcome.is_ok() && INTERRUPTED.load(Ordering::SeqCst) {
-            return Err(Ended::Cancelled("cancelled at the end of the work: nothing was written".into()).into());
-        }
-        outcome.map_err(|error| match error {
-            piezoid::Error::Cancelled { .. } => Ended::Cancelled(format!("{error}: nothing was written")).into(),
-            other => failed(other),
-        })
     }
 }
 

@@ -45,15 +45,12 @@ pub(crate) fn apart(outputs: &[Option<&Path>], inputs: &[&PathBuf]) -> Result<()
     for (k, output) in outputs.iter().enumerate() {
         if outputs[..k].iter().any(|earlier| same(earlier, output)) {
             let place = if *output == Path::new("-") { "stdout".into() } else { output.display().to_string() };
-            bail!(Misused(format!(
-                "two results cannot be written to the same file {place}: name another file for one of them"
-            )));
+            let what = format!("two results cannot be written to the same file {place}");
+            bail!(Misused(format!("{what}: name another file for one of them")));
         }
         if inputs.iter().any(|input| same(input, output)) && output.metadata().is_ok_and(|m| m.is_file()) {
-            let output = output.display();
-            bail!(Misused(format!(
-                "{output} is an input file and would be overwritten: name another file for the result"
-            )));
+            let what = format!("{} is an input file and would be overwritten", output.display());
+            bail!(Misused(format!("{what}: name another file for the result")));
         }
     }
     Ok(())

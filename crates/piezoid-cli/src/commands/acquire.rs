@@ -18,8 +18,7 @@ Examples:
 The actuator moves. Ctrl-C stops the wave generator; the voltage then stays where it is.";
 
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid acquire [<FILE> -o <FILE>] [--host <HOST>] [OPTIONS]")]
+#[command(after_help = EXAMPLES, override_usage = "piezoid acquire [<FILE> -o <FILE>] [--host <HOST>] [OPTIONS]")]
 pub(crate) struct Acquire {
     /// The drive signal. Without it, the command prints the identity and the limits of the controller.
     #[arg(value_name = "FILE", requires = "output")]
@@ -50,12 +49,14 @@ impl Run for Acquire {
         };
         let Some(output) = &self.output else { bail!("name the file of the record by -o") };
         let (drive, columns) = (files::read(drive)?, self.columns.read()?);
-        let outcome = options.run(&drive, &columns, &mut console.progress());
-        if let Err(Error::Cancelled { .. }) = &outcome {
-            console
-                .remark("the wave generator is stopped; the axis is in open loop, and its voltage stays where it is");
-        }
-        let result = console.done(outcome)?;
+        let stopped = "the wave generator is stopped; the axis is in open loop, and its voltage stays where it is";
+        let result = console.work(|progress| {
+            let outcome = options.run(&drive, &columns, progress);
+            if let Err(Error::Cancelled { .. }) = &outcome {
+                console.remark(stopped);
+            }
+            outcome
+        })?;
         console.remarks(&result.notes);
         let results = Results::default().record(Some(output), |name| result.record.written(name))?;
         results.json(self.json.as_deref(), &result.to_json()).write(console)

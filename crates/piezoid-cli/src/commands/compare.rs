@@ -17,8 +17,7 @@ Examples:
 All models run free on all records: they see only the input. The page shows errors by record, by frequency and by amplitude, and residuals and loops of all models on one record (--record).";
 
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid compare <MODEL>... --data <FILE>... [OPTIONS]")]
+#[command(after_help = EXAMPLES, override_usage = "piezoid compare <MODEL>... --data <FILE>... [OPTIONS]")]
 pub(crate) struct Compare {
     /// The model files.
     #[arg(value_name = "MODEL", required = true)]

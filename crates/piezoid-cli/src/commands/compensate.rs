@@ -18,8 +18,7 @@ Examples:
 The reference is the column r_*, or else y_*, in a unit that can be converted to that of the model's output. Before its first sample it is assumed constant at the first value. Errors are those of the model's free run; effects that the model does not contain add to them.";
 
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid compensate <FILE> --model <FILE> [OPTIONS] -o <FILE>")]
+#[command(after_help = EXAMPLES, override_usage = "piezoid compensate <FILE> --model <FILE> [OPTIONS] -o <FILE>")]
 pub(crate) struct Compensate {
     /// The model file.
     #[arg(long, value_name = "FILE")]

@@ -62,10 +62,8 @@ fn run(
         .map(|(role, names)| ((*role).into(), json!(names)))
         .collect();
     let request = json!({"call": operation.name, "options": options, "columns": columns, "files": named});
-    let mut progress = console.progress();
-    let outcome = piezoid_operations::run(&Request::of(request).map_err(failed)?, &files, &mut progress);
-    drop(progress);
-    let output = console.done(outcome)?;
+    let request = Request::of(request).map_err(failed)?;
+    let output = console.work(|progress| piezoid_operations::run(&request, &files, progress))?;
     let files = match &common.output {
         Some(folder) => FileSet::in_folder(folder, &output.files)?,
         None => FileSet::default(),

@@ -31,8 +31,7 @@ pub(crate) struct Export {
     #[command(flatten)]
     options: Flags<ExportOptions>,
     /// One period of the requested displacement, for the target waveform.
-    #[arg(long, value_name = "FILE")]
-    #[arg(help_heading = "Waveforms")]
+    #[arg(long, value_name = "FILE", help_heading = "Waveforms")]
     reference: Option<PathBuf>,
     #[command(flatten)]
     columns: Columns,

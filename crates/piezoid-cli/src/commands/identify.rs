@@ -85,16 +85,13 @@ impl Run for Identify {
         let columns = self.columns.read()?;
         let before = self.again.as_ref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
         let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&self.files)?);
-        let mut progress = console.progress();
-        let result = match &before {
-            Some(before) => identify_again(before, &large, &mut progress),
+        let result = console.work(|progress| match &before {
+            Some(before) => identify_again(before, &large, progress),
             None => {
                 let [small, large] = [&small, &large].map(|files| Source::all(files.clone(), &columns));
-                self.options.0.run((&small, &large), "piezoid identify", &mut progress)
+                self.options.0.run((&small, &large), "piezoid identify", progress)
             }
-        };
-        drop(progress);
-        let result = console.done(result)?;
+        })?;
         if is_free && self.verbose {
             console.print(&(summary(&result, console) + "\n"))?;
         }

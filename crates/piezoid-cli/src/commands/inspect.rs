@@ -15,8 +15,7 @@ Examples:
     piezoid identify scope.csv --profile rig.toml -o model.json";
 
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid inspect <FILE>... [OPTIONS]")]
+#[command(after_help = EXAMPLES, override_usage = "piezoid inspect <FILE>... [OPTIONS]")]
 pub(crate) struct Inspect {
     /// The files.
     #[arg(value_name = "FILE", required = true)]

@@ -24,8 +24,7 @@ Signals are kept up to 0.8 of the new Nyquist frequency, and nothing is aliased.
 depends on samples outside the record: cut the ends off, or average periods.";
 
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid prepare <FILE> [OPTIONS] -o <FILE>")]
+#[command(after_help = EXAMPLES, override_usage = "piezoid prepare <FILE> [OPTIONS] -o <FILE>")]
 pub(crate) struct Prepare {
     /// The record.
     #[arg(value_name = "FILE")]

@@ -10,8 +10,7 @@ Example:
   piezoid report test5.csv test20.csv --model model.json -o report.html";
 
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid report <FILE>... --model <FILE> [OPTIONS] -o <FILE>")]
+#[command(after_help = EXAMPLES, override_usage = "piezoid report <FILE>... --model <FILE> [OPTIONS] -o <FILE>")]
 pub(crate) struct Report {
     #[command(flatten)]
     flags: ValidationFlags,

@@ -38,7 +38,7 @@ impl Run for Study {
             bail!("cannot create the folder {out}: {above} is a file: choose another with --out");
         }
         files::ready(&[Some(&above.join("report.html")), self.json.as_deref()])?;
-        let studies = console.done(self.options.0.run(&mut console.progress()))?;
+        let studies = console.work(|progress| self.options.0.run(progress))?;
         let files = FileSet::in_folder(&self.out, &Outcome::files(&studies))?;
         Results::of(files).json(self.json.as_deref(), &Outcome::to_json(&studies)).write(console)?;
         if self.json.as_deref() != Some(Path::new("-")) {

@@ -19,8 +19,7 @@ nrmse % is 100 rmse / standard deviation of y, noise % the part of it that is no
 The errors by frequency and by amplitude are computed from the cycles of the input, over all files; if the input has no cycles, from spectra, in third-octave bands. The noise floor is the scatter of y between repetitions of the same input or, if the input does not repeat, the level of the spectrum where the input does not drive y. A better model can remove the part of the error that is neither noise nor drift. The squares of the parts add up. The drift is the slope of the error over time, also if --offset drift removes it. The table of residuals ends with the correlation of each residual with the one before, and the largest correlation with the input. Both are near 0 if only noise is left.";
 
 #[derive(Args)]
-#[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid validate <FILE>... --model <FILE> [OPTIONS]")]
+#[command(after_help = EXAMPLES, override_usage = "piezoid validate <FILE>... --model <FILE> [OPTIONS]")]
 pub(crate) struct Validate {
     #[command(flatten)]
     flags: ValidationFlags,
