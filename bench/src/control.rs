@@ -12,25 +12,8 @@ use piezoid::plant::Preset;
 use piezoid::progress::Stage;
 use piezoid::{Error, Model};
 use piezoid_report::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid_verbs::{PATHS, SCHEMES};
 use std::path::Path;
-
-/// The schemes that are compared.
-const SCHEMES: [&str; 6] =
-    ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "learning", "predictive"];
-
-/// References by name and frequency [Hz].
-pub const PATHS: [(&str, f64); 10] = [
-    ("sine", 1.0),
-    ("sine", 5.0),
-    ("sine", 20.0),
-    ("sine", 40.0),
-    ("triangle", 1.0),
-    ("triangle", 5.0),
-    ("triangle", 20.0),
-    ("triangle", 40.0),
-    ("staircase", 1.0),
-    ("random", 20.0),
-];
 
 /// Peak of the references [um], 80 % of the catalogue's displacement.
 const PEAK: f64 = 800.0;

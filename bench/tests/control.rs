@@ -7,10 +7,11 @@ use piezoid::control::{CONTROLLERS, Comparison, NamedReference, Tolerance};
 use piezoid::plant::Preset;
 use piezoid::progress::Stage;
 use piezoid::{Error, Model, System};
-use piezoid_bench::control::{PATHS, TRIED, compared, drive, errors};
+use piezoid_bench::control::{TRIED, compared, drive, errors};
 use piezoid_bench::page::{printed, same};
 use piezoid_bench::twin::{TS, Twin};
 use piezoid_control::compensation::Fir;
+use piezoid_verbs::PATHS;
 use std::sync::OnceLock;
 
 const TWIN: &str = "pl140";

@@ -19,20 +19,22 @@ use piezoid_records::formats::{ColumnSelection, Table};
 use piezoid_records::record::Units;
 use piezoid_twins::Spec;
 
-/// The schemes and references that are compared by default.
-const SCHEMES: [&str; 6] =
+/// The schemes that are compared by default.
+pub const SCHEMES: [&str; 6] =
     ["gain", "feed-forward", "integral-notch", "feed-forward+integral-notch", "learning", "predictive"];
-const ALONG: [&str; 10] = [
-    "sine:1",
-    "sine:5",
-    "sine:20",
-    "sine:40",
-    "triangle:1",
-    "triangle:5",
-    "triangle:20",
-    "triangle:40",
-    "staircase:1",
-    "random:20",
+
+/// The references along which they are compared by default, by name and frequency [Hz].
+pub const PATHS: [(&str, f64); 10] = [
+    ("sine", 1.0),
+    ("sine", 5.0),
+    ("sine", 20.0),
+    ("sine", 40.0),
+    ("triangle", 1.0),
+    ("triangle", 5.0),
+    ("triangle", 20.0),
+    ("triangle", 40.0),
+    ("staircase", 1.0),
+    ("random", 20.0),
 ];
 
 /// Default frequency [Hz].
@@ -141,19 +143,19 @@ impl ControlOptions {
             let factor = Units::factor(unit, "m").ok_or_else(none).map_err(|e| e.of(&file.name))?;
             spec.sensor.noise_rms_m = noise * factor;
         }
-        let names: Vec<&str> = match self.reference.is_empty() {
-            true => ALONG.to_vec(),
-            false => self.reference.iter().map(String::as_str).collect(),
+        let names = match self.reference.is_empty() {
+            true => PATHS.map(|(name, hz)| format!("{name}:{hz}")).into(),
+            false => self.reference.clone(),
         };
         let mut about = None;
-        let reference = |name: &str| match (named(name), files.iter().find(|file| file.name == name)) {
+        let reference = |name: &String| match (named(name), files.iter().find(|file| file.name == *name)) {
             (Some((kind, hz)), _) => self.repeated(name, kind, hz?, &model, settings, &mut about),
             (None, Some(file)) => Ok(NamedReference::new(file.short(), model.ts(), file.reference(columns, &model)?)),
             (None, None) => {
                 Err(Reference::find(name).err().unwrap_or_else(|| Error::parameter("reference", name, "no file")))
             }
         };
-        let reference = names.into_iter().map(reference).collect::<Result<_, _>>()?;
+        let reference = names.iter().map(reference).collect::<Result<_, _>>()?;
         let mut result = self.along((plant, &spec), &model, reference, progress).map_err(|e| blamed(e, file))?;
         result.notes.extend(about);
         Ok(result)
@@ -221,10 +223,15 @@ impl ControlOptions {
         about: &mut Option<String>,
     ) -> Result<NamedReference, Error> {
         let (ts, unit) = (model.ts(), &model.units().y);
-        let (middle, peak) = match (held(model, settings), self.amplitude) {
-            (Ok(Held { half, both, .. }), None) if both >= SIDED * half => (0.0, SHARE * both),
-            (Ok(Held { half, both, .. }), Some(peak)) if both >= (SIDED * half).min(peak) => (0.0, peak),
-            (Ok(Held { middle, half, .. }), peak) => {
+        // What the model can hold: the middle, half of it, and the smaller of its parts above and below 0.
+        let held = FeedForward::new(model, settings).map(|inverse| {
+            let (low, high) = inverse.reach();
+            (0.5 * low + 0.5 * high, 0.5 * high - 0.5 * low, high.min(-low))
+        });
+        let (middle, peak) = match (held, self.amplitude) {
+            (Ok((_, half, both)), None) if both >= SIDED * half => (0.0, SHARE * both),
+            (Ok((_, half, both)), Some(peak)) if both >= (SIDED * half).min(peak) => (0.0, peak),
+            (Ok((middle, half, _)), peak) => {
                 let [low, high, at] = [middle - half, middle + half, middle].map(short);
                 *about = Some(format!(
                     "The model can hold {low} to {high} {unit}: named references are centred on {at} {unit}, the \
@@ -321,18 +328,6 @@ fn named(text: &str) -> Option<(&'static Reference, Result<f64, Error>)> {
         hz.ok_or_else(|| Error::parameter("reference", text, "the frequency must be a positive number of hertz"))
     });
     Some((kind, hz))
-}
-
-/// The displacement that a model can hold: its middle, half of it, and the smaller of its parts above and below 0.
-struct Held {
-    middle: f64,
-    half: f64,
-    both: f64,
-}
-
-fn held(model: &Model, settings: FeedForwardSettings) -> Result<Held, Error> {
-    let (low, high) = FeedForward::new(model, settings)?.reach();
-    Ok(Held { middle: 0.5 * low + 0.5 * high, half: 0.5 * high - 0.5 * low, both: high.min(-low) })
 }
 
 #[cfg(test)]

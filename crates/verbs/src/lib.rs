@@ -21,7 +21,7 @@ mod verdict;
 
 pub use compare::{CompareOptions, ComparedModel, ModelComparison};
 pub use compensate::{CompensateOptions, Compensation};
-pub use control::{ComparisonReport, ControlOptions, TuneOptions};
+pub use control::{ComparisonReport, ControlOptions, PATHS, SCHEMES, TuneOptions};
 pub use excite::{ExciteOptions, Excited};
 pub use identification::{IdentifyOptions, Method, Records, identify};
 pub use identify::Identification;

@@ -168,7 +168,6 @@ impl PlanOptions {
             (actuator, limits.low.zip(limits.high))
             && least != -most
         {
-            let range = format!("{} {}", round(low), round(high));
             let rule = format!(
                 "is relative to mid-supply for the bender `{name}`, but {driver} gives {} to {} V: name a driver with \
                  limits relative to mid-supply, such as pl140, or give limits instead of a driver",
