@@ -4,7 +4,7 @@
 //! take seconds; the others are done by name.
 
 use crate::{cargo, python, root, step, tidy, web};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// Something generated.
@@ -79,9 +79,7 @@ fn check(part: &Part) -> Result<(), String> {
     (part.run)()?;
     let after = contents(part.writes);
     let names = before.keys().chain(after.keys());
-    let mut changed: Vec<&PathBuf> = names.filter(|name| before.get(*name) != after.get(*name)).collect();
-    changed.sort();
-    changed.dedup();
+    let changed: BTreeSet<&PathBuf> = names.filter(|name| before.get(*name) != after.get(*name)).collect();
     for name in &changed {
         let restored = match before.get(*name) {
             Some(bytes) => std::fs::write(name, bytes),

@@ -1,7 +1,7 @@
 //! The invariants of ARCHITECTURE.md that a program can check: `cargo xtask tidy`, after `cargo doc`.
 
 use crate::root;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 /// The crates without input and output.
@@ -172,17 +172,11 @@ fn module_of(file: &Path, folder: &Path) -> Option<String> {
 }
 
 /// The modules that a module uses but must not use.
-fn upward(module: &str, code: &str, order: &[String]) -> Vec<String> {
+fn upward<'c>(module: &str, code: &'c str, order: &[String]) -> BTreeSet<&'c str> {
     let place = |name: &str| order.iter().position(|known| known == name);
-    let names = code
-        .split("crate::")
-        .skip(1)
-        .map(|rest| rest.split(|c: char| !(c.is_ascii_lowercase() || c == '_')).next().unwrap_or_default().to_string());
-    let mut used: Vec<String> = names.collect();
-    used.sort();
-    used.dedup();
-    used.retain(|name| place(name).is_some() && place(name) > place(module));
-    used
+    let is_end = |c: char| !(c.is_ascii_lowercase() || c == '_');
+    let names = code.split("crate::").skip(1).filter_map(|rest| rest.split(is_end).next());
+    names.filter(|name| place(name).is_some() && place(name) > place(module)).collect()
 }
 
 /// Types of other crates in public signatures.

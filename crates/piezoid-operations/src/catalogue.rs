@@ -1,7 +1,7 @@
 //! The catalogue: all operations with their options, and all families of the library, as a document for menus, forms,
 //! lists and generated pages.
 
-use crate::{Operation, modules};
+use crate::Operation;
 use piezoid::control::{CONTROLLERS, ControllerKind, FEED_FORWARDS, FeedForwardKind, REFERENCES, Reference};
 use piezoid::excitation::{ACTUATORS, Actuator, Amplifier, DRIVERS, EXCITATIONS, Excitation};
 use piezoid::formats::{ColumnSelection, FORMATS, Format};
@@ -65,7 +65,7 @@ pub enum ControlRow {
 pub fn catalogue() -> Catalogue {
     let feed_forwards = FEED_FORWARDS.iter().map(ControlRow::FeedForward);
     Catalogue {
-        operations: modules::all().collect(),
+        operations: Operation::all().collect(),
         columns: ColumnSelection::rows(),
         operators: OPERATORS,
         excitations: EXCITATIONS,

@@ -15,7 +15,7 @@ use crate::{Operation, Role};
 use piezoid_numerics::options::OptionKind;
 
 /// The operations that are built in: natively all. `instruments` is no module of the page in a browser alone.
-const MODULES: &[&[Operation]] = &[
+pub(crate) const MODULES: &[&[Operation]] = &[
     #[cfg(feature = "files")]
     files::OPERATIONS,
     #[cfg(feature = "models")]
@@ -27,11 +27,6 @@ const MODULES: &[&[Operation]] = &[
     #[cfg(feature = "instruments")]
     instruments::OPERATIONS,
 ];
-
-/// All operations.
-pub(crate) fn all() -> impl Iterator<Item = &'static Operation> {
-    MODULES.iter().copied().flatten()
-}
 
 const NAME: OptionKind = OptionKind::Text("NAME");
 const DATA: Role = several("data", 1);

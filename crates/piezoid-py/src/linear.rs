@@ -13,8 +13,8 @@ use pyo3::types::{PyDict, PyType};
 use serde_json::json;
 
 /// y = a1 y1 + a2 y2 + ... + b0 u + b1 u1 + ...
-#[pyclass(frozen, module = "piezoid.linear")]
-#[derive(Debug)]
+#[pyclass(frozen, eq, module = "piezoid.linear")]
+#[derive(Debug, PartialEq)]
 pub(crate) struct Arx {
     arx: linear::Arx,
 }
@@ -79,10 +79,6 @@ impl Arx {
         }
         let predicted = py.detach(|| self.arx.predict(u, y));
         Ok(array(py, predicted))
-    }
-
-    fn __eq__(&self, other: &Self) -> bool {
-        self.arx == other.arx
     }
 
     /// Creates the block again from a pickle.

@@ -17,8 +17,8 @@ use pyo3::types::PyDict;
 use serde_json::{Value, json};
 
 /// A Hammerstein model: hysteresis, creep, then linear dynamics.
-#[pyclass(frozen, module = "piezoid", weakref)]
-#[derive(Debug)]
+#[pyclass(frozen, eq, module = "piezoid", weakref)]
+#[derive(Debug, PartialEq)]
 pub(crate) struct Model {
     pub(crate) model: piezoid::Model,
 }
@@ -183,11 +183,6 @@ impl Model {
         let document: Value = serde_json::from_str(&self.model.to_json())
             .map_err(|e| refused(&format!("the model cannot be converted to a dict: {e}")))?;
         object(py, &document)
-    }
-
-    /// True if the numbers are equal, however the models were identified.
-    fn __eq__(&self, other: &Self) -> bool {
-        self.model == other.model
     }
 }
 

@@ -12,8 +12,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 /// A simulated bender with its driver and sensor.
-#[pyclass(frozen, module = "piezoid")]
-#[derive(Debug)]
+#[pyclass(frozen, eq, module = "piezoid")]
+#[derive(Debug, PartialEq)]
 pub(crate) struct Plant {
     pub(crate) spec: Spec,
 }
@@ -56,9 +56,5 @@ impl Plant {
         let y = in_pieces(py, u, |u| plant.resume(&mut x, u))?;
         let saturation = plant.saturation(&x);
         Ok((array(py, y), saturation.any().then(|| saturation.to_string())))
-    }
-
-    fn __eq__(&self, other: &Self) -> bool {
-        self.spec == other.spec
     }
 }

@@ -91,6 +91,10 @@ fn typed(values: &[&Value], indent: &str, known: &Known) -> String {
     if !objects.is_empty() {
         types.insert(members(&objects, indent, known));
     }
+    union(types)
+}
+
+fn union(types: BTreeSet<String>) -> String {
     types.into_iter().collect::<Vec<_>>().join(" | ")
 }
 
@@ -114,10 +118,10 @@ fn members(objects: &[&Map<String, Value>], indent: &str, known: &Known) -> Stri
     for name in names {
         let values: Vec<&Value> = objects.iter().filter_map(|object| object.get(name)).collect();
         let mark = if values.len() < objects.len() { "?" } else { "" };
-        let mut kinds: Vec<String> = values.iter().map(|value| value.to_string()).collect();
-        kinds.sort();
-        kinds.dedup();
-        let own = if name == "kind" { kinds.join(" | ") } else { typed(&values, &deeper, known) };
+        let own = match name {
+            "kind" => union(values.iter().map(|value| value.to_string()).collect()),
+            _ => typed(&values, &deeper, known),
+        };
         text += &format!("{deeper}{name}{mark}: {own};\n");
     }
     text + indent + "}"
