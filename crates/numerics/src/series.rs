@@ -7,15 +7,41 @@ pub fn ends(x: impl IntoIterator<Item = f64>) -> (f64, f64) {
     x.into_iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
 }
 
+/// The largest number less the smallest; -inf for an empty series.
+pub fn range(x: &[f64]) -> f64 {
+    let (low, high) = ends(x.iter().copied());
+    high - low
+}
+
+/// The largest magnitude; 0 for an empty series.
+pub fn largest<'a>(x: impl IntoIterator<Item = &'a f64>) -> f64 {
+    x.into_iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
+}
+
 /// The mean; NaN for an empty series.
 pub fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
+}
+
+/// The series without its mean.
+pub fn centred(x: &[f64]) -> Vec<f64> {
+    let mean = mean(x);
+    x.iter().map(|x| x - mean).collect()
 }
 
 /// The sum of squares about the mean.
 pub fn scatter(x: &[f64]) -> f64 {
     let mean = mean(x);
     x.iter().map(|x| (x - mean) * (x - mean)).sum()
+}
+
+/// The quantile of `x` at `share`; 0 if `x` is empty.
+pub fn quantile(mut x: Vec<f64>, share: f64) -> f64 {
+    let k = (share * x.len() as f64) as usize;
+    match x.len() {
+        0 => 0.0,
+        n => *x.select_nth_unstable_by(k.min(n - 1), f64::total_cmp).1,
+    }
 }
 
 /// The scalar product, summed in order.
@@ -52,6 +78,13 @@ mod tests {
     fn statistics_of_three_numbers_are_right() {
         let x = [3.0, -1.0, 4.0];
         assert_eq!((ends(x), mean(&x), scatter(&x)), ((-1.0, 4.0), 2.0, 14.0));
+        assert_eq!((range(&x), largest(&x), centred(&x)), (5.0, 4.0, vec![1.0, -3.0, 2.0]));
         assert_eq!((dot(&x, &x), dot_wide::<2>(&x, &x)), (26.0, 26.0));
+    }
+    #[test]
+    fn quantiles_are_counted_from_the_smallest() {
+        let x = vec![4.0, 1.0, 3.0, 2.0];
+        assert_eq!((quantile(x.clone(), 0.0), quantile(x.clone(), 0.5), quantile(x, 1.0)), (1.0, 3.0, 4.0));
+        assert_eq!(quantile(Vec::new(), 0.5), 0.0);
     }
 }

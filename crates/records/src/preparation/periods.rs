@@ -14,7 +14,7 @@ use crate::record::Record;
 use crate::waveform;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::{round, short};
-use piezoid_numerics::series::{ends, scatter};
+use piezoid_numerics::series::{range, scatter};
 
 /// Largest rms difference between the periods of an input, relative to its rms about its mean.
 const SAME: f64 = 0.1;
@@ -36,25 +36,21 @@ pub(super) fn averaged(record: &Record, period: Option<f64>) -> Result<Record, E
             Error::Content(error.into()).advised(vec![("period", serde_json::Value::Null)])
         })?,
     };
-    let (count, start) = (n / p, n % p);
+    let (count, start, period) = (n / p, n % p, round(p as f64 * ts));
     let u = Periods::of(&record.u()[start..], p);
     let y = Periods::of(&record.y()[start..], p);
     let rms = (scatter(record.u()) / n as f64).sqrt();
     if u.deviation > SAME * rms {
-        let rule = format!(
-            "the input does not repeat with this period: its periods differ by {} % of its rms",
-            round(100.0 * u.deviation / rms)
-        );
-        return Err(Error::parameter("period", format!("{} s", round(p as f64 * ts)), rule));
+        let percent = round(100.0 * u.deviation / rms);
+        let rule = format!("the input does not repeat with this period: its periods differ by {percent} % of its rms");
+        return Err(Error::parameter("period", format!("{period} s"), rule));
     }
     let unit = &record.units().y;
+    let [noise, of_mean] = [y.deviation, y.deviation / (count as f64).sqrt()].map(short);
+    let transient = transient(&record.y()[start..], p, unit);
     let step = format!(
-        "averaged {count} periods of {} s, the last of the record; standard deviation of the output's noise {} {unit}, of \
-         the mean {} {unit}{}",
-        round(p as f64 * ts),
-        short(y.deviation),
-        short(y.deviation / (count as f64).sqrt()),
-        transient(&record.y()[start..], p, unit)
+        "averaged {count} periods of {period} s, the last of the record; standard deviation of the output's noise \
+         {noise} {unit}, of the mean {of_mean} {unit}{transient}"
     );
     Ok(record.with_samples(ts, u.mean, y.mean)?.with_step(step))
 }
@@ -97,8 +93,7 @@ fn transient(y: &[f64], p: usize, unit: &str) -> String {
     let squares: f64 = y[..p].iter().zip(&others.mean).map(|(y, m)| (y - m) * (y - m)).sum();
     let differs = (squares / p as f64).sqrt();
     let noise = others.deviation * (1.0 + 1.0 / count).sqrt();
-    let (low, high) = ends(y.iter().copied());
-    if count > 1.0 && differs > TRANSIENT.0 * noise && differs > TRANSIENT.1 * (high - low) {
+    if count > 1.0 && differs > TRANSIENT.0 * noise && differs > TRANSIENT.1 * range(y) {
         let (differs, noise) = (short(differs), short(others.deviation));
         format!(
             "; the first of them differs from the others, like a transient, by {differs} {unit}, and without it the noise \

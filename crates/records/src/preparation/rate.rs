@@ -87,8 +87,8 @@ pub(super) fn shifted(record: &Record, delay: f64, ends: Ends) -> Result<Record,
         return Ok(record.clone());
     }
     if samples.is_nan() || samples.abs() > n as f64 - 2.0 {
-        let rule =
-            format!("the record is only {} s long, and at least two samples must remain", round(record.duration()));
+        let seconds = round(record.duration());
+        let rule = format!("the record is only {seconds} s long, and at least two samples must remain");
         return Err(Error::parameter("delay", format!("{delay} s"), rule));
     }
     let kept = match ends {

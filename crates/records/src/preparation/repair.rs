@@ -23,13 +23,11 @@ pub(super) fn without_outliers(record: &Record) -> Result<Record, Error> {
     let mut sound = vec![true; record.len()];
     ranges.iter().for_each(|range| sound[range.clone()].fill(false));
     let (before, mut y) = (record.y(), bridged(record.y(), &sound));
-    let mut t = 2;
-    while t + 2 < y.len() {
+    for t in 2..y.len().saturating_sub(2) {
         let around = [t - 2, t - 1, t + 1, t + 2];
         if !sound[t] && around.iter().all(|k| sound[*k]) {
             y[t] = (4.0 * (before[t - 1] + before[t + 1]) - before[t - 2] - before[t + 2]) / 6.0;
         }
-        t += 1;
     }
     let step = format!("outliers of the output replaced by interpolation: {}", places(&ranges, record.ts()));
     Ok(record.with_samples(record.ts(), record.u().to_vec(), y)?.with_step(step))

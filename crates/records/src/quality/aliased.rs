@@ -24,11 +24,10 @@ fn aliased(context: &Context) -> Option<Detection> {
     if tone.frequency <= MIN_FREQUENCY || !ALIASED_PHASE_DEG.contains(&tone.phase) {
         return None;
     }
+    let [samples, phase] = [1.0 / tone.frequency, tone.phase].map(round);
     let text = format!(
-        "the input has {} samples in a period, and the output leads it by {} degrees: the drive is probably faster \
-         than half the sampling frequency and appears aliased: sample at least 20 times in a period",
-        round(1.0 / tone.frequency),
-        round(tone.phase)
+        "the input has {samples} samples in a period, and the output leads it by {phase} degrees: the drive is \
+         probably faster than half the sampling frequency and appears aliased: sample at least 20 times in a period"
     );
     Some(text.into())
 }

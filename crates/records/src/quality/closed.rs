@@ -8,11 +8,11 @@
 use super::Detection;
 use super::detector::{Consequence, Detector};
 use super::lags::Lags;
-use super::runs::{quantile, standardised};
+use super::runs::standardised;
 use crate::record::Record;
 use nalgebra::{DMatrix, DVector};
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{dot, mean};
+use piezoid_numerics::series::{centred, dot, quantile};
 
 /// Samples that predict the next one.
 const PREDICTION_LAGS: usize = 6;
@@ -82,11 +82,11 @@ pub(super) fn closed_loop(record: &Record, usable: &[bool]) -> Option<Detection>
     let deviation = 1.0 / (counted.len() as f64).sqrt();
     let threshold = MIN_CORRELATION.max(MIN_DEVIATIONS * deviation);
     let is_clear = least < -threshold && least < all[RESPONSE_LAGS] - MIN_DEVIATIONS * deviation;
+    let [least, deviations] = [least, -least / deviation].map(short);
     let text = format!(
-        "the record was taken in closed loop: the input falls when noise raises the output (correlation {}, {} \
-         standard deviations), so the model takes part of the noise for a response: drive the actuator in open loop",
-        short(least),
-        short(-least / deviation)
+        "the record was taken in closed loop: the input falls when noise raises the output (correlation {least}, \
+         {deviations} standard deviations), so the model takes part of the noise for a response: drive the actuator in \
+         open loop"
     );
     is_clear.then(|| text.into())
 }
@@ -116,6 +116,5 @@ fn innovations(x: &[f64], causes: &[&[f64]]) -> Option<Vec<f64>> {
         let predicted = lags.combined(weights.rows(1 + PREDICTION_LAGS * i, PREDICTION_LAGS).iter().copied());
         left.iter_mut().zip(predicted).for_each(|(left, predicted)| *left -= predicted);
     }
-    let level = mean(&left);
-    Some(left.iter().map(|x| x - level).collect())
+    Some(centred(&left))
 }

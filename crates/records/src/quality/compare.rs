@@ -6,13 +6,12 @@
 //! this reason records are only compared if their rates are similar. Records that excite a resonance, such as PRBS,
 //! have no gain here.
 
-use super::runs::quantile;
 use super::scale::{MAX_GAIN_RATIO, scales};
 use crate::record::Record;
 use crate::waveform::dominant_frequency;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{mean, scatter};
+use piezoid_numerics::series::{mean, quantile, scatter};
 
 /// A gain counts if the correlation of y with u is larger.
 const MIN_CORRELATION: f64 = 0.95;
@@ -61,28 +60,22 @@ pub fn compare(records: &[(&str, &Record)], notes: &mut Vec<String>) -> Result<(
         };
         let both = |factor: f64| {
             let (usual, units) = (quantile(others(factor), 0.5), record.units());
-            format!("(y over u: {} and {} {}/{})", short(gain.slope), short(usual), units.y, units.u)
+            format!("other records (y over u: {} and {} {}/{})", short(gain.slope), short(usual), units.y, units.u)
         };
         let remedy = "invert its input or its output, or leave it out";
         if odd(MAX_SURE_RATE_RATIO, &|ratio| ratio < 0.0) {
-            let because =
-                format!("{name}: it has the opposite sign of other records {}: {remedy}", both(MAX_SURE_RATE_RATIO));
+            let because = format!("{name}: it has the opposite sign of {}: {remedy}", both(MAX_SURE_RATE_RATIO));
             return Err(Error::Unidentifiable { what: "a model".into(), because });
         }
         if odd(MAX_RATE_RATIO, &|ratio| (-MAX_OPPOSITE_GAIN_RATIO..=-1.0 / MAX_OPPOSITE_GAIN_RATIO).contains(&ratio)) {
-            notes.push(format!(
-                "{name}: it has the opposite sign of other records {}: unless it is driven above a resonance, {remedy}",
-                both(MAX_RATE_RATIO)
-            ));
+            let remedy = format!("unless it is driven above a resonance, {remedy}");
+            notes.push(format!("{name}: it has the opposite sign of {}: {remedy}", both(MAX_RATE_RATIO)));
         } else if odd(MAX_RATE_RATIO, &|ratio| {
             (MIN_OTHER_GAIN_RATIO..MAX_GAIN_RATIO).contains(&ratio)
                 || (1.0 / MAX_GAIN_RATIO..1.0 / MIN_OTHER_GAIN_RATIO).contains(&ratio)
         }) {
-            notes.push(format!(
-                "{name}: it has another gain than other records {}: check units and amplifier, and that it is of the \
-                 same actuator",
-                both(MAX_RATE_RATIO)
-            ));
+            let remedy = "check units and amplifier, and that it is of the same actuator";
+            notes.push(format!("{name}: it has another gain than {}: {remedy}", both(MAX_RATE_RATIO)));
         }
     }
     notes.extend(scales(records));

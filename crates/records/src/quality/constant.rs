@@ -1,5 +1,6 @@
 //! Records without information: too few samples, or a signal that is constant.
 
+use super::Detection;
 use super::detector::{Consequence, Detector};
 use piezoid_numerics::number::round;
 use piezoid_numerics::series::ends;
@@ -14,9 +15,8 @@ pub(super) static TOO_SHORT: Detector = Detector {
     loop_remedy: None,
     run: |context| {
         let n = context.measured().len();
-        let text =
-            || format!("the record has {n} samples, but at least {MIN_SAMPLES} are needed: take a longer record");
-        (n < MIN_SAMPLES).then(|| text().into())
+        let text = format!("the record has {n} samples, but at least {MIN_SAMPLES} are needed: take a longer record");
+        (n < MIN_SAMPLES).then_some(text.into())
     },
 };
 
@@ -26,9 +26,8 @@ pub(super) static CONSTANT_INPUT: Detector = Detector {
     consequence: Consequence::Unusable,
     loop_remedy: None,
     run: |context| {
-        let (u, unit) = (context.measured().u(), &context.measured().units().u);
-        let at = constant("input", u, unit)?;
-        Some(format!("{at}: drive the actuator with a sine or a PRBS").into())
+        let record = context.measured();
+        constant("input", record.u(), &record.units().u, "drive the actuator with a sine or a PRBS")
     },
 };
 
@@ -38,14 +37,15 @@ pub(super) static CONSTANT_OUTPUT: Detector = Detector {
     consequence: Consequence::Unusable,
     loop_remedy: None,
     run: |context| {
-        let (y, unit) = (context.measured().y(), &context.measured().units().y);
-        let at = constant("output", y, unit)?;
-        Some(format!("{at}: check the connection of the sensor and the selected column").into())
+        let (record, remedy) = (context.measured(), "check the connection of the sensor and the selected column");
+        constant("output", record.y(), &record.units().y, remedy)
     },
 };
 
-/// The value of a constant signal in words; `None` if it moves.
-fn constant(signal: &str, x: &[f64], unit: &str) -> Option<String> {
+/// `None` if the signal moves.
+fn constant(signal: &str, x: &[f64], unit: &str, remedy: &str) -> Option<Detection> {
     let (low, high) = ends(x.iter().copied());
-    (low == high).then(|| format!("the {signal} is constant at {} {unit} over all {} samples", round(x[0]), x.len()))
+    let (level, n) = (round(low), x.len());
+    let text = format!("the {signal} is constant at {level} {unit} over all {n} samples: {remedy}");
+    (low == high).then_some(text.into())
 }

@@ -11,7 +11,7 @@ use super::explained::by_input;
 use crate::record::Record;
 use crate::waveform::dominant_frequency;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{ends, mean};
+use piezoid_numerics::series::{mean, range};
 
 /// The smallest reported drift, relative to the range of the output.
 const MIN_DRIFT_SHARE: f64 = 0.03;
@@ -69,8 +69,7 @@ fn drift(record: &Record) -> Option<Detection> {
     let (total, second_half) = (last - first, last - 0.5 * (middle + means[(blocks - 1) / 2]));
     let bends: Vec<f64> = means.windows(3).map(|w| (w[0] - 2.0 * w[1] + w[2]).powi(2) / 6.0).collect();
     let scatter = mean(&bends).sqrt();
-    let (low, high) = ends(record.y().iter().copied());
-    let share = total.abs() / (high - low);
+    let share = total.abs() / range(record.y());
     let slows = second_half / total < MAX_SLOWING_SHARE;
     if share < MIN_DRIFT_SHARE || total.abs() < MIN_DRIFT_DEVIATIONS * scatter || (slows && share < MAX_CREEP_SHARE) {
         return None;
@@ -79,21 +78,13 @@ fn drift(record: &Record) -> Option<Detection> {
     let seconds = (blocks - 1) as f64 * periods * period * record.ts();
     let kind =
         if slows { "it slows down like creep" } else { "it does not slow down like creep, so the sensor may drift" };
-    let text = format!(
-        "the output drifts by {} {unit} in {} s ({} % of stroke), not explained by the input; {kind}",
-        short(total),
-        short(seconds),
-        short(100.0 * share)
-    );
-    Some(text.into())
+    let [total, seconds, percent] = [total, seconds, 100.0 * share].map(short);
+    let drift = format!("the output drifts by {total} {unit} in {seconds} s ({percent} % of stroke)");
+    Some(format!("{drift}, not explained by the input; {kind}").into())
 }
 
 /// True if the input rests for most of a record.
 fn rests(u: &[f64]) -> bool {
-    let range = |u: &[f64]| {
-        let (low, high) = ends(u.iter().copied());
-        high - low
-    };
     let (all, size) = (range(u), (u.len() / BLOCK_COUNT).max(1));
     let still = u.chunks(size).filter(|block| range(block) < REST_RANGE_SHARE * all).count();
     still as f64 >= RESTING_BLOCK_SHARE * u.chunks(size).count() as f64

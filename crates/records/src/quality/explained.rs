@@ -8,13 +8,13 @@
 
 use super::lags::Lags;
 use nalgebra::{DMatrix, DVector};
-use piezoid_numerics::series::{dot_wide, mean, scatter};
+use piezoid_numerics::series::{centred, dot_wide, mean, scatter};
 use std::ops::Range;
 
 /// The part of `x` that is explained by `u` at these lags. Before and after the record the input is assumed constant.
 /// The constant and the trend are fitted but not returned. `ridge` is relative to the mean square of the input.
 pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> Vec<f64> {
-    let (middle, level, n) = (mean(u), mean(x), u.len());
+    let (middle, n) = (mean(u), u.len());
     let scale = (scatter(u) / n as f64).sqrt();
     let held = |t: isize| (u[t.clamp(0, n as isize - 1) as usize] - middle) / scale;
     // From the input of the largest lag at the first row to that of the smallest at the last.
@@ -22,7 +22,7 @@ pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> 
     let lagged = Lags::new(&input, lags.len());
     let one = vec![1.0; n];
     let ramp: Vec<f64> = (0..n).map(|t| 2.0 * t as f64 / n as f64 - 1.0).collect();
-    let x: Vec<f64> = x.iter().map(|x| x - level).collect();
+    let x = centred(x);
     let line = [&one, &ramp];
     let columns = line.len() + lags.len();
     let (mut normal, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));

@@ -6,10 +6,10 @@
 
 use super::Detection;
 use super::detector::{Consequence, Detector};
-use super::runs::{places, quantile, resolution, runs};
+use super::runs::{places, resolution, runs};
 use crate::record::Record;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::{ends, quantile, range};
 use std::ops::Range;
 
 /// Height below an extreme, relative to the range.
@@ -70,10 +70,7 @@ fn saturated(record: &Record) -> Option<Detection> {
     let (u, y) = (record.u(), record.y());
     let mut cut: Vec<Range<usize>> = Vec::new();
     for sign in [1.0, -1.0] {
-        let slow = cut_off(y, sign)
-            .into_iter()
-            .filter(|run| moved(u, run.start..run.end.saturating_sub(MAX_DELAY_SAMPLES)) > MIN_MOVEMENT_SHARE);
-        cut.extend(slow);
+        cut.extend(cut_off(y, sign).into_iter().filter(|run| moved_before(u, run) > MIN_MOVEMENT_SHARE));
         cut.extend(capped(u, y, sign));
     }
     cut.sort_by_key(|run| run.start);
@@ -85,18 +82,14 @@ fn saturated(record: &Record) -> Option<Detection> {
         all
     });
     let (low, high) = ends(cut.iter().flat_map(|run| y[run.clone()].iter().copied()));
-    let unit = &record.units().y;
-    (!cut.is_empty()).then(|| Detection {
-        text: format!(
-            "the output is saturated: it is constant {} while the input moves, in {}",
-            match cut.len() {
-                1 => format!("at {} {unit}", short(high)),
-                _ => format!("at or between {} and {} {unit}", short(low), short(high)),
-            },
-            places(&cut, record.ts())
-        ),
-        samples: cut,
-    })
+    let ([low, high], unit) = ([low, high].map(short), &record.units().y);
+    let (places, levels) = match cut.len() {
+        0 => return None,
+        1 => (places(&cut, record.ts()), format!("at {high} {unit}")),
+        _ => (places(&cut, record.ts()), format!("at or between {low} and {high} {unit}")),
+    };
+    let text = format!("the output is saturated: it is constant {levels} while the input moves, in {places}");
+    Some(Detection { samples: cut, text })
 }
 
 /// The samples at exactly the maximum of `sign` y if they are reached and left in large steps and cannot be smooth
@@ -122,8 +115,8 @@ fn capped(u: &[f64], y: &[f64], sign: f64) -> Vec<Range<usize>> {
     };
     let long: Vec<Range<usize>> = peaks.iter().filter(|run| run.len() >= 3).cloned().collect();
     let suspicious = long.iter().filter(|run| moves(run) || held(run)).count();
-    let mut near: Vec<f64> =
-        y.iter().copied().filter(|y| sign * y > high - 0.1 * (high - low) && !at_top(*y)).collect();
+    let next = |y: &f64| sign * y > high - 0.1 * (high - low) && !at_top(*y);
+    let mut near: Vec<f64> = y.iter().copied().filter(next).collect();
     let below = near.len();
     near.sort_by(f64::total_cmp);
     near.dedup();
@@ -134,23 +127,21 @@ fn capped(u: &[f64], y: &[f64], sign: f64) -> Vec<Range<usize>> {
 /// The input is constant at an extreme while the output still moves and returns, nearly every time.
 fn clipped(record: &Record) -> Option<Detection> {
     let (u, y) = (record.u(), record.y());
-    let (low, high) = ends(y.iter().copied());
+    let (height, rising) = (MIN_MOVEMENT_SHARE * range(y), output_sign(u, y));
     let mut all = Vec::new();
     for (sign, end) in [(1.0, ends(u.iter().copied()).1), (-1.0, -ends(u.iter().copied()).0)] {
         let stands = runs(u.len(), 0, |t| sign * u[t] == end);
         let long = stands.into_iter().filter(|run| run.len() >= MIN_RUN_SAMPLES && slides_in(u, run));
-        all.extend(
-            long.map(|run| (arches(y, &run, sign * (output_sign(u, y)), MIN_MOVEMENT_SHARE * (high - low)), run)),
-        );
+        all.extend(long.map(|run| (arches(y, &run, sign * rising, height), run)));
     }
     let mut arched: Vec<Range<usize>> = all.iter().filter(|(arched, _)| *arched).map(|(_, run)| run.clone()).collect();
     if arched.len() < 2 || (arched.len() as f64) < CLIPPED_REST_SHARE * all.len() as f64 {
         return None;
     }
     arched.sort_by_key(|run| run.start);
+    let places = places(&arched, record.ts());
     let text = format!(
-        "the recorded input is clipped: it is constant at its extreme while the output still moves, in {}",
-        places(&arched, record.ts())
+        "the recorded input is clipped: it is constant at its extreme while the output still moves, in {places}"
     );
     Some(Detection { samples: arched, text })
 }
@@ -163,22 +154,13 @@ fn frozen(record: &Record) -> Option<Detection> {
     let hidden = 4.0 * (resolution(y) / (high - low)).sqrt();
     let stands = |t: usize| t > 0 && y[t] == y[t - 1];
     let near = |run: &Range<usize>| (y[run.start] - low).min(high - y[run.start]) < PEAK_HEIGHT_SHARE * (high - low);
-    let frozen: Vec<Range<usize>> = runs(y.len(), 0, stands)
-        .into_iter()
-        .map(|run| run.start - 1..run.end)
-        .filter(|run| {
-            run.len() >= MIN_RUN_SAMPLES
-                && !near(run)
-                && moved(u, run.start..run.end.saturating_sub(MAX_DELAY_SAMPLES)) > MIN_MOVEMENT_SHARE.max(hidden)
-        })
-        .collect();
-    (!frozen.is_empty()).then(|| Detection {
-        text: format!(
-            "the output is frozen: its values repeat exactly while the input moves, in {}",
-            places(&frozen, record.ts())
-        ),
-        samples: frozen,
-    })
+    let moves = |run: &Range<usize>| moved_before(u, run) > MIN_MOVEMENT_SHARE.max(hidden);
+    let held = runs(y.len(), 0, stands).into_iter().map(|run| run.start - 1..run.end);
+    let frozen: Vec<Range<usize>> =
+        held.filter(|run| run.len() >= MIN_RUN_SAMPLES && !near(run) && moves(run)).collect();
+    let places = places(&frozen, record.ts());
+    let text = format!("the output is frozen: its values repeat exactly while the input moves, in {places}");
+    (!frozen.is_empty()).then_some(Detection { samples: frozen, text })
 }
 
 /// An otherwise smooth input jumps while it moves. A jump from rest is a step.
@@ -187,23 +169,20 @@ fn missing(record: &Record) -> Option<Detection> {
     let steps: Vec<f64> = u.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
     let still = steps.iter().filter(|d| **d == 0.0).count();
     let usual = quantile(steps.clone(), 0.99);
-    let (low, high) = ends(u.iter().copied());
-    let from_rest = |t: usize| {
-        let (lowest, highest) = ends(u[t.saturating_sub(MIN_RUN_SAMPLES)..t].iter().copied());
-        highest - lowest < REST_STEP_RATIO * usual
-    };
+    let from_rest = |t: usize| range(&u[t.saturating_sub(MIN_RUN_SAMPLES)..t]) < REST_STEP_RATIO * usual;
     // Jumps must be rare: an input with many jumps is a staircase.
     let jumps = (0..steps.len()).filter(|&t| steps[t] > 8.0 * usual).map(|t| t + 1).filter(|t| !from_rest(*t));
     let jumps: Vec<usize> = jumps.collect();
-    let large = jumps.iter().all(|&t| steps[t - 1] > MIN_MOVEMENT_SHARE * (high - low));
+    let least = MIN_MOVEMENT_SHARE * range(u);
+    let large = jumps.iter().all(|&t| steps[t - 1] > least);
     if jumps.is_empty() || jumps.len() > 3 || 10 * still > steps.len() || !large {
         return None;
     }
     // A reversal may be lost: the hysteresis state is known again when the input has covered its earlier range.
     let again = |t: usize| {
-        let ((low, high), slack) = (ends(u[..t].iter().copied()), MIN_MOVEMENT_SHARE * (high - low));
-        let up = u[t..].iter().position(|u| *u >= high - slack);
-        let down = u[t..].iter().position(|u| *u <= low + slack);
+        let (low, high) = ends(u[..t].iter().copied());
+        let up = u[t..].iter().position(|u| *u >= high - least);
+        let down = u[t..].iter().position(|u| *u <= low + least);
         up.zip(down).map_or(t + 1, |(up, down)| t + 1 + up.max(down))
     };
     let ranges: Vec<Range<usize>> = jumps.iter().map(|&t| t..again(t).min(y.len())).collect();
@@ -218,8 +197,7 @@ fn missing(record: &Record) -> Option<Detection> {
 
 /// The intervals in which `sign` x is at a limit.
 fn cut_off(x: &[f64], sign: f64) -> Vec<Range<usize>> {
-    let (low, high) = ends(x.iter().map(|x| sign * x));
-    let range = high - low;
+    let ((_, high), range) = (ends(x.iter().map(|x| sign * x)), range(x));
     let top = (PEAK_HEIGHT_SHARE * range).max(16.0 * resolution(x).min(range / 64.0));
     let near = |t: usize, height: f64| sign * x[t] >= high - height;
     let excursions = runs(x.len(), 2, |t| near(t, top));
@@ -232,11 +210,14 @@ fn cut_off(x: &[f64], sign: f64) -> Vec<Range<usize>> {
     flat.collect()
 }
 
+/// Movement of `u` during a run, without the last inputs, which do not act on the output yet.
+fn moved_before(u: &[f64], run: &Range<usize>) -> f64 {
+    moved(u, run.start..run.end.saturating_sub(MAX_DELAY_SAMPLES))
+}
+
 /// Movement of `u` during a run, relative to its range.
 fn moved(u: &[f64], run: Range<usize>) -> f64 {
-    let (low, high) = ends(u.iter().copied());
-    let (lowest, highest) = ends(u[run.start..run.end.max(run.start + 1)].iter().copied());
-    (highest - lowest) / (high - low)
+    range(&u[run.start..run.end.max(run.start + 1)]) / range(u)
 }
 
 /// True if `u` reaches the run no faster than it moved before: a clipped wave, not a step.

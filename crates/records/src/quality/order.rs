@@ -115,23 +115,20 @@ pub(super) fn order(record: &Record, tone: Option<&Tone>, is_closed_loop: bool) 
     let leads = leads.filter(|t| -t.delay >= MIN_LEAD_SAMPLES);
     let early = all > MIN_EXPLAINED_SHARE && earlier < MAX_EARLIER_SHARE * all;
     if let Some(t) = loops {
-        let text = format!(
-            "input and output seem to be swapped: a model of hysteresis leaves a residual of {} % of the \
-             output's rms, and {} % with the columns exchanged: exchange them",
-            round(100.0 * t.causal),
-            round(100.0 * t.exchanged)
-        );
-        Some(Order::Swapped(text))
+        let [own, exchanged] = [t.causal, t.exchanged].map(|residual| round(100.0 * residual));
+        Some(Order::Swapped(format!(
+            "input and output seem to be swapped: a model of hysteresis leaves a residual of {own} % of the output's \
+             rms, and {exchanged} % with the columns exchanged: exchange them"
+        )))
     } else if is_closed_loop {
         None
     } else if sharp {
-        let text = format!(
-            "the output moves before the input: later inputs explain {} % of those output increments that \
-             earlier inputs do not explain. If the columns are swapped, exchange them; if the output is shifted, \
-             align the channels",
-            round(100.0 * later)
-        );
-        Some(Order::Swapped(text))
+        let later = round(100.0 * later);
+        Some(Order::Swapped(format!(
+            "the output moves before the input: later inputs explain {later} % of those output increments that earlier \
+             inputs do not explain. If the columns are swapped, exchange them; if the output is shifted, align the \
+             channels"
+        )))
     } else if let Some(t) = leads {
         Some(Order::Shifted(leading(-t.delay, record.ts())))
     } else if early {
@@ -143,10 +140,10 @@ pub(super) fn order(record: &Record, tone: Option<&Tone>, is_closed_loop: bool) 
 
 /// The text for an output that leads.
 fn leading(samples: isize, ts: f64) -> String {
+    let seconds = short(samples as f64 * ts);
     format!(
-        "the output moves before the input, by about {samples} samples ({} s): align the channels; if they are \
-         aligned, input and output may be swapped",
-        short(samples as f64 * ts)
+        "the output moves before the input, by about {samples} samples ({seconds} s): align the channels; if they are \
+         aligned, input and output may be swapped"
     )
 }
 

@@ -12,10 +12,10 @@
 use super::Detection;
 use super::detector::{Consequence, Detector};
 use super::explained::by_input;
-use super::runs::{places, quantile, resolution};
+use super::runs::{places, resolution};
 use crate::record::Record;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::{largest, quantile, range};
 use std::collections::BTreeMap;
 
 /// The response i to a spike of size 1.
@@ -66,36 +66,34 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
     if n < 2 * SCATTER_SAMPLES {
         return None;
     }
-    let (low, high) = ends(record.y().iter().copied());
-    let smallest = (MIN_SPIKE_SHARE * (high - low)).max(3.0 * resolution(record.y()));
+    let stroke = range(record.y());
+    let smallest = (MIN_SPIKE_SHARE * stroke).max(3.0 * resolution(record.y()));
     let changes = off_neighbours(record.u());
     let mut y = record.y().to_vec();
     let mut found: BTreeMap<usize, f64> = BTreeMap::new();
     // Large spikes distort the regression: they are removed before smaller ones are searched.
     for _ in 0..MAX_SEARCHES {
         let spikes = spikes(record.u(), &changes, &y, smallest, usable);
-        let largest = spikes.iter().fold(0.0, |m: f64, (_, size)| m.max(size.abs()));
-        for (t, size) in spikes.into_iter().filter(|(_, size)| size.abs() > 0.5 * largest) {
+        let most = largest(spikes.iter().map(|(_, size)| size));
+        for (t, size) in spikes.into_iter().filter(|(_, size)| size.abs() > 0.5 * most) {
             *found.entry(t).or_default() += size;
             y[t] -= size;
         }
-        if largest == 0.0 {
+        if most == 0.0 {
             break;
         }
     }
     found.retain(|_, size| size.abs() > smallest);
-    let largest = found.values().fold(0.0, |m: f64, size| m.max(size.abs()));
+    let most = largest(found.values());
     // Many spikes are a property of the output: ripple, or a sensor that misses every second step.
     if found.is_empty() || found.len() > 1 + n / 50 {
         return None;
     }
     let ranges: Vec<_> = found.keys().map(|t| *t..t + 1).collect();
+    let (places, unit) = (places(&ranges, record.ts()), &record.units().y);
+    let [most, percent] = [most, 100.0 * most / stroke].map(short);
     let text = format!(
-        "the output has outliers: {}, the largest {} {} from its neighbours ({} % of stroke)",
-        places(&ranges, record.ts()),
-        short(largest),
-        record.units().y,
-        short(100.0 * largest / (high - low))
+        "the output has outliers: {places}, the largest {most} {unit} from its neighbours ({percent} % of stroke)"
     );
     Some(Detection { samples: ranges, text })
 }
@@ -122,11 +120,8 @@ fn spikes(u: &[f64], changes: &[f64], y: &[f64], smallest: f64, usable: &[bool])
             i[t.saturating_sub(SCATTER_SAMPLES)..(t + SCATTER_SAMPLES).min(n)].iter().map(|i| i.abs()).collect();
         // The median of absolute values of normal noise is 0.6745 standard deviations.
         let scatter = quantile(usual, 0.5) / 0.6745;
-        let sharpest = changes[t - past - 2..=t + 2].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
-        let beside = i[t - NEIGHBOUR_SAMPLES..t - 2]
-            .iter()
-            .chain(&i[t + 3..=t + NEIGHBOUR_SAMPLES])
-            .fold(0.0, |m: f64, i| m.max(i.abs()));
+        let sharpest = largest(&changes[t - past - 2..=t + 2]);
+        let beside = largest(i[t - NEIGHBOUR_SAMPLES..t - 2].iter().chain(&i[t + 3..=t + NEIGHBOUR_SAMPLES]));
         (size.abs() > MIN_SCATTER_DEVIATIONS * scatter
             && size.abs() > MIN_RESPONSE_SHARE * gain * sharpest
             && size.abs() > MIN_NEIGHBOUR_RATIO * beside)
@@ -146,9 +141,8 @@ fn off_neighbours(x: &[f64]) -> Vec<f64> {
 
 /// Median gain from sharp changes of the input to the response of the output; a few spikes do not affect it.
 fn sharp_gain(changes: &[f64], answers: &[f64]) -> f64 {
-    let sharpest = changes.iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    let sharpest = largest(changes);
     let sharp = (0..changes.len()).filter(|t| changes[*t].abs() > 0.5 * sharpest);
-    let answer =
-        |t: usize| answers[t..(t + RESPONSE_SAMPLES).min(answers.len())].iter().fold(0.0, |m: f64, c| m.max(c.abs()));
+    let answer = |t: usize| largest(&answers[t..(t + RESPONSE_SAMPLES).min(answers.len())]);
     quantile(sharp.map(|t| answer(t) / changes[t].abs()).collect(), 0.5)
 }

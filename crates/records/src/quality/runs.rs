@@ -5,7 +5,7 @@ use piezoid_numerics::series::{mean, scatter};
 use std::ops::Range;
 
 /// The runs of samples from 0 up to `n` for which `so` holds; gaps of up to `gap` samples are closed.
-pub(super) fn runs(n: usize, gap: usize, so: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
+pub(crate) fn runs(n: usize, gap: usize, so: impl Fn(usize) -> bool) -> Vec<Range<usize>> {
     let mut runs: Vec<Range<usize>> = Vec::new();
     for t in (0..n).filter(|t| so(*t)) {
         match runs.last_mut() {
@@ -20,15 +20,6 @@ pub(super) fn runs(n: usize, gap: usize, so: impl Fn(usize) -> bool) -> Vec<Rang
 pub(super) fn resolution(x: &[f64]) -> f64 {
     let steps = x.windows(2).map(|w| (w[1] - w[0]).abs()).filter(|d| *d > 0.0);
     steps.fold(f64::INFINITY, f64::min)
-}
-
-/// The quantile of `x` at `share`; 0 if `x` is empty.
-pub(super) fn quantile(mut x: Vec<f64>, share: f64) -> f64 {
-    let k = (share * x.len() as f64) as usize;
-    match x.len() {
-        0 => 0.0,
-        n => *x.select_nth_unstable_by(k.min(n - 1), f64::total_cmp).1,
-    }
 }
 
 /// A series about its mean, over its rms about it; `None` if it is constant.
@@ -62,11 +53,5 @@ mod tests {
         let so = [true, false, true, false, false, false, true];
         assert_eq!(runs(7, 1, |t| so[t]), [0..3, 6..7]);
         assert_eq!(runs(7, 0, |t| so[t]).len(), 3);
-    }
-
-    #[test]
-    fn quantiles_are_counted_from_the_smallest() {
-        let x = vec![4.0, 1.0, 3.0, 2.0];
-        assert_eq!((quantile(x.clone(), 0.0), quantile(x.clone(), 0.5), quantile(x, 1.0)), (1.0, 3.0, 4.0));
     }
 }

@@ -1,11 +1,10 @@
 //! Two records, or a record and a model, whose scales differ by a large factor: a unit, an amplifier gain or a sensor
 //! gain is wrong.
 
-use super::runs::quantile;
 use crate::record::Record;
 use libm::log10;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::scatter;
+use piezoid_numerics::series::{quantile, scatter};
 
 /// Units, each 1000 times the one before.
 const UNIT_LADDERS: [&[&str]; 2] = [&["nm", "um", "mm", "m"], &["uV", "mV", "V", "kV"]];
@@ -46,14 +45,9 @@ pub(super) fn scales(records: &[(&str, &Record)]) -> Vec<String> {
         let odd = 2 * others().filter(|other| differs(*other)).count() > others().count();
         let (usual, units) = (quantile(others().collect(), 0.5), record.units());
         odd.then(|| {
-            format!(
-                "{name}: it has another gain than other records (y over u, rms: {} and {} {}/{}): {}",
-                short(ratios[k]),
-                short(usual),
-                units.y,
-                units.u,
-                likely_cause(ratios[k] / usual, &units.y)
-            )
+            let (cause, [own, usual]) = (likely_cause(ratios[k] / usual, &units.y), [ratios[k], usual].map(short));
+            let both = format!("{own} and {usual} {}/{}", units.y, units.u);
+            format!("{name}: it has another gain than other records (y over u, rms: {both}): {cause}")
         })
     };
     records.iter().enumerate().filter_map(note).collect()

@@ -4,6 +4,7 @@ use libm::cos;
 use nalgebra::Complex;
 use piezoid_numerics::complex::argument;
 use piezoid_numerics::fourier::{LINE_WIDTH_BINS, Transform};
+use piezoid_numerics::series::centred;
 use std::f64::consts::TAU;
 
 /// An input is a tone if its line has this share of the power.
@@ -34,10 +35,10 @@ pub(super) fn tone(u: &[f64], y: &[f64]) -> Option<Tone> {
 
 /// The spectrum up to half the sampling frequency, with a window (Hann) and without mean.
 fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
-    let (n, mean) = (x.len(), piezoid_numerics::series::mean(x));
+    let n = x.len();
     let window = |t: usize| 1.0 - cos(TAU * (t as f64 + 0.5) / n as f64);
     let mut spectrum: Vec<Complex<f64>> =
-        x.iter().enumerate().map(|(t, x)| Complex::from((x - mean) * window(t))).collect();
+        centred(x).iter().enumerate().map(|(t, x)| Complex::from(x * window(t))).collect();
     Transform::new(n).process(&mut spectrum);
     spectrum.truncate(n / 2 + 1);
     spectrum.shrink_to_fit();

@@ -8,7 +8,7 @@ use super::Detection;
 use super::detector::{Consequence, Detector};
 use crate::record::{Record, Units};
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::range;
 
 /// The largest stroke [m].
 const MAX_STROKE_M: f64 = 0.02;
@@ -30,17 +30,10 @@ pub(super) static UNITS: Detector = Detector {
 
 /// Outputs that are not lengths, and inputs that are not volts, are not judged.
 fn units(record: &Record) -> Option<Detection> {
-    let range = |x: &[f64]| {
-        let (low, high) = ends(x.iter().copied());
-        high - low
-    };
     let units = record.units();
     if Units::factor(&units.u, "m").is_some() && ["V", "mV", "kV"].contains(&&*units.y) {
-        let text = format!(
-            "the input is in {} and the output in {}: input and output seem to be exchanged; choose the other columns",
-            units.u, units.y
-        );
-        return Some(text.into());
+        let both = format!("the input is in {} and the output in {}", units.u, units.y);
+        return Some(format!("{both}: input and output seem to be exchanged; choose the other columns").into());
     }
     let volts = match &*units.u {
         "V" => 1.0,

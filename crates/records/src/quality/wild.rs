@@ -6,10 +6,11 @@
 //! the core is constant, no sample is wild.
 
 use super::detector::{Consequence, Detector};
-use super::runs::{places, quantile, runs};
+use super::runs::{places, runs};
 use super::{Detection, bridged};
 use crate::record::Record;
 use piezoid_numerics::number::short;
+use piezoid_numerics::series::quantile;
 
 /// Share of the samples on each side outside the initial core.
 const TAIL_SHARE: f64 = 0.01;
@@ -41,12 +42,10 @@ pub(super) fn wild(record: &Record) -> Option<Wild> {
     let beyond = samples.iter().flat_map(|run| &y[run.clone()]);
     let wildest = beyond.fold(low, |m, &y| if (y - low).abs() > (m - low).abs() { y } else { m });
     let unit = &record.units().y;
+    let (places, [wildest, low, high]) = (places(&samples, record.ts()), [wildest, low, high].map(short));
     let text = format!(
-        "the output has outliers: {}, up to {} {unit}, while all other samples are between {} and {} {unit}",
-        places(&samples, record.ts()),
-        short(wildest),
-        short(low),
-        short(high)
+        "the output has outliers: {places}, up to {wildest} {unit}, while all other samples are between {low} and \
+         {high} {unit}"
     );
     let interpolated = interpolated.with_units(record.units().clone());
     Some(Wild { found: Detection { samples, text }, interpolated })

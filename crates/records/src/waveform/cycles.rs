@@ -1,7 +1,7 @@
 //! The cycles of an input, from one minimum to the next.
 
 use libm::log;
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::{ends, quantile, range};
 use std::ops::Range;
 
 /// A reversal counts when the input has moved back by this share of its range.
@@ -34,16 +34,13 @@ pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
         .windows(3)
         .step_by(2)
         .map(|w| {
-            let (low, high) = ends(u[w[0]..=w[2]].iter().copied());
             let hz = 1.0 / ((w[2] - w[0]) as f64 * ts);
-            Cycle { samples: w[0]..w[2] + 1, peak: w[1], amplitude: 0.5 * (high - low), hz }
+            Cycle { samples: w[0]..w[2] + 1, peak: w[1], amplitude: 0.5 * range(&u[w[0]..=w[2]]), hz }
         })
         .collect();
     let median = |of: fn(&Cycle) -> f64| {
         let bend = |w: &[Cycle]| log(of(&w[0]) * of(&w[2]) / of(&w[1]).powi(2)).abs();
-        let mut bends: Vec<f64> = found.windows(3).map(bend).collect();
-        bends.sort_by(f64::total_cmp);
-        bends.get(bends.len() / 2).copied().unwrap_or(0.0)
+        quantile(found.windows(3).map(bend).collect(), 0.5)
     };
     let regular = median(|c| c.hz) < REGULAR && median(|c| c.amplitude) < REGULAR;
     if regular { found } else { Vec::new() }

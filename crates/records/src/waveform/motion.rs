@@ -1,6 +1,6 @@
 //! The initial movement of an input, and probable inputs before the record.
 
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::range;
 
 /// An input has moved, or is not at zero, if the difference exceeds this share of its range.
 const MOVED: f64 = 0.02;
@@ -12,8 +12,7 @@ const LONGEST: usize = 64;
 /// less than 1/50 of its range in the time in which it moves 1/5 on average.
 pub fn in_motion(u: &[f64]) -> bool {
     let Some(&first) = u.first() else { return false };
-    let (low, high) = ends(u.iter().copied());
-    let least = MOVED * (high - low);
+    let least = MOVED * range(u);
     first.abs() > least && u.iter().take(samples_per_fifth(u) + 1).any(|v| (v - first).abs() > least)
 }
 
@@ -34,9 +33,8 @@ pub fn inputs_before(u: &[f64]) -> Vec<f64> {
 
 /// Number of samples in which `u` moves 1/5 of its range on average.
 fn samples_per_fifth(u: &[f64]) -> usize {
-    let (low, high) = ends(u.iter().copied());
     let path: f64 = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
-    let samples = 0.2 * (high - low) * (u.len() - 1) as f64 / path;
+    let samples = 0.2 * range(u) * (u.len() - 1) as f64 / path;
     (samples as usize).clamp(1, u.len().max(2) - 1)
 }
 

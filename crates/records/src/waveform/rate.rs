@@ -6,7 +6,7 @@
 //! soon not at all. Of the two, the one with the more even cycles counts.
 
 use super::{crossings, reversals};
-use piezoid_numerics::series::mean;
+use piezoid_numerics::series::{mean, quantile};
 
 /// A reversal counts when the input has moved back by this share of its range.
 const BACK: f64 = 0.1;
@@ -43,9 +43,7 @@ fn uneven(lengths: &[f64]) -> f64 {
 }
 
 fn median(lengths: &[f64]) -> Option<f64> {
-    let mut sorted = lengths.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).copied()
+    (!lengths.is_empty()).then(|| quantile(lengths.to_vec(), 0.5))
 }
 
 #[cfg(test)]

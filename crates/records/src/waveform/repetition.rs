@@ -1,7 +1,7 @@
 //! The period of an input.
 
 use piezoid_numerics::fourier::autocorrelation;
-use piezoid_numerics::series::{mean, scatter};
+use piezoid_numerics::series::{centred, scatter};
 
 /// Largest rms difference between repetitions, relative to the rms of the input.
 const SAME: f64 = 1e-3;
@@ -12,12 +12,12 @@ const OTHER: f64 = 0.5;
 
 /// The period of `u` [samples], if the whole input repeats at least once.
 pub fn period(u: &[f64]) -> Option<usize> {
-    let (n, middle) = (u.len(), mean(u));
+    let n = u.len();
     let variance = scatter(u) / n as f64;
     if variance.is_nan() || variance <= 0.0 {
         return None;
     }
-    let centred: Vec<f64> = u.iter().map(|u| u - middle).collect();
+    let centred = centred(u);
     let products = autocorrelation(&centred);
     // Cumulative sums of squares.
     let mut squares = vec![0.0];
