@@ -58,9 +58,8 @@ impl MaskedRecord {
             blocks.filter_map(|arx| self.run(&arx)).min_by(|a, b| a.rms.total_cmp(&b.rms))
         };
         let plain = Orders { na: 0, nb: 2, delay: 0 };
-        let quick = best(
-            &mut LEAST_SQUARES_ORDERS.map(Orders::of).into_iter().chain([plain]).filter_map(|o| self.least_squares(o)),
-        );
+        let orders = LEAST_SQUARES_ORDERS.map(Orders::of).into_iter().chain([plain]);
+        let quick = best(&mut orders.filter_map(|orders| self.least_squares(orders)));
         match quick {
             Some(quick) if quick.rms <= tolerance => Some(quick),
             quick => {
@@ -95,9 +94,8 @@ impl MaskedRecord {
         let counted: Vec<(f64, f64)> =
             (0..y.len()).filter(|t| usable[*t]).map(|t| (t as f64 - middle, y[t] - simulated[t])).collect();
         let (offset, rise) = line(&counted, self.drifts);
-        let errors: Vec<f64> = (0..y.len())
-            .map(|t| if usable[t] { y[t] - simulated[t] - offset - rise * (t as f64 - middle) } else { 0.0 })
-            .collect();
+        let error = |t: usize| y[t] - simulated[t] - offset - rise * (t as f64 - middle);
+        let errors: Vec<f64> = (0..y.len()).map(|t| if usable[t] { error(t) } else { 0.0 }).collect();
         simulated.iter_mut().for_each(|s| *s += offset);
         let rms = (errors.iter().map(|e| e * e).sum::<f64>() / counted.len() as f64).sqrt();
         rms.is_finite().then_some(ClosestFit { simulated, errors, rms })
@@ -108,9 +106,8 @@ impl MaskedRecord {
 fn line(pairs: &[(f64, f64)], drift: bool) -> (f64, f64) {
     let n = pairs.len() as f64;
     let (t, e) = pairs.iter().fold((0.0, 0.0), |(t, e), pair| (t + pair.0 / n, e + pair.1 / n));
-    let (across, along) = pairs
-        .iter()
-        .fold((0.0, 0.0), |(across, along), pair| (across + (pair.0 - t) * (pair.1 - e), along + (pair.0 - t).powi(2)));
+    let across: f64 = pairs.iter().map(|pair| (pair.0 - t) * (pair.1 - e)).sum();
+    let along: f64 = pairs.iter().map(|pair| (pair.0 - t).powi(2)).sum();
     let rise = if drift && along > 0.0 { across / along } else { 0.0 };
     (e - rise * t, rise)
 }

@@ -6,10 +6,10 @@
 //! Frequencies are grouped in the third-octave bands of IEC 61260, 10^((n - 1/2)/10) to 10^((n + 1/2)/10) Hz,
 //! amplitudes in fifths of a decade. The edges are the same for every record, so bins of several records can be merged.
 
-use super::ComparedRun;
+use super::{ComparedRun, errors};
 use libm::{log10, pow};
 use piezoid_numerics::fourier::power;
-use piezoid_numerics::series::{ends, mean, scatter};
+use piezoid_numerics::series::{centred, range, scatter};
 use piezoid_records::waveform::Cycle;
 use serde::Serialize;
 
@@ -150,8 +150,7 @@ fn by_cycle(run: &ComparedRun, at: fn(&Cycle) -> f64, per_decade: f64) -> Vec<Bi
         let (y, simulated) = (&run.record.y()[samples.clone()], &run.simulated[samples]);
         let n = y.len() as f64;
         let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
-        let (low, high) = ends(y.iter().copied());
-        let figures = [(squares / n).sqrt(), (scatter(y) / n).sqrt(), high - low];
+        let figures = [(squares / n).sqrt(), (scatter(y) / n).sqrt(), range(y)];
         Bin::new(at(cycle), per_decade, Source::Cycles, y.len(), figures)
     };
     Bin::merged(&run.cycles.iter().map(one).collect::<Vec<_>>())
@@ -159,23 +158,21 @@ fn by_cycle(run: &ComparedRun, at: fn(&Cycle) -> f64, per_decade: f64) -> Vec<Bi
 
 fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
     let record = run.record;
-    let errors = run.errors();
+    let errors = errors(record.y(), run.simulated);
     if errors.iter().any(|e| !e.is_finite()) {
         return Vec::new();
     }
     // The mean of the error belongs to no band.
-    let middle = mean(&errors);
-    let centred: Vec<f64> = errors.iter().map(|e| e - middle).collect();
-    let [input, output, error] = [record.u(), record.y(), &centred].map(power);
+    let [input, output, error] = [record.u(), record.y(), &centred(&errors)].map(power);
     let hz = |k: usize| k as f64 / (record.len() as f64 * record.ts());
     let bins: Vec<usize> = (1..input.len()).collect();
-    let (low, high) = ends(record.y().iter().copied());
+    let stroke = range(record.y());
     let all: f64 = input.iter().sum();
     let within = |bins: &[usize]| {
         let sum = |power: &[f64]| bins.iter().map(|&k| power[k]).sum::<f64>();
         let excited = sum(&input);
         let centre = bins.iter().map(|&k| hz(k) * input[k]).sum::<f64>() / excited;
-        let figures = [sum(&error).sqrt(), sum(&output).sqrt(), high - low];
+        let figures = [sum(&error).sqrt(), sum(&output).sqrt(), stroke];
         (excited > MIN_POWER_SHARE * all)
             .then(|| Bin::new(centre, FREQUENCY_BANDS, Source::Spectrum, record.len(), figures))
     };

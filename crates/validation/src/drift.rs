@@ -1,6 +1,6 @@
 //! The linear trend of the error of a record: a drift of its sensor or of its temperature, which is not the model's.
 
-use piezoid_numerics::series::{dot, ends, mean};
+use piezoid_numerics::series::{dot, mean, range};
 
 /// Share of the rms error about its mean, and of all of it, from which a drift is named.
 const NAMED: [f64; 2] = [0.5, 0.25];
@@ -33,10 +33,9 @@ impl Drift {
         let time: Vec<f64> = (0..errors.len()).map(|t| t as f64 - 0.5 * (n - 1.0)).collect();
         let slope = dot(&time, errors) / dot(&time, &time).max(1.0);
         let rms = slope.abs() * ((n * n - 1.0) / 12.0).sqrt();
-        let (low, high) = ends(simulated.iter().copied());
         let (mean, square) = (mean(errors), dot(errors, errors) / n);
         let large = rms > NAMED[0] * (square - mean * mean).max(0.0).sqrt() && rms > NAMED[1] * square.sqrt();
-        let is_slow = slope.abs() < MAX_DRIFT_RATE * (high - low) * ts;
+        let is_slow = slope.abs() < MAX_DRIFT_RATE * range(simulated) * ts;
         let middle = errors.len() / 2;
         let goes_on = || {
             [0..errors.len(), 0..middle, middle..errors.len()].into_iter().all(|part| {

@@ -64,14 +64,11 @@ pub(super) static BAND: Remark = Remark {
         let resolution = 1.0 / c.record.duration();
         let is_above = high > (1.0 + BAND_MARGIN) * fastest + resolution;
         let is_below = low < (1.0 - BAND_MARGIN) * slowest - resolution;
+        let [low, high, slowest, fastest] = [low, high, slowest, fastest].map(short);
         ((is_above || is_below) && frequency(c).is_none()).then(|| {
             format!(
-                "the input has power from {} to {} Hz, but the model was identified from {} to {} Hz: outside this \
-                 range it extrapolates",
-                short(low),
-                short(high),
-                short(slowest),
-                short(fastest)
+                "the input has power from {low} to {high} Hz, but the model was identified from {slowest} to {fastest} \
+                 Hz: outside this range it extrapolates"
             )
         })
     },
@@ -82,12 +79,11 @@ pub(super) static RATE: Remark = Remark {
     when: "u changes more than 10 % faster than in the training data",
     text: |c| {
         let ((identified, domain), unit) = (c.domains.as_ref()?, &c.model.units().u);
+        let [here, known] = [domain.slew, identified.slew].map(short);
         (domain.slew > (1.0 + RATE_MARGIN) * identified.slew).then(|| {
             format!(
-                "the input changes by up to {} {unit}/s, but the model was identified up to {} {unit}/s: above this \
-                 rate it extrapolates",
-                short(domain.slew),
-                short(identified.slew)
+                "the input changes by up to {here} {unit}/s, but the model was identified up to {known} {unit}/s: \
+                 above this rate it extrapolates"
             )
         })
     },
@@ -103,11 +99,11 @@ pub(super) static BIAS: Remark = Remark {
             (low, high) if low == high => low,
             (low, high) => format!("from {low} to {high}"),
         };
+        let mean = short(domain.mean[0]);
         (domain.mean[0] < identified.mean[0] - slack || domain.mean[1] > identified.mean[1] + slack).then(|| {
             format!(
-                "the input has a mean of {} {unit}, but the model was identified at {means} {unit}: at another bias \
-                 the model extrapolates",
-                short(domain.mean[0])
+                "the input has a mean of {mean} {unit}, but the model was identified at {means} {unit}: at another \
+                 bias the model extrapolates"
             )
         })
     },
@@ -119,18 +115,13 @@ pub(super) fn range(c: &Comparison) -> Option<String> {
     let (lowest, highest) = ends(c.record.u().iter().copied());
     let slack = RANGE_MARGIN * (high - low);
     let times = (highest - lowest) / (high - low);
+    let cause = || format!("; at {} times the range, {}", short(times), likely_cause(times, unit));
+    let cause = (times > MAX_RANGE_RATIO).then(cause).unwrap_or_default();
     (lowest < low - slack || highest > high + slack).then(|| {
+        let [lowest, highest, low, high] = [lowest, highest, low, high].map(short);
         format!(
-            "the input runs from {} to {} {unit}, but the model was identified from {} to {} {unit}: outside this \
-             range it extrapolates{}",
-            short(lowest),
-            short(highest),
-            short(low),
-            short(high),
-            match times > MAX_RANGE_RATIO {
-                true => format!("; at {} times the range, {}", short(times), likely_cause(times, unit)),
-                false => String::new(),
-            }
+            "the input runs from {lowest} to {highest} {unit}, but the model was identified from {low} to {high} \
+             {unit}: outside this range it extrapolates{cause}"
         )
     })
 }
@@ -143,12 +134,10 @@ fn frequency(c: &Comparison) -> Option<String> {
     let (slowest, fastest) = c.model.hysteresis().frequencies()?;
     let hz = cycle_rate(c.record.u(), c.record.ts())?;
     (!((1.0 - RATE_MARGIN) * slowest..=(1.0 + RATE_MARGIN) * fastest).contains(&hz)).then(|| {
+        let [hz, slowest, fastest] = [hz, slowest, fastest].map(short);
         format!(
-            "the input oscillates at {} Hz, but the model was identified from {} to {} Hz: outside this range it \
-             extrapolates",
-            short(hz),
-            short(slowest),
-            short(fastest)
+            "the input oscillates at {hz} Hz, but the model was identified from {slowest} to {fastest} Hz: outside \
+             this range it extrapolates"
         )
     })
 }

@@ -14,12 +14,11 @@
 //!
 //! Reference: Pintelon & Schoukens 2012, System Identification: A Frequency Domain Approach, doi:10.1002/9781118287422.
 
-use super::Metrics;
 use super::drift::Drift;
 use super::undriven::Noise;
+use super::{ComparedRun, Metrics};
 use piezoid_numerics::number::{join, round};
-use piezoid_numerics::series::{ends, mean};
-use piezoid_records::record::Record;
+use piezoid_numerics::series::{mean, range};
 use piezoid_records::waveform::period;
 use serde::Serialize;
 
@@ -61,18 +60,13 @@ pub struct Floor {
 
 impl Floor {
     /// The noise floor of a record, of a model's free run with these errors; `None` if it is unknown.
-    pub(crate) fn of(
-        record: &Record,
-        errors: &[f64],
-        simulated: &[f64],
-        metrics: &Metrics,
-        drift: &Drift,
-    ) -> Option<Self> {
+    pub(crate) fn of(run: &ComparedRun, errors: &[f64], metrics: &Metrics, drift: &Drift) -> Option<Self> {
+        let record = run.record;
         // The free run takes most of a transient away, but two periods would still contain it.
         let repeated = Repeated::of(record.u(), errors).filter(|r| record.len() / r.period > 2);
         let (noise, hum_hz) = match &repeated {
             Some(r) => (r.noise, None),
-            None => Noise::of(record, errors, simulated).map(|n| (n.rms, n.hum_hz))?,
+            None => Noise::of(record, errors, run.simulated).map(|n| (n.rms, n.hum_hz))?,
         };
         let scatter = (metrics.mse - drift.mean.powi(2) - drift.rms.powi(2)).max(0.0).sqrt();
         let rms = noise.max(step(record.y()) / 12f64.sqrt()).min(scatter);
@@ -122,11 +116,8 @@ pub fn summary(metrics: &Metrics, floor: Option<&Floor>, drift: Option<f64>) -> 
     }
     let Some(floor) = floor else {
         let part = drift.map_or(String::new(), |drift| format!(", of which drift {}", percent(drift)));
-        return Some(format!(
-            "{} NRMSE{part}; how much of it is noise is unknown: a record is too short, or its input drives all \
-             frequencies",
-            percent(all)
-        ));
+        let unknown = "how much of it is noise is unknown: a record is too short, or its input drives all frequencies";
+        return Some(format!("{} NRMSE{part}; {unknown}", percent(all)));
     };
     let (noise, reducible) = (floor.nrmse_percent, floor.reducible_nrmse_percent);
     let drift = (all.powi(2) - noise.powi(2) - reducible.powi(2)).max(0.0).sqrt();
@@ -150,8 +141,8 @@ pub fn rough(x: f64) -> String {
 fn step(y: &[f64]) -> f64 {
     let mut sorted = y.to_vec();
     sorted.sort_unstable_by(f64::total_cmp);
-    let (low, high) = ends(y.iter().copied());
-    let differences = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > ROUNDING_SHARE * (high - low));
+    let rounding = ROUNDING_SHARE * range(y);
+    let differences = sorted.windows(2).map(|w| w[1] - w[0]).filter(|d| *d > rounding);
     let smallest = differences.fold(f64::INFINITY, f64::min);
     if smallest.is_finite() { smallest } else { 0.0 }
 }
@@ -197,6 +188,7 @@ impl Repeated {
 mod tests {
     use super::*;
     use piezoid_records::excitation::{Prbs, RisingSine, Sine};
+    use piezoid_records::record::Record;
     use piezoid_testing::assert_close;
     use piezoid_twins::{Plant, Preset};
 
@@ -207,7 +199,8 @@ mod tests {
         let errors: Vec<f64> = y.iter().zip(simulated).map(|(y, s)| y - s).collect();
         let metrics = Metrics::of(&y, simulated);
         let drift = Drift::of(&errors, simulated, TS);
-        Floor::of(&Record::new(TS, u, y).unwrap(), &errors, simulated, &metrics, &drift)
+        let record = Record::new(TS, u, y).unwrap();
+        Floor::of(&ComparedRun { record: &record, simulated, cycles: &[] }, &errors, &metrics, &drift)
     }
 
     #[test]

@@ -161,10 +161,10 @@ impl Validate for Model {
         let cycles = cycles(counted.u(), counted.ts());
         let run = ComparedRun { record: &counted, simulated: &simulated[start..], cycles: &cycles };
         let metrics = Metrics::of(counted.y(), run.simulated);
-        let errors = run.errors();
+        let errors = errors(counted.y(), run.simulated);
         let drift = Drift::of(&errors, run.simulated, record.ts());
         let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
-        let floor = Floor::of(&counted, &errors, run.simulated, &metrics, &drift);
+        let floor = Floor::of(&run, &errors, &metrics, &drift);
         let loops = loops::loops(&run);
         let comparison = remarks::Comparison {
             model: self,
@@ -202,13 +202,6 @@ struct ComparedRun<'a> {
     record: &'a Record,
     simulated: &'a [f64],
     cycles: &'a [piezoid_records::waveform::Cycle],
-}
-
-impl ComparedRun<'_> {
-    /// Measured minus simulated.
-    fn errors(&self) -> Vec<f64> {
-        errors(self.record.y(), self.simulated)
-    }
 }
 
 /// Measured minus simulated.

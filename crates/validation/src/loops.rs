@@ -7,7 +7,7 @@
 
 use super::ComparedRun;
 use super::bins::{alike, band};
-use piezoid_numerics::series::{ends, mean};
+use piezoid_numerics::series::{mean, range};
 use piezoid_records::waveform::{Cycle, reversals};
 use serde::Serialize;
 use std::ops::RangeInclusive;
@@ -80,8 +80,7 @@ pub(super) fn loops(run: &ComparedRun) -> Vec<LoopComparison> {
 fn of(u: &[f64], y: &[f64], cycle: &Cycle) -> LoopShape {
     let (start, peak, end) = (cycle.samples.start, cycle.peak, cycle.samples.end - 1);
     let (x, part) = (&u[start..=end], &y[start..=end]);
-    let (low, high) = ends(part.iter().copied());
-    let height = high - low;
+    let height = range(part);
     let middle = 0.5 * (u[peak] + u[start].max(u[end]));
     let gap = at(u, y, peak..=end, middle) - at(u, y, start..=peak, middle);
     // Closed by a line from its end to its start, because an open path has no area.

@@ -1,6 +1,6 @@
 //! Error figures of a free run over one or several records.
 
-use piezoid_numerics::series::{ends, scatter};
+use piezoid_numerics::series::{range, scatter};
 use serde::Serialize;
 
 /// Errors of a model on a record, in the record's unit.
@@ -37,9 +37,8 @@ impl Metrics {
         let n = y.len();
         let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
         let variance = scatter(y) / n as f64;
-        let (low, high) = ends(y.iter().copied());
         let max_abs = y.iter().zip(simulated).map(|(y, s)| (y - s).abs()).fold(0.0, larger);
-        Metrics::from_parts(n, squares / n as f64, variance.sqrt(), high - low, max_abs)
+        Metrics::from_parts(n, squares / n as f64, variance.sqrt(), range(y), max_abs)
     }
 
     /// All records together. Squared errors and variances are pooled; the variances are about each record's own mean,

@@ -87,15 +87,12 @@ static ERROR_DRIFT: Remark = Remark {
     name: "drift",
     when: "a slow linear trend makes more than half of the error about its mean",
     text: |c| {
-        let percent = |rms: f64| rough(100.0 * rms / c.metrics.std);
+        let [drift, all] = [c.drift.rms, c.metrics.rmse].map(|rms| rough(100.0 * rms / c.metrics.std));
+        let (slope, unit) = (rough(c.drift.slope / c.record.ts()), &c.record.units().y);
         c.drift.is_named.then(|| {
             format!(
-                "a drift of {} {}/s makes {} of the {} % NRMSE: the sensor or the temperature drifts, or the \
-                 model lacks creep. Set the offset to drift to see the rest of the error",
-                rough(c.drift.slope / c.record.ts()),
-                c.record.units().y,
-                percent(c.drift.rms),
-                percent(c.metrics.rmse)
+                "a drift of {slope} {unit}/s makes {drift} of the {all} % NRMSE: the sensor or the temperature drifts, \
+                 or the model lacks creep. Set the offset to drift to see the rest of the error"
             )
         })
     },
@@ -132,19 +129,14 @@ fn scaled(record: &Record, simulated: &[f64]) -> Option<String> {
     let product: f64 = y.iter().zip(simulated).map(|(y, s)| (y - mean_y) * (s - mean_model)).sum();
     let [power_y, power_model] = [y, simulated].map(scatter);
     let (factor, correlation) = (product / power_model, product / (power_y * power_model).sqrt());
-    (correlation.abs() > MIN_SHAPE_CORRELATION && !(1.0 / MIN_SCALE_FACTOR..=MIN_SCALE_FACTOR).contains(&factor)).then(
-        || {
-            format!(
-                "the output is {} times that of the model, and has its shape (correlation {}): {}",
-                short(factor),
-                short(correlation),
-                match factor < 0.0 {
-                    true => "a sign is inverted".into(),
-                    false => likely_cause(factor, unit),
-                }
-            )
-        },
-    )
+    let is_scale = !(1.0 / MIN_SCALE_FACTOR..=MIN_SCALE_FACTOR).contains(&factor);
+    (correlation.abs() > MIN_SHAPE_CORRELATION && is_scale).then(|| {
+        let cause = if factor < 0.0 { "a sign is inverted".into() } else { likely_cause(factor, unit) };
+        let [factor, correlation] = [factor, correlation].map(short);
+        format!(
+            "the output is {factor} times that of the model, and has its shape (correlation {correlation}): {cause}"
+        )
+    })
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@
 //! independent samples than white noise: n / (1 + 2 sum r_k^2) for a mean square (Bartlett 1946, doi:10.2307/2983611).
 
 use super::Whiteness;
-use piezoid_numerics::series::mean;
+use piezoid_numerics::series::{centred, largest, mean};
 
 /// Share of the rms that must be white.
 const MIN_WHITE_SHARE: f64 = 0.5;
@@ -28,20 +28,18 @@ pub(super) fn independent(u: &[f64], simulated: &[f64], errors: &[f64]) -> Optio
     let rough = errors.windows(3).map(|e| (e[0] - 2.0 * e[1] + e[2]).powi(2)).sum::<f64>() / 6.0;
     let uncorrelated =
         |w: &Whiteness| w.cross_correlation.iter().all(|c| c.abs() <= w.cross_correlation_bound.max(MAX_CORRELATION));
+    let linear = |nonlinear: &Vec<f64>| Whiteness::of(nonlinear, errors).is_some_and(|w| uncorrelated(&w));
     let is_noise = rough >= MIN_WHITE_SHARE * MIN_WHITE_SHARE * squares
         && uncorrelated(&own)
-        && nonlinear(simulated)
-            .iter()
-            .all(|nonlinear| Whiteness::of(nonlinear, errors).is_some_and(|w| uncorrelated(&w)));
+        && nonlinear(simulated).iter().all(linear);
     let colour = 1.0 + 2.0 * own.autocorrelation.iter().map(|r| r * r).sum::<f64>();
     is_noise.then_some(errors.len() as f64 / colour)
 }
 
 /// Residuals that nonlinear blocks would have.
 fn nonlinear(simulated: &[f64]) -> Vec<Vec<f64>> {
-    let middle = mean(simulated);
-    let s: Vec<f64> = simulated.iter().map(|s| s - middle).collect();
-    let reach = s.iter().fold(0.0, |m: f64, s| m.max(s.abs()));
+    let s = centred(simulated);
+    let reach = largest(&s);
     let slope: Vec<f64> = (0..s.len()).map(|t| s[(t + 1).min(s.len() - 1)] - s[t.saturating_sub(1)]).collect();
     let powers = [2, 3].map(|n| s.iter().map(|s| s.powi(n)).collect());
     let plays = PLAY_HALF_WIDTHS.map(|share| {
@@ -58,10 +56,8 @@ fn nonlinear(simulated: &[f64]) -> Vec<Vec<f64>> {
 /// The part of `x` uncorrelated with `s`.
 fn without(x: &[f64], s: &[f64]) -> Vec<f64> {
     let (level, middle) = (mean(x), mean(s));
-    let (both, own) = x
-        .iter()
-        .zip(s)
-        .fold((0.0, 0.0), |(both, own), (x, s)| (both + (x - level) * (s - middle), own + (s - middle).powi(2)));
+    let both: f64 = x.iter().zip(s).map(|(x, s)| (x - level) * (s - middle)).sum();
+    let own: f64 = s.iter().map(|s| (s - middle).powi(2)).sum();
     let gain = if own > 0.0 { both / own } else { 0.0 };
     x.iter().zip(s).map(|(x, s)| x - level - gain * (s - middle)).collect()
 }

@@ -28,7 +28,7 @@ use nalgebra::{Matrix4, Vector4};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::fourier::plain_power;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{mean, scatter};
+use piezoid_numerics::series::{centred, largest, scatter};
 use piezoid_records::quality::{bridged, inspect};
 use piezoid_records::record::Record;
 use piezoid_records::waveform::cycles;
@@ -96,46 +96,38 @@ impl Linearity {
         let std = (scatter(record.y()) / record.len() as f64).sqrt();
         let percent = |x: f64| 100.0 * x / std;
         let repeated = Repeated::of(record.u(), record.y());
-        let unexcited = repeated.as_ref().map(unexcited_lines);
+        let unexcited = repeated.as_ref().map(unexcited_lines).unwrap_or_default();
         let masked = match &repeated {
             // The mean period replaces the record, twice: first for the transient.
             Some(r) => {
                 let record = Record::new(record.ts(), [&*r.u, &r.u].concat(), [&*r.y, &r.y].concat())?;
                 MaskedRecord { usable: vec![true; record.len()], start: r.period, drifts: false, record }
             }
-            None => MaskedRecord {
-                usable: inspection.usable,
-                start: record.len() / 10,
-                drifts: true,
-                record: record.clone(),
-            },
+            None => {
+                let (usable, start) = (inspection.usable, record.len() / 10);
+                MaskedRecord { usable, start, drifts: true, record: record.clone() }
+            }
         };
+        let (u, y) = (&masked.record.u()[masked.start..], &masked.record.y()[masked.start..]);
         let averaged = repeated.as_ref().map(|r| r.noise / (r.periods as f64).sqrt());
         let closest = masked.closest(hypot(averaged.unwrap_or(0.0), 0.01 * MAX_LINEAR_PERCENT * std));
         let rms = closest.as_ref().map(|c| c.rms);
         // Noise of the tested record, and its number of independent samples.
         let noise = match (averaged, &closest) {
-            (Some(noise), _) => Some((noise, (masked.record.len() - masked.start) as f64)),
-            (None, Some(c)) => {
-                independent(&masked.record.u()[masked.start..], &c.simulated, &c.errors).map(|n| (c.rms, n))
-            }
+            (Some(noise), _) => Some((noise, u.len() as f64)),
+            (None, Some(c)) => independent(u, &c.simulated, &c.errors).map(|n| (c.rms, n)),
             (None, None) => None,
         };
         let detection_limit_percent = noise.map(|(noise, n)| percent(noise) * pow(8.0 / n, 0.25));
         let distorted = rms.map(|rms| percent((rms.powi(2) - noise.map_or(0.0, |n| n.0).powi(2)).max(0.0).sqrt()));
-        let (even_percent, odd_percent) =
-            (unexcited.and_then(|d| d.even).map(percent), unexcited.and_then(|d| d.odd).map(percent));
+        let [even_percent, odd_percent] = unexcited.map(|rms| rms.map(percent));
         let lines = even_percent.zip(odd_percent).map(|(even, odd)| hypot(even, odd)).or(even_percent).or(odd_percent);
         let Some(distortion_percent) = distorted.into_iter().chain(lines).reduce(f64::max) else {
-            return Err(Error::Unidentifiable {
-                what: "the linearity of the record".into(),
-                because:
-                    "no linear block fits it, and its input is not periodic: use three or more complete periods of a \
-                          PRBS or a multisine"
-                        .into(),
-            });
+            let because = "no linear block fits it, and its input is not periodic: use three or more complete periods \
+                           of a PRBS or a multisine";
+            return Err(Error::Unidentifiable { what: "the linearity of the record".into(), because: because.into() });
         };
-        let gains = closest.map(|c| gain_over_level(&c.simulated, &masked.record.y()[masked.start..]));
+        let (gain_across_percent, gain_outward_percent) = closest.map(|c| gain_over_level(&c.simulated, y)).unzip();
         let run = ComparedRun { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
         let hidden = detection_limit_percent.unwrap_or(0.0);
         let mut linearity = Linearity {
@@ -143,8 +135,8 @@ impl Linearity {
             noise_percent: repeated.as_ref().map(|r| r.noise).or(noise.map(|n| n.0)).map(percent),
             detection_limit_percent,
             distortion_percent,
-            gain_across_percent: gains.map(|(across, _)| across),
-            gain_outward_percent: gains.map(|(_, outward)| outward),
+            gain_across_percent,
+            gain_outward_percent,
             gain_by_amplitude: gain_by_amplitude(&loops(&run)),
             even_percent,
             odd_percent,
@@ -157,19 +149,18 @@ impl Linearity {
     }
 
     fn words(&self, unit: &str, repeats: bool) -> String {
-        let (distortion, hidden) = (short(self.distortion_percent), self.detection_limit_percent.unwrap_or(0.0));
+        let limit = self.detection_limit_percent.unwrap_or(0.0);
+        let [distortion, hidden] = [self.distortion_percent, limit].map(short);
         let mut text = match (self.is_linear, self.distortion_percent) {
             (None, _) => {
                 let noise = self.noise_percent.map_or_else(String::new, short);
                 return format!(
                     "cannot tell whether the record is linear: noise is {noise} % of the output's rms and hides \
-                     distortion up to {} %; use a larger amplitude or a longer record",
-                    short(hidden)
+                     distortion up to {hidden} %; use a larger amplitude or a longer record"
                 );
             }
-            (Some(true), d) if d <= hidden => format!(
-                "the record is linear: distortion is below {} % of the output's rms, the noise floor of this test",
-                short(hidden)
+            (Some(true), d) if d <= limit => format!(
+                "the record is linear: distortion is below {hidden} % of the output's rms, the noise floor of this test"
             ),
             (Some(true), _) => format!("the record is linear: {distortion} % of the output's rms is distortion"),
             (_, d) if d <= MIN_NONLINEAR_PERCENT => format!(
@@ -182,11 +173,9 @@ impl Linearity {
         };
         match (self.residual_percent, self.noise_percent) {
             (Some(left), Some(noise)) if repeats => {
-                text += &format!(
-                    " (residual of the best linear block: {} % rms of the averaged period; noise: {} % per sample)",
-                    short(left),
-                    short(noise)
-                );
+                let [left, noise] = [left, noise].map(short);
+                text += &format!(" (residual of the best linear block: {left} % rms of the averaged period; ");
+                text += &format!("noise: {noise} % per sample)");
             }
             (Some(left), Some(_)) => {
                 text +=
@@ -200,23 +189,17 @@ impl Linearity {
         if let Some((across, outward)) = self.gain_across_percent.zip(self.gain_outward_percent)
             && across.abs().max(outward.abs()) > MAX_LINEAR_PERCENT
         {
-            text += &format!(
-                "; the gain changes by {} % from one end of the range to the other, and by {} % from the middle to \
-                 the ends",
-                short(across),
-                short(outward)
-            );
+            let [across, outward] = [across, outward].map(short);
+            text += &format!("; the gain changes by {across} % from one end of the range to the other");
+            text += &format!(", and by {outward} % from the middle to the ends");
         }
         if let [first, .., last] = self.gain_by_amplitude.as_slice()
             && first[0] < 0.8 * last[0]
         {
             let change = 100.0 * (last[1] / first[1] - 1.0);
-            text += &format!(
-                "; the gain at {} {unit} amplitude differs by {} % from that at {} {unit}",
-                short(last[0]),
-                short(change),
-                short(first[0])
-            );
+            let [large, change, small] = [last[0], change, first[0]].map(short);
+            text +=
+                &format!("; the gain at {large} {unit} amplitude differs by {change} % from that at {small} {unit}");
         }
         if let Some((even, odd)) = self.even_percent.zip(self.odd_percent) {
             text += &format!("; harmonics not in the input: {} % even, {} % odd", short(even), short(odd));
@@ -233,11 +216,11 @@ fn gain_by_amplitude(loops: &[LoopComparison]) -> Vec<[f64; 2]> {
 
 /// Change of the gain across the range, and from its middle to its ends [%].
 fn gain_over_level(simulated: &[f64], y: &[f64]) -> (f64, f64) {
-    let middle = mean(simulated);
-    let reach = simulated.iter().fold(0.0, |m: f64, s| m.max((s - middle).abs()));
+    let level = centred(simulated);
+    let reach = largest(&level);
     let (mut normal, mut right) = (Matrix4::<f64>::zeros(), Vector4::<f64>::zeros());
-    for (s, y) in simulated.iter().zip(y) {
-        let s = (s - middle) / reach;
+    for (s, y) in level.iter().zip(y) {
+        let s = s / reach;
         let row = Vector4::new(1.0, s, s * s, s * s * s);
         normal += row * row.transpose();
         right += row * *y;
@@ -246,26 +229,19 @@ fn gain_over_level(simulated: &[f64], y: &[f64]) -> (f64, f64) {
     (400.0 * c[2] / c[1], 300.0 * c[3] / c[1])
 }
 
-/// Rms of the mean output period at even and odd lines not excited by the input, without noise.
-#[derive(Debug, Clone, Copy)]
-struct UnexcitedLines {
-    even: Option<f64>,
-    odd: Option<f64>,
-}
-
-fn unexcited_lines(repeated: &Repeated) -> UnexcitedLines {
+/// Rms of the mean output period at even and at odd lines not excited by the input, without noise.
+fn unexcited_lines(repeated: &Repeated) -> [Option<f64>; 2] {
     let (input, output) = (plain_power(&repeated.u), plain_power(&repeated.y));
     let strongest = input.iter().copied().fold(0.0, f64::max);
     let noise_per_line = repeated.noise.powi(2) / repeated.periods as f64 / input.len() as f64;
     let rms = |parity: usize| {
-        let lines: Vec<usize> = (1..input.len())
-            .filter(|k| k % 2 == parity && input[*k] <= MAX_UNEXCITED_POWER_RATIO * strongest)
-            .collect();
+        let unexcited = |k: &usize| k % 2 == parity && input[*k] <= MAX_UNEXCITED_POWER_RATIO * strongest;
+        let lines: Vec<usize> = (1..input.len()).filter(unexcited).collect();
         let power = lines.iter().map(|&k| output[k] - noise_per_line).sum::<f64>();
         // Fewer are not significant: a PRBS may miss a single line.
         (lines.len() >= 3).then(|| power.max(0.0).sqrt())
     };
-    UnexcitedLines { even: rms(0), odd: rms(1) }
+    [0, 1].map(rms)
 }
 
 #[cfg(test)]

@@ -22,6 +22,7 @@
 use libm::{log, pow};
 use nalgebra::Complex;
 use piezoid_numerics::fourier::{LINE_WIDTH_BINS, spectrum};
+use piezoid_numerics::series::quantile;
 use piezoid_records::record::Record;
 use piezoid_records::waveform::dominant_frequency;
 use std::f64::consts::LN_2;
@@ -133,7 +134,7 @@ impl Background {
                 return None;
             }
             let of = |from: usize, to: usize| level(&self.error[from..to]);
-            let spread = (0..2).map(|half| deviation([middle - low, high - middle][half]).powi(2)).sum::<f64>().sqrt();
+            let spread = [middle - low, high - middle].map(|n| deviation(n).powi(2)).iter().sum::<f64>().sqrt();
             let flat = log(of(low, middle) / of(middle, high)).abs() < log(MAX_FLAT_LEVEL_RATIO) + 2.0 * spread;
             let quiet = k == 0 || level(&self.with_driver[low..high]) < MAX_UNDRIVEN_POWER_RATIO * of(low, high);
             (flat && quiet).then_some((low, high))
@@ -146,14 +147,11 @@ impl Background {
         let n = self.error.len() as f64;
         let edge = |k: usize| (n * 0.25 * pow(4.0, k as f64 / WINDOW_COUNT as f64)) as usize;
         // Levels with their inverse frequencies and relative standard deviations.
-        let windows: Vec<[f64; 3]> = (0..WINDOW_COUNT)
-            .filter(|k| edge(k + 1) - edge(*k) >= MIN_HALF_OCTAVE_BINS)
-            .map(|k| {
-                let (low, high) = (edge(k), edge(k + 1));
-                [level(&self.error[low..high]), n / (0.5 * (low + high) as f64), deviation(high - low)]
-            })
-            .collect();
-        if windows.len() < WINDOW_COUNT {
+        let windows: [[f64; 3]; WINDOW_COUNT] = std::array::from_fn(|k| {
+            let (low, high) = (edge(k), edge(k + 1));
+            [level(&self.error[low..high]), n / (0.5 * (low + high) as f64), deviation(high - low)]
+        });
+        if (0..WINDOW_COUNT).any(|k| edge(k + 1) - edge(k) < MIN_HALF_OCTAVE_BINS) {
             return None;
         }
         let (mut white, mut slope) = (windows.iter().map(|w| w[0]).sum::<f64>() / WINDOW_COUNT as f64, 0.0);
@@ -179,9 +177,7 @@ impl Background {
 
 /// Mean power of noise in these bins, from the median.
 fn level(power: &[f64]) -> f64 {
-    let mut sorted = power.to_vec();
-    let (_, median, _) = sorted.select_nth_unstable_by(power.len() / 2, f64::total_cmp);
-    *median / LN_2
+    quantile(power.to_vec(), 0.5) / LN_2
 }
 
 /// Relative standard deviation of the level from `n` bins.

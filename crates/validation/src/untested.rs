@@ -3,7 +3,7 @@
 use super::extrapolation::identified_range;
 use super::remarks::Remark;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::range;
 pub(crate) use piezoid_records::quality::{around, excites};
 
 /// Share of the identified range below which an input does not test the hysteresis.
@@ -17,13 +17,9 @@ pub(super) static RESONANCE: Remark = Remark {
     when: "u has no power within half an octave of the resonance",
     text: |c| {
         let pole = c.model.linear().resonance()?;
-        (!excites(c.record.u(), c.record.ts(), around(pole.hz))).then(|| {
-            format!(
-                "the resonance at {} Hz (damping {}): the input has no power near it",
-                short(pole.hz),
-                short(pole.damping)
-            )
-        })
+        let [hz, damping] = [pole.hz, pole.damping].map(short);
+        let text = format!("the resonance at {hz} Hz (damping {damping}): the input has no power near it");
+        (!excites(c.record.u(), c.record.ts(), around(pole.hz))).then_some(text)
     },
 };
 
@@ -34,8 +30,7 @@ pub(super) static HYSTERESIS: Remark = Remark {
         if c.model.hysteresis().operator().name == "proportional" {
             return None;
         }
-        let (lowest, highest) = ends(c.record.u().iter().copied());
-        let share = identified_range(c.model).map(|(low, high)| (highest - lowest) / (high - low));
+        let share = identified_range(c.model).map(|(low, high)| range(c.record.u()) / (high - low));
         let widest = c.loops.iter().map(|l| l.model.width_percent.abs()).reduce(f64::max);
         match (share, widest) {
             (Some(share), _) if share < MIN_RANGE_SHARE => {

@@ -16,7 +16,7 @@
 
 use libm::exp;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{dot, mean};
+use piezoid_numerics::series::{centred, dot, largest};
 use serde::Serialize;
 
 /// Number of lags.
@@ -58,7 +58,7 @@ impl Whiteness {
         let n = errors.len();
         let (u, e) = (centred(u), centred(errors));
         let (power_u, power_e) = (dot(&u, &u), dot(&e, &e));
-        let size = errors.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
+        let size = largest(errors);
         if n < 4 * LAG_COUNT || !power_e.is_finite() || power_e <= 1e-24 * n as f64 * size * size {
             return None;
         }
@@ -107,14 +107,14 @@ impl Whiteness {
 
     fn noise(&self) -> String {
         let (q, lags) = (short(self.ljung_box), self.autocorrelation.len());
+        let first = short(self.autocorrelation[0]);
         let p = if self.p_value < 1e-6 { "below 1e-6".into() } else { short(self.p_value) };
         match self.is_white() {
             true => format!("residuals are white (Ljung-Box Q {q} over {lags} lags, p {p})"),
             false => format!(
-                "a part of the residuals is regular, not noise: lag-1 autocorrelation {} (Ljung-Box Q {q} over {lags} \
-                 lags, p {p}). In a long record this test finds parts that are far too small to matter: compare the \
-                 error with the noise floor",
-                short(self.autocorrelation[0])
+                "a part of the residuals is regular, not noise: lag-1 autocorrelation {first} (Ljung-Box Q {q} over \
+                 {lags} lags, p {p}). In a long record this test finds parts that are far too small to matter: compare \
+                 the error with the noise floor"
             ),
         }
     }
@@ -145,11 +145,6 @@ impl Whiteness {
             ),
         }
     }
-}
-
-fn centred(x: &[f64]) -> Vec<f64> {
-    let middle = mean(x);
-    x.iter().map(|x| x - middle).collect()
 }
 
 /// The probability that chi-squared of an even number of degrees is larger than `q`: exp(-q/2) times the sum of
