@@ -48,10 +48,9 @@ pub(super) fn stack() -> Spec {
         sensor: SensorSpec {
             lag_s: LAG_10_KHZ,
             noise_rms_m: 1e-9,
-            curvature: 0.0,
             range_m: Some(40e-6),
             bits: Some(18),
-            zero_m: 0.0,
+            ..Default::default()
         },
         logged: Logged::Before,
         inner_steps: 20,
@@ -72,8 +71,7 @@ pub(super) fn stage() -> Spec {
             // From 0 to half the range R, c y^2 / R differs by c R / 16 from the straight line between its ends.
             curvature: 0.008,
             range_m: Some(240e-6),
-            bits: Some(18),
-            zero_m: 0.0,
+            ..stack().sensor
         },
         ..stack()
     }
@@ -101,7 +99,7 @@ pub(super) fn tube() -> Spec {
 }
 
 /// The ceramic, with a loop of the shape of the benders.
-fn preisach(range_v: f64, displacement_m: f64, width: f64) -> HysteresisSpec {
+pub(super) fn preisach(range_v: f64, displacement_m: f64, width: f64) -> HysteresisSpec {
     HysteresisSpec::Preisach { range_v, displacement_m, width, half_width_v: range_v / 1.5, asymmetry: 0.3 }
 }
 

@@ -124,12 +124,8 @@ impl Plant {
             return Err(Error::parameter("inner_steps", spec.inner_steps, "must be from 1 to 10000"));
         }
         require((0.0..0.9).contains(&spec.coupling), "coupling", spec.coupling, "must be from 0 to 0.9")?;
-        require(
-            spec.middle_v.is_finite(),
-            "middle_v",
-            spec.middle_v,
-            "must be a number of volts, 0 for a bipolar drive",
-        )?;
+        let rule = "must be a number of volts, 0 for a bipolar drive";
+        require(spec.middle_v.is_finite(), "middle_v", spec.middle_v, rule)?;
         let material = Material::new(&spec.hysteresis)?;
         let rest = material.displacement(&mut vec![0.0; material.order()], -spec.middle_v);
         let h = ts / spec.inner_steps as f64;
@@ -247,17 +243,14 @@ impl System for Plant {
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
-        match self.logged {
-            Logged::Before => {
-                let y = self.read(x);
-                self.advance(x, u);
-                y
-            }
-            Logged::After => {
-                self.advance(x, u);
-                self.read(x)
-            }
+        if self.logged == Logged::After {
+            self.advance(x, u);
         }
+        let y = self.read(x);
+        if self.logged == Logged::Before {
+            self.advance(x, u);
+        }
+        y
     }
 }
 

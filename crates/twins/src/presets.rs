@@ -20,13 +20,6 @@ pub struct Preset {
     spec: fn() -> Spec,
 }
 
-impl Preset {
-    /// Its parameters.
-    pub fn spec(&self) -> Spec {
-        (self.spec)()
-    }
-}
-
 const SHEET: &str = "PI datasheet PL112-PL140, 31.07.2020; Mayergoyz 1991, DOI 10.1007/978-1-4612-3028-1";
 const SHEET_BOUC_WEN: &str = "PI datasheet PL112-PL140, 31.07.2020; Low & Guo 1995, DOI 10.1109/84.475550";
 
@@ -51,7 +44,7 @@ pub static PLANTS: &[Preset] = &[
         name: "pl140-bouc-wen",
         summary: "PL140.10 like `pl140`, with Bouc-Wen hysteresis of 13 % of the stroke: no wiping-out of minor loops",
         reference: SHEET_BOUC_WEN,
-        spec: || bench(&PL140, bouc_wen(&PL140)),
+        spec: bench_bouc_wen,
     },
     Preset {
         name: "pl140-nonlinear",
@@ -99,33 +92,30 @@ impl Preset {
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("plant", PLANTS.iter(), |row| row.name, name)
     }
+
+    /// Its parameters.
+    pub fn spec(&self) -> Spec {
+        (self.spec)()
+    }
 }
 
 fn paper() -> Spec {
     Spec {
         driver: DriverSpec::default(),
-        hysteresis: bouc_wen(&PL140),
-        middle_v: 0.0,
         creep_per_decade: 0.0,
         beam: BeamSpec::Modes(vec![mode(146.7, 0.061, 1.0)]),
-        creep_from_s: 0.1,
-        coupling: 0.0,
         sensor: SensorSpec::default(),
         logged: Logged::After,
-        inner_steps: 20,
+        ..bench_bouc_wen()
     }
 }
 
 /// A bender with an amplifier, and a sensor of twice its range. The noise is 2e-4 of the displacement, 0.2 um for the
 /// PL140.
 fn bench(bender: &Bender, hysteresis: HysteresisSpec) -> Spec {
+    let capacitance_f = bender.capacitance;
     Spec {
-        driver: DriverSpec {
-            lag_s: 1e-4,
-            current_a: Some(0.5),
-            capacitance_f: bender.capacitance,
-            ..Default::default()
-        },
+        driver: DriverSpec { lag_s: 1e-4, current_a: Some(0.5), capacitance_f, ..Default::default() },
         hysteresis,
         middle_v: 0.0,
         creep_per_decade: 0.015,
@@ -139,12 +129,10 @@ fn bench(bender: &Bender, hysteresis: HysteresisSpec) -> Spec {
             damping: vec![0.03; 3],
         }),
         sensor: SensorSpec {
-            lag_s: 0.0,
             noise_rms_m: 2e-4 * bender.displacement,
-            curvature: 0.0,
             range_m: Some(2.0 * bender.displacement),
             bits: Some(16),
-            zero_m: 0.0,
+            ..Default::default()
         },
         logged: Logged::Before,
         inner_steps: 20,
@@ -168,27 +156,13 @@ pub(crate) fn mode(frequency_hz: f64, damping: f64, share: f64) -> BeamMode {
 }
 
 fn bench_preisach(bender: &Bender) -> Spec {
-    bench(bender, preisach(bender))
+    bench(bender, actuators::preisach(30.0, bender.displacement, 0.13))
 }
 
-fn preisach(bender: &Bender) -> HysteresisSpec {
-    HysteresisSpec::Preisach {
-        range_v: 30.0,
-        displacement_m: bender.displacement,
-        width: 0.13,
-        half_width_v: 20.0,
-        asymmetry: 0.3,
-    }
-}
-
-fn bouc_wen(bender: &Bender) -> HysteresisSpec {
-    HysteresisSpec::BoucWen {
-        range_v: 30.0,
-        displacement_m: bender.displacement,
-        width: 0.13,
-        beta_per_v: 0.020,
-        gamma_per_v: 0.005,
-    }
+fn bench_bouc_wen() -> Spec {
+    let (range_v, displacement_m) = (30.0, PL140.displacement);
+    let law = HysteresisSpec::BoucWen { range_v, displacement_m, width: 0.13, beta_per_v: 0.020, gamma_per_v: 0.005 };
+    bench(&PL140, law)
 }
 
 #[cfg(test)]

@@ -57,11 +57,8 @@ impl Sensor {
             None => 0.0,
             Some(bits @ 1..=32) if range.is_finite() => range * 2f64.powi(1 - bits as i32),
             Some(bits) => {
-                return Err(Error::parameter(
-                    "sensor.bits",
-                    bits,
-                    "must be from 1 to 32 and needs range_m; or null for no quantisation",
-                ));
+                let rule = "must be from 1 to 32 and needs range_m; or null for no quantisation";
+                return Err(Error::parameter("sensor.bits", bits, rule));
             }
         };
         let rule = "must be a number of metres, 0 for a sensor that was zeroed";
