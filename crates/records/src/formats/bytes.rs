@@ -106,18 +106,7 @@ impl NumberFormat {
             (NumberKind::Unsigned, 1 | 2 | 4 | 8) => |bits| bits as f64,
             _ => return None,
         };
-        let number = |part: &[u8]| {
-            let mut wide = [0; 8];
-            let part = part.get(..size)?;
-            if big {
-                wide[8 - size..].copy_from_slice(part);
-                Some(one(u64::from_be_bytes(wide)))
-            } else {
-                wide[..size].copy_from_slice(part);
-                Some(one(u64::from_le_bytes(wide)))
-            }
-        };
-        bytes.chunks(stride.max(1)).map(number).collect()
+        bytes.chunks(stride.max(1)).map(|part| whole(part, 0, size, big).ok().map(one)).collect()
     }
 }
 

@@ -92,11 +92,10 @@ struct Reading {
 impl Reading {
     fn count(&mut self) -> Result<(), Error> {
         self.objects += 1;
-        if self.objects <= MAX_NODES {
-            Ok(())
-        } else {
-            Err(damaged(format!("more than {MAX_NODES} groups and data sets")))
+        if self.objects > MAX_NODES {
+            return Err(damaged(format!("more than {MAX_NODES} groups and data sets")));
         }
+        Ok(())
     }
 
     /// The content of a group.
@@ -158,11 +157,10 @@ impl Reading {
                 Ok(n) => {
                     let raw = self.raw(data, n, *size as usize)?;
                     let field = |field: &CompoundField| {
-                        let from = |raw: &Vec<u8>| raw.get(field.byte_offset as usize..).map(<[u8]>::to_vec);
                         let samples = numbers(&field.datatype).map_err(String::from).and_then(|numbers| {
                             let raw = raw.as_ref().map_err(Clone::clone)?;
-                            let raw = from(raw).unwrap_or_default();
-                            numbers.read(&raw, *size as usize).ok_or_else(|| "of an unknown type".into())
+                            let raw = raw.get(field.byte_offset as usize..).unwrap_or_default();
+                            numbers.read(raw, *size as usize).ok_or_else(|| "of an unknown type".into())
                         });
                         (field.name.clone(), Node::series(samples, None))
                     };

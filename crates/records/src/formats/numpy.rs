@@ -34,29 +34,27 @@ fn matches(bytes: &[u8]) -> bool {
 
 fn read(file: &[u8]) -> Result<Table, Error> {
     let mut unpacking = Unpacking::of(file);
-    let mut channels = Vec::new();
     if !file.starts_with(MAGIC) {
-        let mut message = None;
+        let mut content = Vec::new();
         for member in zip::members(file)? {
-            if let Some(name) = member.name.strip_suffix(".npy") {
-                let bytes = member.bytes(file, &mut unpacking)?;
-                if name == history::NAME {
-                    message = Some((name.to_string(), Node::Text(letters(&bytes)?)));
-                } else {
-                    channels.extend(array(name, &bytes, &mut unpacking)?);
-                }
+            let Some(name) = member.name.strip_suffix(".npy") else { continue };
+            let bytes = member.bytes(file, &mut unpacking)?;
+            if name == history::NAME {
+                content.push((name.to_string(), Node::Text(letters(&bytes)?)));
+            } else {
+                let channels = array(name, &bytes, &mut unpacking)?;
+                content.extend(channels.into_iter().map(|channel| (channel.name.clone(), Node::Series(channel))));
             }
         }
-        let named = |Channel { name, unit, samples, .. }: Channel| (name, Node::series(samples, unit));
-        return Ok(tree::table(channels.into_iter().map(named).chain(message).collect()));
+        return Ok(tree::table(content));
     }
-    channels.extend(array("", file, &mut unpacking)?);
+    let channels = array("", file, &mut unpacking)?;
     match &channels[..] {
-        [Channel { name, .. }] if name.is_empty() => Err(Error::Content(
-            "the file holds one array without column names: save the columns by name, as numpy.savez(file, t_s=..., \
-             u_V=..., y_um=...) does"
-                .into(),
-        )),
+        [Channel { name, .. }] if name.is_empty() => {
+            let advice = "the file holds one array without column names: save the columns by name, as \
+                          numpy.savez(file, t_s=..., u_V=..., y_um=...) does";
+            Err(Error::Content(advice.into()))
+        }
         _ => Ok(Table::of(channels)),
     }
 }

@@ -81,18 +81,13 @@ fn read(bytes: &[u8]) -> Result<Table, Error> {
 struct Object {
     /// Names of the group and of the channel; none for the file.
     path: Vec<String>,
-    properties: Vec<(String, Property)>,
+    texts: HashMap<String, String>,
+    numbers: HashMap<String, f64>,
     /// The stored numbers, or a description if they are none.
     stored: Result<Vec<f64>, String>,
     place: Option<Place>,
     /// True if it is in the list of the segment.
     is_listed: bool,
-}
-
-#[derive(Debug, Clone, PartialEq)]
-enum Property {
-    Text(String),
-    Number(f64),
 }
 
 /// Type and number of the values in a chunk.
@@ -124,11 +119,9 @@ impl Reading<'_> {
         let flags = whole(bytes, at + 4, 4, false)?;
         let big = flags & BIG > 0;
         if flags & DAQMX > 0 {
-            return Err(Error::Content(
-                "this TDMS file holds raw data in the layout of a DAQ card: convert it in LabVIEW or with npTDMS, or \
-                 export it as CSV"
-                    .into(),
-            ));
+            let advice = "this TDMS file holds raw data in the layout of a DAQ card: convert it in LabVIEW or with \
+                          npTDMS, or export it as CSV";
+            return Err(Error::Content(advice.into()));
         }
         // A segment that was not closed has the length 2^64 - 1: its data go on to the end of the file.
         let next = length(bytes, at + 12, 8, big).map_or(bytes.len(), |len| at + HEAD + len).min(bytes.len());
@@ -154,7 +147,8 @@ impl Reading<'_> {
         if index == self.objects.len() {
             self.objects.push(Object {
                 path,
-                properties: Vec::new(),
+                texts: HashMap::new(),
+                numbers: HashMap::new(),
                 stored: Ok(Vec::new()),
                 place: None,
                 is_listed: false,
@@ -175,9 +169,12 @@ impl Reading<'_> {
         }
         for _ in 0..cursor.count()? {
             let (name, kind) = (cursor.text()?, cursor.number(4)?);
-            let value = cursor.property(kind)?;
-            channel.properties.retain(|(known, _)| *known != name);
-            channel.properties.push((name, value));
+            channel.texts.remove(&name);
+            channel.numbers.remove(&name);
+            match kind {
+                TEXT => drop(channel.texts.insert(name, cursor.text()?)),
+                _ => drop(channel.numbers.insert(name, cursor.value(kind)?)),
+            }
         }
         Ok(())
     }
@@ -189,22 +186,23 @@ impl Reading<'_> {
         let mut chunk = 0usize;
         for &index in &self.list {
             let Some(place) = self.objects[index].place else { continue };
-            if place.kind == TEXT {
-                self.objects[index].stored = Err("text".into());
-                places.push((index, place, 1, place.text));
-                chunk = chunk.checked_add(place.text).ok_or_else(|| damaged("a chunk of too many values"))?;
-                continue;
-            }
-            let Some(size) = size(place.kind) else {
-                // The place of the data behind it is unknown.
-                for &index in &self.list {
-                    self.objects[index].stored = Err("beside values of an unknown type".into());
+            let (size, bytes) = match size(place.kind) {
+                _ if place.kind == TEXT => {
+                    self.objects[index].stored = Err("text".into());
+                    (1, Some(place.text))
                 }
-                return Ok(());
+                Some(size) => (size, place.count.checked_mul(size)),
+                None => {
+                    // The place of the data behind it is unknown.
+                    for &index in &self.list {
+                        self.objects[index].stored = Err("beside values of an unknown type".into());
+                    }
+                    return Ok(());
+                }
             };
-            let bytes = place.count.checked_mul(size).ok_or_else(|| damaged("a chunk of too many values"))?;
-            places.push((index, place, size, bytes));
-            chunk = chunk.checked_add(bytes).ok_or_else(|| damaged("a chunk of too many values"))?;
+            let end = bytes.and_then(|bytes| chunk.checked_add(bytes));
+            chunk = end.ok_or_else(|| damaged("a chunk of too many values"))?;
+            places.push((index, place, size, bytes.unwrap_or_default()));
         }
         if chunk == 0 {
             return Ok(());
@@ -219,12 +217,8 @@ impl Reading<'_> {
                 at += if interleaved { size } else { bytes };
                 let values = chunk.get(from..).unwrap_or_default();
                 // The last chunk of a file that was not closed may be shorter.
-                let whole = values
-                    .len()
-                    .saturating_sub(size)
-                    .checked_div(stride)
-                    .map_or(0, |n| n + usize::from(values.len() >= size));
-                let count = place.count.min(whole);
+                let last = values.len().checked_sub(size).and_then(|last| last.checked_div(stride));
+                let count = place.count.min(last.map_or(0, |last| last + 1));
                 self.unpacking.count(count.saturating_mul(8))?;
                 let numbers = numbers(place.kind, big).and_then(|format| {
                     let end = if count == 0 { 0 } else { (count - 1) * stride + size };
@@ -242,22 +236,12 @@ impl Reading<'_> {
 }
 
 impl Object {
-    fn property(&self, expected: &str) -> Option<&Property> {
-        self.properties.iter().find(|(name, _)| name == expected).map(|(_, value)| value)
-    }
-
     fn number(&self, name: &str) -> Option<f64> {
-        match self.property(name)? {
-            Property::Number(value) => Some(*value),
-            Property::Text(_) => None,
-        }
+        self.numbers.get(name).copied()
     }
 
     fn text(&self, name: &str) -> Option<String> {
-        match self.property(name)? {
-            Property::Text(text) => Some(text.clone()),
-            Property::Number(_) => None,
-        }
+        self.texts.get(name).cloned()
     }
 
     /// The values: the stored numbers, scaled.
@@ -278,8 +262,8 @@ impl Object {
                     return Err("with scales that branch".into());
                 }
                 Some("Linear") => {
-                    let (slope, intercept) =
-                        (value("Linear_Slope").unwrap_or(1.0), value("Linear_Y_Intercept").unwrap_or(0.0));
+                    let slope = value("Linear_Slope").unwrap_or(1.0);
+                    let intercept = value("Linear_Y_Intercept").unwrap_or(0.0);
                     samples.iter_mut().for_each(|v| *v = *v * slope + intercept);
                 }
                 Some(kind) => return Err(format!("in counts with a scale of the kind {kind}")),
@@ -323,39 +307,32 @@ impl Cursor<'_> {
         Ok(text)
     }
 
-    fn property(&mut self, kind: u64) -> Result<Property, Error> {
-        if kind == TEXT {
-            return Ok(Property::Text(self.text()?));
-        }
+    /// The value of a property that is no text.
+    fn value(&mut self, kind: u64) -> Result<f64, Error> {
         let size = size(kind).ok_or_else(|| damaged(format!("a property of the unknown type {kind}")))?;
         let value = part(self.bytes, self.at, size)?;
         self.at += size;
         let number = numbers(kind, self.big).and_then(|format| format.read(value, size)?.first().copied());
-        Ok(Property::Number(number.unwrap_or(f64::NAN)))
+        Ok(number.unwrap_or(f64::NAN))
     }
 }
 
 /// Bytes of a value of this type.
 fn size(kind: u64) -> Option<usize> {
-    Some(match kind {
-        1 | 5 | BOOLEAN => 1,
-        2 | 6 => 2,
-        3 | 7 | 9 | 0x19 => 4,
-        4 | 8 | 10 | 0x1a => 8,
-        INSTANT => 16,
-        _ => return None,
-    })
+    if kind == INSTANT { Some(16) } else { Some(numbers(kind, false)?.size) }
 }
 
 /// The format of numbers of this type; `None` for others.
 fn numbers(kind: u64, big: bool) -> Option<NumberFormat> {
-    let kind_of = match kind {
-        1..=4 => NumberKind::Signed,
-        5..=8 | BOOLEAN => NumberKind::Unsigned,
-        9 | 10 | 0x19 | 0x1a => NumberKind::Float,
+    let (kind, size) = match kind {
+        1..=4 => (NumberKind::Signed, 1 << (kind - 1)),
+        5..=8 => (NumberKind::Unsigned, 1 << (kind - 5)),
+        BOOLEAN => (NumberKind::Unsigned, 1),
+        9 | 0x19 => (NumberKind::Float, 4),
+        10 | 0x1a => (NumberKind::Float, 8),
         _ => return None,
     };
-    Some(NumberFormat { kind: kind_of, size: size(kind)?, big })
+    Some(NumberFormat { kind, size, big })
 }
 
 /// A point in time [s]: fractions of 2^-64 s, then whole seconds. Only the last day counts, so that the fractions stay.
@@ -369,24 +346,17 @@ fn stamp(bytes: &[u8], big: bool) -> Option<f64> {
 
 /// The names in a path such as `/'group'/'channel'`, in which a quote is doubled.
 fn names(path: &str) -> Vec<String> {
-    let mut names = Vec::new();
-    let mut rest = path;
-    while let Some(start) = rest.find('\'') {
-        let mut name = String::new();
-        let mut chars = rest[start + 1..].char_indices().peekable();
-        let mut end = rest.len();
-        while let Some((at, c)) = chars.next() {
-            if c != '\'' {
-                name.push(c);
-            } else if chars.next_if(|(_, next)| *next == '\'').is_some() {
-                name.push('\'');
-            } else {
-                end = start + 1 + at + 1;
-                break;
-            }
+    let mut names: Vec<String> = Vec::new();
+    let mut inside = false;
+    let mut chars = path.chars().peekable();
+    while let Some(c) = chars.next() {
+        let is_doubled = inside && c == '\'' && chars.next_if_eq(&'\'').is_some();
+        if c == '\'' && !is_doubled {
+            inside = !inside;
+            names.extend(inside.then(String::new));
+        } else if let Some(name) = names.last_mut().filter(|_| inside) {
+            name.push(c);
         }
-        names.push(name);
-        rest = &rest[end..];
     }
     names
 }

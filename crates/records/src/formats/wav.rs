@@ -18,8 +18,7 @@ pub(super) const ROW: Format = Format {
 };
 
 fn read(bytes: &[u8]) -> Result<Table, Error> {
-    let refused = |error: hound::Error| damaged(format!("{error}"));
-    let mut reader = WavReader::new(Cursor::new(bytes)).map_err(refused)?;
+    let mut reader = WavReader::new(Cursor::new(bytes)).map_err(damaged)?;
     let spec = reader.spec();
     // A damaged head may state tens of thousands of channels.
     if u32::from(spec.channels) > reader.len() {
@@ -30,7 +29,7 @@ fn read(bytes: &[u8]) -> Result<Table, Error> {
         SampleFormat::Float => reader.samples::<f32>().map(|v| v.map(f64::from)).collect::<Result<_, _>>(),
         SampleFormat::Int => reader.samples::<i32>().map(|v| v.map(f64::from)).collect::<Result<_, _>>(),
     }
-    .map_err(refused)?;
+    .map_err(damaged)?;
     let count = usize::from(spec.channels).max(1);
     let channel = |k: usize| {
         let samples = values.iter().skip(k).step_by(count).copied().collect();

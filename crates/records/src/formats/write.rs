@@ -34,11 +34,8 @@ impl Table {
         for (i, (name, samples)) in columns.iter().enumerate() {
             let twice = *name == "t_s" || columns[..i].iter().any(|(earlier, _)| earlier == name);
             if twice || name.trim() != *name || name.is_empty() || name.contains(char::is_control) {
-                return Err(Error::parameter(
-                    "column name",
-                    format!("{name:?}"),
-                    "must be on one line, and there only once",
-                ));
+                let rule = "must be on one line, and there only once";
+                return Err(Error::parameter("column name", format!("{name:?}"), rule));
             }
             if samples.len() != rows {
                 let (left, left_len) = (columns[0].0.into(), rows);

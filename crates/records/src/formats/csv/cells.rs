@@ -4,50 +4,38 @@
 pub(super) const SPACES: char = ' ';
 
 /// The cells of a line, without the spaces and quotes around them; an invalid quote ends them with an error.
-pub(super) fn cells(line: &str, separator: char) -> Cells<'_> {
-    Cells { rest: Some(if separator == SPACES { line.trim() } else { line }), separator }
-}
-
-/// See [`cells`].
-pub(super) struct Cells<'a> {
-    rest: Option<&'a str>,
-    separator: char,
-}
-
-impl<'a> Iterator for Cells<'a> {
-    type Item = Result<&'a str, &'static str>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        let rest = self.rest.take()?;
-        let (cell, after) = split(rest, self.separator);
+pub(super) fn cells(line: &str, separator: char) -> impl Iterator<Item = Result<&str, &'static str>> {
+    let mut rest = Some(if separator == SPACES { line.trim() } else { line });
+    std::iter::from_fn(move || {
+        let line = rest.take()?;
+        let (cell, after) = split(line, separator);
         if !cell.trim_start().starts_with('"') {
-            self.rest = after;
+            rest = after;
             return Some(Ok(cell.trim()));
         }
-        Some(self.quoted(rest))
-    }
+        Some(quoted(line, separator).map(|(cell, after)| {
+            rest = after;
+            cell
+        }))
+    })
 }
 
-impl<'a> Cells<'a> {
-    /// Splits off a cell in quotes, up to the quote that is not doubled.
-    fn quoted(&mut self, line: &'a str) -> Result<&'a str, &'static str> {
-        let (_, body) = line.split_once('"').unwrap_or(("", line));
-        let mut close = 0;
-        loop {
-            close +=
-                body[close..].find('"').ok_or("a quote is opened and not closed on its line: close or delete it")?;
-            if !body[close + 1..].starts_with('"') {
-                break;
-            }
-            close += 2;
+/// A cell in quotes, up to the quote that is not doubled, and the text after it.
+fn quoted(line: &str, separator: char) -> Result<(&str, Option<&str>), &'static str> {
+    let (_, body) = line.split_once('"').unwrap_or(("", line));
+    let mut close = 0;
+    loop {
+        close += body[close..].find('"').ok_or("a quote is opened and not closed on its line: close or delete it")?;
+        if !body[close + 1..].starts_with('"') {
+            break;
         }
-        let (between, after) = split(&body[close + 1..], self.separator);
-        if !between.trim().is_empty() {
-            return Err("text follows a closing quote: delete the quotes, or double those that belong to the text");
-        }
-        self.rest = after;
-        Ok(body[..close].trim())
+        close += 2;
     }
+    let (between, after) = split(&body[close + 1..], separator);
+    if !between.trim().is_empty() {
+        return Err("text follows a closing quote: delete the quotes, or double those that belong to the text");
+    }
+    Ok((body[..close].trim(), after))
 }
 
 /// The text before the first separator, and the text after it, if there is one.

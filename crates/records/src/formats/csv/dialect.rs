@@ -32,12 +32,8 @@ impl Dialect {
         let samples = samples(text);
         let mut best = (0, None);
         for separator in SEPARATORS {
-            let rows: Vec<Vec<Cell>> = samples
-                .iter()
-                .flat_map(|sample| lines(sample))
-                .filter(|(_, line)| !super::remark(line))
-                .filter_map(|(_, line)| row(line, separator))
-                .collect();
+            let lines = samples.iter().flat_map(|sample| lines(sample)).filter(|(_, line)| !super::remark(line));
+            let rows: Vec<Vec<Cell>> = lines.filter_map(|(_, line)| row(line, separator)).collect();
             // Rows of a length: how many, their numbers less words, and the place of the first.
             let mut lengths: BTreeMap<usize, (usize, usize, Reverse<usize>)> = BTreeMap::new();
             for (at, row) in rows.iter().enumerate() {

@@ -45,15 +45,11 @@ fn spelled(cell: &str) -> Option<(f64, Option<char>)> {
         None => (mantissa, ""),
     };
     let mark = whole.chars().find(|c| !c.is_ascii_digit() && !"+-".contains(*c));
-    let plain: String = match mark {
-        None => whole.into(),
-        Some(mark)
-            if ".,' \u{a0}\u{202f}\u{2019}".contains(mark) && Some(mark) != sign && in_thousands(whole, mark) =>
-        {
-            whole.replace(mark, "")
-        }
-        Some(_) => return None,
-    };
+    let apart = |mark: char| ".,' \u{a0}\u{202f}\u{2019}".contains(mark) && Some(mark) != sign;
+    if mark.is_some_and(|mark| !(apart(mark) && in_thousands(whole, mark))) {
+        return None;
+    }
+    let plain = whole.replace(|c: char| Some(c) == mark, "");
     let value = format!("{plain}.{fraction}{exponent}").parse().ok()?;
     Some((value, sign))
 }
@@ -80,32 +76,24 @@ pub(super) fn looks_numeric(cell: &str) -> bool {
 
 /// The reason why a cell is not a number.
 pub(super) fn problem(cell: &str) -> String {
-    if cell.is_empty() {
-        return "the cell is empty".into();
+    match cell {
+        "" => "the cell is empty".into(),
+        _ if not_finite(cell) => format!("{} is not a finite number", quoted(cell)),
+        _ => format!("{} is not a number", quoted(cell)),
     }
-    let shown = quoted(cell);
-    if not_finite(cell) {
-        return format!("{shown} is not a finite number");
-    }
-    format!("{shown} is not a number")
 }
 
 /// The problem of a column that uses point and comma.
 pub(super) fn mixed(cell: &str, sign: char, above: u64) -> String {
-    format!(
-        "{} has another decimal separator than line {above} (`{sign}`): use one of them throughout, and no thousands \
-         separator",
-        quoted(cell)
-    )
+    let remedy = "use one of them throughout, and no thousands separator";
+    format!("{} has another decimal separator than line {above} (`{sign}`): {remedy}", quoted(cell))
 }
 
 /// True if a cell is a notation for a missing number, in any spelling.
 pub(super) fn not_finite(cell: &str) -> bool {
-    if cell.parse::<f64>().is_ok_and(|value| !value.is_finite()) {
-        return true;
-    }
     let unsigned = cell.trim_start_matches(['+', '-']);
-    NOT_FINITE.iter().any(|spelling| unsigned.eq_ignore_ascii_case(spelling) || cell == *spelling)
+    cell.parse::<f64>().is_ok_and(|value| !value.is_finite())
+        || NOT_FINITE.iter().any(|spelling| unsigned.eq_ignore_ascii_case(spelling) || cell == *spelling)
 }
 
 #[cfg(test)]

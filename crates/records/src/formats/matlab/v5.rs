@@ -47,12 +47,11 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Node)>, Error> {
 
 /// The name and the value of an array.
 fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(String, Node), Error> {
-    let other = |what: &str| Node::other(what);
     if kind != MATRIX || depth > DEEPEST {
         return Err(damaged(format!("an element of type {kind}, {depth} deep, where an array should stand")));
     }
     if bytes.is_empty() {
-        return Ok((String::new(), other("empty")));
+        return Ok((String::new(), Node::other("empty")));
     }
     let mut parts = Elements { bytes, at: 0, big };
     let (_, flags) = parts.next()?;
@@ -64,9 +63,9 @@ fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(Stri
         1 => cells(&mut parts, &dims, depth)?,
         2 => structures(&mut parts, size(&dims)?, depth)?,
         4 if size(&dims)? == 0 || dims.first() == Some(&1) => Node::Text(parts.letters()?),
-        4 => other("text"),
-        5 => other("a sparse matrix"),
-        6..=15 if flags & COMPLEX > 0 => other("complex numbers"),
+        4 => Node::other("text"),
+        5 => Node::other("a sparse matrix"),
+        6..=15 if flags & COMPLEX > 0 => Node::other("complex numbers"),
         6..=15 => {
             let samples = match vector(&dims)? {
                 Ok(n) => Ok(parts.numbers(n)?),
@@ -74,7 +73,7 @@ fn array((kind, bytes): (usize, &[u8]), big: bool, depth: usize) -> Result<(Stri
             };
             Node::series(samples, None)
         }
-        class => other(&format!("an object of class {class}")),
+        class => Node::other(format!("an object of class {class}")),
     };
     Ok((name, value))
 }
@@ -160,11 +159,8 @@ impl<'a> Elements<'a> {
         if kind != 4 && kind != 17 {
             return Ok(String::from_utf8_lossy(bytes).into_owned());
         }
-        let unit = |pair: &[u8]| {
-            let pair = [pair[0], pair[1]];
-            if self.big { u16::from_be_bytes(pair) } else { u16::from_le_bytes(pair) }
-        };
-        Ok(String::from_utf16_lossy(&bytes.chunks_exact(2).map(unit).collect::<Vec<_>>()))
+        let unit = if self.big { u16::from_be_bytes } else { u16::from_le_bytes };
+        Ok(String::from_utf16_lossy(&bytes.as_chunks().0.iter().copied().map(unit).collect::<Vec<_>>()))
     }
 
     /// The next element as `count` numbers.

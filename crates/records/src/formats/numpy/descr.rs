@@ -64,13 +64,10 @@ fn field(literal: &Literal, depth: usize) -> Option<(String, Descr)> {
         _ => return None,
     };
     let name = match name {
-        Literal::Text(name) => name,
-        Literal::List(parts) => match &parts[..] {
-            [_, Literal::Text(name)] => name,
-            _ => return None,
-        },
-        _ => return None,
+        Literal::List(titled) if titled.len() == 2 => &titled[1],
+        name => name,
     };
+    let Literal::Text(name) = name else { return None };
     let descr = descr(kind, depth + 1)?;
     let descr = match dims {
         None => descr,

@@ -66,9 +66,8 @@ impl Member {
             0 => Cow::Borrowed(packed),
             8 => Cow::Owned(unpacking.deflated(packed)?),
             other => {
-                return Err(Error::Content(format!(
-                    "{name:?} has an unsupported compression (method {other}): save it with numpy.savez"
-                )));
+                let what = format!("an unsupported compression (method {other}): save it with numpy.savez");
+                return Err(Error::Content(format!("{name:?} has {what}")));
             }
         };
         if u64::from(crc32fast::hash(&bytes)) != self.checksum {
