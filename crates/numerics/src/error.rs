@@ -183,6 +183,16 @@ impl Error {
         Error::Unknown { kind, name: name.into(), known: known.into_iter().map(String::from).collect() }
     }
 
+    /// Units that cannot be converted into each other.
+    pub fn units(what: &str, found: &str, expected: &str) -> Self {
+        Error::Units { what: what.into(), found: found.into(), expected: expected.into() }
+    }
+
+    /// A line of a file that cannot be read.
+    pub fn line(line: u64, problem: impl Into<String>) -> Self {
+        Error::Line { line, column: None, problem: problem.into() }
+    }
+
     /// The message in the words of a front end.
     pub fn message(&self, words: &dyn Words) -> String {
         match self {

@@ -3,7 +3,7 @@
 //! Why: docs/decisions/data-and-records.md, "Records keep the units of their files".
 
 use piezoid_numerics::error::{Error, finite, positive};
-use piezoid_numerics::number::{ascii_unit, exact};
+use piezoid_numerics::number::{ascii_unit, exact, round};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -181,11 +181,8 @@ impl Record {
     /// Returns an error if the conversion is unknown (see [`Units::factor`]).
     pub fn output_in(&self, unit: &str) -> Result<Self, Error> {
         let unit = &*ascii_unit(unit);
-        let k = Units::factor(&self.units.y, unit).ok_or_else(|| Error::Units {
-            what: "the output of the record".into(),
-            found: self.units.y.clone(),
-            expected: unit.into(),
-        })?;
+        let unknown = || Error::units("the output of the record", &self.units.y, unit);
+        let k = Units::factor(&self.units.y, unit).ok_or_else(unknown)?;
         let units = Units { y: unit.into(), ..self.units.clone() };
         let y = if k == 1.0 { self.y.clone() } else { self.y.iter().map(|v| v * k).collect() };
         Ok(Record { u: self.u.clone(), y, units, history: self.history.clone(), ..*self })
@@ -204,7 +201,7 @@ impl Record {
         if start < end && from >= 0.0 {
             return Ok(start..end);
         }
-        Err(Record::outside(from, to, (n.max(1) - 1) as f64 * ts))
+        Err(Record::outside(from, to, n.saturating_sub(1) as f64 * ts))
     }
 
     /// The error for a cut that keeps no sample of data that end at `last` [s].
@@ -213,12 +210,9 @@ impl Record {
             let rule = "must not lie before the first sample, which is at 0 s";
             return Error::parameter("from", format!("{from} s"), rule);
         }
-        let [start, end] = [from, to].map(exact);
+        let ([start, end], last) = ([from, to].map(exact), round(last));
         let interval = if to.is_finite() { format!("from {start} s to {end} s") } else { format!("from {start} s on") };
-        Error::Content(format!(
-            "no sample lies {interval}: the data span 0 s to {} s",
-            piezoid_numerics::number::round(last)
-        ))
+        Error::Content(format!("no sample lies {interval}: the data span 0 s to {last} s"))
     }
 
     /// Checks that two sampling periods agree within a millionth.

@@ -120,7 +120,9 @@ pub trait Validate {
     ///
     /// # Errors
     /// The errors of [`Model::validate_with`].
-    fn validate(&self, record: &Record) -> Result<Validation, Error>;
+    fn validate(&self, record: &Record) -> Result<Validation, Error> {
+        self.validate_with(record, &ValidateOptions::default())
+    }
 
     /// Compares the free run of this model with `record`.
     ///
@@ -131,22 +133,14 @@ pub trait Validate {
 }
 
 impl Validate for Model {
-    fn validate(&self, record: &Record) -> Result<Validation, Error> {
-        self.validate_with(record, &ValidateOptions::default())
-    }
-
     fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
         Record::same_sampling("the model", self.ts(), "the record", record.ts())?;
-        if record.units().u != self.units().u {
-            let (found, expected) = (record.units().u.clone(), self.units().u.clone());
-            return Err(Error::Units { what: "the input of the record".into(), found, expected });
+        let (own, units) = (self.units(), record.units());
+        if units.u != own.u {
+            return Err(Error::units("the input of the record", &units.u, &own.u));
         }
-        let known = Units::factor(&self.units().y, &record.units().y);
-        let k = known.ok_or_else(|| Error::Units {
-            what: "the output of the record".into(),
-            found: record.units().y.clone(),
-            expected: self.units().y.clone(),
-        })?;
+        let unknown = || Error::units("the output of the record", &units.y, &own.y);
+        let k = Units::factor(&own.y, &units.y).ok_or_else(unknown)?;
         let free_offset = options.offset != Offset::Kept;
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
         let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);

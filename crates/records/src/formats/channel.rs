@@ -63,7 +63,7 @@ impl Table {
         let longest = columns.iter().map(|column| column.samples.len()).max().unwrap_or(0);
         columns.retain(|column| column.samples.len() > 1 || longest == column.samples.len());
         let usual = usual(columns.iter().map(|column| column.samples.len()));
-        let mut table = Table { count: usual, ..Table::empty() };
+        let mut table = Table { count: usual, ..Table::default() };
         for column in columns {
             if column.samples.len() == usual {
                 table.columns.push(column);

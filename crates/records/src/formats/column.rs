@@ -1,5 +1,6 @@
 //! One column of a table: its samples, their unit and what that measures.
 
+use super::quote::shortened;
 use super::roles::Role;
 use super::selection::{ColumnSelection, Scale};
 use super::units::{self, Quantity};
@@ -13,7 +14,7 @@ const VOLT: &str = "V";
 const ARBITRARY: &str = "a.u.";
 
 /// One column of a [`Table`].
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Column {
     pub(super) name: String,
     /// Its unit, if the format states it separately from the name.
@@ -38,18 +39,12 @@ pub(super) struct Column {
 impl Column {
     /// A column without samples.
     pub(super) fn new(name: String) -> Self {
-        Column {
-            name,
-            unit: None,
-            ts: None,
-            samples: Vec::new(),
-            flaw: None,
-            doubt: None,
-            decimal: None,
-            proven: false,
-            whole: false,
-            clock: None,
-        }
+        Column { name, ..Column::default() }
+    }
+
+    /// An error about it on a line.
+    pub(super) fn error(&self, line: u64, problem: impl Into<String>) -> Error {
+        Error::Line { line, column: Some(shortened(&self.name)), problem: problem.into() }
     }
 
     /// The unit that stands in the file: beside the name, or in it.
@@ -116,12 +111,8 @@ impl Column {
         if let Some(unit) = arguments.as_ref().filter(|unit| !units::is_word(unit) && **unit != self.unit(role)) {
             return Err(Error::parameter(name, unit, "must be a word of letters such as um, or %, or counts"));
         }
-        Ok(match scale {
-            Some(scale) => {
-                let factor = scale.of(option, self.stated())?;
-                (arguments.or(scale.unit).unwrap_or_else(|| self.unit(role)), factor)
-            }
-            None => (arguments.unwrap_or_else(|| self.unit(role)), 1.0),
-        })
+        let factor = scale.as_ref().map_or(Ok(1.0), |scale| scale.of(option, self.stated()))?;
+        let unit = arguments.or(scale.and_then(|scale| scale.unit)).unwrap_or_else(|| self.unit(role));
+        Ok((unit, factor))
     }
 }

@@ -67,7 +67,7 @@ impl Table {
         if let Some(&(line, text)) = above.iter().rfind(|(_, line)| !blank(line))
             && let Some(problem) = cells(text, dialect.separator).find_map(Result::err)
         {
-            return Err(Error::Line { line, column: None, problem: problem.into() });
+            return Err(Error::line(line, problem));
         }
         let numbered = dialect.is_numbered(lines.clone().map(|(_, row)| row).filter(|row| !blank(row)));
         let head = Head::read(&above, &dialect, numbered);
@@ -80,9 +80,7 @@ impl Table {
             let missing =
                 || cells(row, dialect.separator).next().is_some_and(|cell| cell.is_ok_and(number::not_finite));
             if blank(row) || remark(row) && !missing() || Some(row) == header {
-                if Some(row) == header {
-                    table.again.push(table.count);
-                }
+                table.again.extend((Some(row) == header).then_some(table.count));
                 table.gaps.push(table.count);
                 continue;
             }
@@ -96,17 +94,16 @@ impl Table {
                 break;
             }
         }
-        for column in &mut table.columns {
-            // Words only: a remark.
-            if column.samples.iter().all(|sample| sample.is_nan()) {
-                column.samples = Vec::new();
-            }
+        // Words only: a remark.
+        for column in table.columns.iter_mut().filter(|column| column.samples.iter().all(|sample| sample.is_nan())) {
+            column.samples = Vec::new();
         }
         table.doubt_commas(dialect.separator);
+        let count = table.count;
         match stated {
-            Some(rows) if table.count < rows => Err(Error::Content(format!(
-                "the head states {rows} rows, but {} follow: the file was cut; to use what is there, set NDATA to {}",
-                table.count, table.count
+            Some(rows) if count < rows => Err(Error::Content(format!(
+                "the head states {rows} rows, but {count} follow: the file was cut; to use what is there, set NDATA to \
+                 {count}"
             ))),
             _ => Ok(table),
         }
@@ -117,13 +114,12 @@ impl Table {
         let Head { line, names, units, ts, .. } = head;
         let width = dialect.width();
         if width > MAX_COLUMNS {
-            let problem =
-                format!("{width} columns, but at most {MAX_COLUMNS} are read: are rows and columns exchanged?");
-            return Err(Error::Line { line: first, column: None, problem });
+            let question = "are rows and columns exchanged?";
+            return Err(Error::line(first, format!("{width} columns, but at most {MAX_COLUMNS} are read: {question}")));
         }
         let more = cells(row, dialect.separator).skip(names.len()).any(|cell| cell != Ok(""));
         let header = if names.is_empty() { 0 } else { line };
-        let mut table = Table { header, first, ts, ..Table::empty() };
+        let mut table = Table { header, first, ts, ..Table::default() };
         if header > 0 && more {
             table.columns = names.into_iter().map(Column::new).collect();
             return Err(table.ragged(first, width, dialect.separator));
@@ -149,7 +145,9 @@ impl Table {
             // A word in place of the first number: a summary, or another head.
             let word = |cell: &str| cell.starts_with(|c: char| c.is_alphabetic() || c == '#' || c == '*');
             if at == dialect.first() && word(cell) && !number::not_finite(cell) {
-                return Err(self.another(line));
+                let problem = "words stand here, but rows follow further down: if another table starts here, split \
+                               the file; if not, delete the line";
+                return Err(Error::line(line, problem));
             }
             split.push(cell);
         }
@@ -174,19 +172,9 @@ impl Table {
             if let (Some((',', line)), None) = (column.decimal, &column.doubt) {
                 let problem = "the comma before three digits may be a decimal comma (1,234 is 1.234) or stand between \
                                thousands (1234): write the numbers with a decimal point and without other marks";
-                column.doubt =
-                    Some(Error::Line { line, column: Some(shortened(&column.name)), problem: problem.into() });
+                column.doubt = Some(column.error(line, problem));
             }
         }
-    }
-
-    /// The error for a line of words between rows.
-    fn another(&self, line: u64) -> Error {
-        let problem =
-            "words stand here, but rows follow further down: if another table starts here, split the file; if \
-                       not, delete the line"
-                .into();
-        Error::Line { line, column: None, problem }
     }
 
     /// The error for a row that is shorter or longer than the header.
@@ -200,12 +188,11 @@ impl Table {
             "remove the additional cells, or name their columns in the header"
         };
         let (fields, columns) = (counted(count, "field"), counted(names, "column"));
-        let than = if self.header > 0 {
-            format!("but the header on line {} names {columns}", self.header)
-        } else {
-            format!("but most rows have {names}")
+        let than = match self.header {
+            0 => format!("but most rows have {names}"),
+            line => format!("but the header on line {line} names {columns}"),
         };
-        Error::Line { line, column: None, problem: format!("{fields}, {than}: {advice}") }
+        Error::line(line, format!("{fields}, {than}: {advice}"))
     }
 }
 
@@ -248,15 +235,11 @@ fn remark(line: &str) -> bool {
 fn without_numbers(text: &str) -> Error {
     let filled = || text.lines().filter(|line| !blank(line));
     let what = match filled().count() {
-        0 => "is empty",
-        _ if filled().all(remark) => "holds only comments",
-        _ => {
-            return Error::Content(format!(
-                "there are no rows of numbers: a header such as {EXAMPLE} and rows of numbers are needed"
-            ));
-        }
+        0 => "the file is empty",
+        _ if filled().all(remark) => "the file holds only comments",
+        _ => "there are no rows of numbers",
     };
-    Error::Content(format!("the file {what}: a header such as {EXAMPLE} and rows of numbers are needed"))
+    Error::Content(format!("{what}: a header such as {EXAMPLE} and rows of numbers are needed"))
 }
 
 impl Column {
@@ -264,8 +247,7 @@ impl Column {
     fn take(&mut self, cell: &str, line: u64) {
         let value = self.number(cell, line);
         if value.is_none() && self.flaw.is_none() {
-            let column = Some(shortened(&self.name));
-            self.flaw = Some(Error::Line { line, column, problem: number::problem(cell) });
+            self.flaw = Some(self.error(line, number::problem(cell)));
         }
         self.samples.push(value.unwrap_or(f64::NAN));
     }
@@ -282,8 +264,8 @@ impl Column {
         if let (Some((known, above)), Some(sign)) = (self.decimal, sign)
             && known != sign
         {
-            let problem = number::mixed(cell, known, above);
-            self.doubt.get_or_insert(Error::Line { line, column: Some(shortened(&self.name)), problem });
+            let error = self.error(line, number::mixed(cell, known, above));
+            self.doubt.get_or_insert(error);
         }
         self.decimal = self.decimal.or(sign.map(|sign| (sign, line)));
         self.proven |= sign == Some(',') && !number::may_group(cell);

@@ -13,7 +13,7 @@
 use super::bytes::damaged;
 use super::csv::{decode, lines};
 use super::quote::{quoted, shortened};
-use super::units::{Quantity, known};
+use super::units::seconds;
 use super::{Channel, Format, Table, time};
 use piezoid_numerics::error::Error;
 
@@ -109,11 +109,8 @@ fn scale(command: &str, waves: &mut [Channel]) {
     let parts = after("SetScale", command).map(|rest| rest.trim_start().splitn(3, '"').collect::<Vec<_>>());
     let Some([axis, unit, targets]) = parts.as_deref() else { return };
     let step = || after("/P x ", axis)?.split(',').nth(1)?.trim().parse::<f64>().ok();
-    let ts = match known(unit) {
-        // Without a unit of time, x counts samples, or is something else.
-        Some((_, Quantity::Time(seconds))) => step().map(|step| time::times(step, seconds)),
-        _ => None,
-    };
+    // Without a unit of time, x counts samples, or is something else.
+    let ts = seconds(unit).and_then(|seconds| Some(time::times(step()?, seconds)));
     let ts = ts.filter(|ts| ts.is_finite() && *ts > 0.0);
     let of_samples = !unit.is_empty() && ["y ", "d "].iter().any(|kind| after(kind, axis).is_some());
     for name in names(targets) {

@@ -34,22 +34,23 @@ pub(super) enum Role {
 }
 
 impl Role {
-    pub(super) fn what(self) -> &'static str {
+    /// Its name, the option that chooses its column, and the prefix of names.
+    fn texts(self) -> [&'static str; 3] {
         match self {
-            Role::Time => "time",
-            Role::Input => "input",
-            Role::Output => "output",
-            Role::Reference => "reference",
+            Role::Time => ["time", "time_col", "t_"],
+            Role::Input => ["input", "input_col", "u_"],
+            Role::Output => ["output", "output_col", "y_"],
+            Role::Reference => ["reference", "output_col", "r_"],
         }
+    }
+
+    pub(super) fn what(self) -> &'static str {
+        self.texts()[0]
     }
 
     /// The option that chooses the column.
     fn option(self) -> &'static str {
-        match self {
-            Role::Time => "time_col",
-            Role::Input => "input_col",
-            Role::Output | Role::Reference => "output_col",
-        }
+        self.texts()[1]
     }
 
     /// What the user says about it.
@@ -72,12 +73,7 @@ impl Role {
 
     /// The prefix of its names in piezoid's own files.
     pub(super) fn prefix(self) -> &'static str {
-        match self {
-            Role::Time => "t_",
-            Role::Input => "u_",
-            Role::Output => "y_",
-            Role::Reference => "r_",
-        }
+        self.texts()[2]
     }
 
     /// The names that are expected, for messages.
@@ -94,14 +90,8 @@ impl Role {
         let those = |test: &dyn Fn(&Column) -> bool| -> Vec<&'a Column> {
             free.iter().copied().filter(|column| test(column)).collect()
         };
-        let exact = those(&|column| self == Role::Input && column.name == "u_V");
-        if !exact.is_empty() {
-            return exact;
-        }
-        let own = those(&|column| self.owns(column));
-        if !own.is_empty() {
-            return own;
-        }
+        let certain =
+            [those(&|column| self == Role::Input && column.name == "u_V"), those(&|column| self.owns(column))];
         let is = |column: &Column, words: &str| column.has_word(words);
         let kinds: Vec<Vec<&Column>> = match self {
             Role::Time => vec![
@@ -134,7 +124,7 @@ impl Role {
                 Role::Output.candidates(free),
             ],
         };
-        kinds.into_iter().find(|kind| !kind.is_empty()).unwrap_or_default()
+        certain.into_iter().chain(kinds).find(|kind| !kind.is_empty()).unwrap_or_default()
     }
 
     /// True if it makes no difference which of two columns is taken.
@@ -152,10 +142,8 @@ impl Role {
         if let Some(name) = self.requested(selection) {
             return table.named(name).map_err(Missing::Wrong);
         }
-        let requested: Vec<&Column> = [Role::Time, Role::Input, Role::Output]
-            .iter()
-            .filter_map(|role| table.named(role.requested(selection)?).ok())
-            .collect();
+        let chosen = |role: &Role| table.named(role.requested(selection)?).ok();
+        let requested: Vec<&Column> = [Role::Time, Role::Input, Role::Output].iter().filter_map(chosen).collect();
         let mut free: Vec<&Column> =
             table.columns.iter().filter(|c| !requested.iter().any(|other| std::ptr::eq(*other, *c))).collect();
         if self != Role::Time && self != Role::Reference {
@@ -230,8 +218,8 @@ impl Missing<'_> {
                 let names = listed(several.iter().map(|column| &*column.name));
                 let problem = format!("{names} could each be the {}; choose one: ", role.what());
                 let first = several.iter().find(|column| *role == Role::Time || likely(column));
-                Error::Line { line: table.header, column: None, problem }
-                    .advised(vec![(role.option(), first.map_or(Value::Null, |c| c.name.clone().into()))])
+                let name = first.map_or(Value::Null, |c| c.name.clone().into());
+                Error::line(table.header, problem).advised(vec![(role.option(), name)])
             }
             [Missing::None(Role::Time, _)] => {
                 let wrong = format!("there is no time column: expected {}", Role::Time.expected());
@@ -273,7 +261,7 @@ impl Missing<'_> {
                     [one, other] if expected == 2 => {
                         let either = format!("{} and {} could be either{remedy}", quoted(one), quoted(other));
                         if table.header > 0 {
-                            Error::Line { line: table.header, column: None, problem: format!("{problem}: {either}") }
+                            Error::line(table.header, format!("{problem}: {either}"))
                         } else {
                             table.about_names(&problem, &format!("; {either}"))
                         }
@@ -290,18 +278,14 @@ impl Table {
     /// The column of this name, or else of this number, counted from 1.
     pub(in crate::formats) fn named(&self, name: &str) -> Result<&Column, Error> {
         let name = name.trim();
-        let mut named = self
-            .columns
-            .iter()
-            .chain(&self.others)
-            .enumerate()
-            .filter(|(_, column)| !name.is_empty() && column.name == name);
+        let all = (1..).zip(self.columns.iter().chain(&self.others));
+        let mut named = all.filter(|(_, column)| !name.is_empty() && column.name == name);
         match (named.next(), named.next()) {
             (Some((_, column)), None) => return Ok(column),
             (Some((first, _)), Some((second, _))) => {
-                let problem =
-                    format!("{} is also the name of column {}: choose one by its number; ", quoted(name), first + 1);
-                return Err(Error::Line { line: self.header, column: Some((second + 1).to_string()), problem });
+                let name = quoted(name);
+                let problem = format!("{name} is also the name of column {first}: choose one by its number; ");
+                return Err(Error::Line { line: self.header, column: Some(second.to_string()), problem });
             }
             _ => {}
         }

@@ -55,7 +55,7 @@ impl ColumnSelection {
         let refused = |error: toml::de::Error| {
             let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
             let problem = format!("not TOML: {}; write one `name = value` a line", error.message());
-            Error::Line { line: 1 + before.matches('\n').count() as u64, column: None, problem }
+            Error::line(1 + before.matches('\n').count() as u64, problem)
         };
         Self::from_json(toml::from_str(text).map_err(refused)?)
     }
@@ -124,10 +124,8 @@ impl ColumnSelection {
     /// The number of seconds of the time unit that the user states, with its power of ten if it is one.
     pub fn seconds(&self) -> Result<Option<f64>, Error> {
         let Some(unit) = &self.time_unit else { return Ok(None) };
-        match units::known(unit) {
-            Some((_, units::Quantity::Time(seconds))) => Ok(Some(seconds)),
-            _ => Err(Error::parameter("time_unit", unit, "must be s, ms, us, ns, min or h")),
-        }
+        let unknown = || Error::parameter("time_unit", unit, "must be s, ms, us, ns, min or h");
+        units::seconds(unit).ok_or_else(unknown).map(Some)
     }
 }
 
@@ -147,10 +145,7 @@ impl Record {
     /// # Errors
     /// Returns an error for a text that is not a factor or is 0, and for samples that would not be finite.
     pub fn scaled(&self, input: &str, output: &str) -> Result<Self, Error> {
-        let scale = |option: &str, text: &str| match text.trim() {
-            "" => Scale::read(option, "1"),
-            text => Scale::read(option, text),
-        };
+        let scale = |option, text: &str| Scale::read(option, if text.trim().is_empty() { "1" } else { text.trim() });
         let (u, y) = (scale("input_scale", input)?, scale("output_scale", output)?);
         let units = self.units().clone();
         let of_u = u.of("input_scale", Some(&units.u))?;
@@ -197,11 +192,8 @@ impl Scale {
             None if !known => Ok(self.factor),
             None => {
                 let rule = format!("is a factor for {per}, but the column is in {unit}: correct one of them");
-                Err(Error::parameter(
-                    option,
-                    format!("{}{}/{per}", self.factor, self.unit.clone().unwrap_or_default()),
-                    rule,
-                ))
+                let scale = format!("{}{}/{per}", self.factor, self.unit.as_deref().unwrap_or_default());
+                Err(Error::parameter(option, scale, rule))
             }
         }
     }

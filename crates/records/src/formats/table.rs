@@ -31,7 +31,7 @@ const SLOW: f64 = 0.1;
 /// assert_eq!((record.ts(), record.u(), record.units().y.as_str()), (5e-4, &[0.0, 1.0][..], "um"));
 /// # Ok::<(), piezoid::Error>(())
 /// ```
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Table {
     pub(super) columns: Vec<Column>,
     /// Columns of other lengths: only the user chooses them.
@@ -88,30 +88,12 @@ impl Signal {
     /// # Errors
     /// Returns an error if the conversion is unknown (see [`Units::factor`]).
     pub fn samples_in(self, unit: &str, what: &str) -> Result<Vec<f64>, Error> {
-        match Units::factor(&self.unit, unit) {
-            Some(factor) => Ok(self.samples.into_iter().map(|v| v * factor).collect()),
-            None => Err(Error::Units { what: what.into(), found: self.unit, expected: unit.into() }),
-        }
+        let factor = Units::factor(&self.unit, unit).ok_or_else(|| Error::units(what, &self.unit, unit))?;
+        Ok(self.samples.into_iter().map(|v| v * factor).collect())
     }
 }
 
 impl Table {
-    /// A table without columns or lines.
-    pub fn empty() -> Self {
-        Table {
-            columns: Vec::new(),
-            others: Vec::new(),
-            header: 0,
-            first: 0,
-            count: 0,
-            gaps: Vec::new(),
-            again: Vec::new(),
-            ts: None,
-            left: String::new(),
-            steps: Vec::new(),
-        }
-    }
-
     /// Names of the columns, in the order of the file.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.columns.iter().map(|c| c.name.as_str())
@@ -134,7 +116,8 @@ impl Table {
     /// Like [`record`](Table::record); uneven times are allowed if the record is resampled to a sampling period [s]:
     /// see `even`.
     pub fn resampled(&self, selection: &ColumnSelection, resample: Option<f64>) -> Result<Record, Error> {
-        let ([u, y], step) = self.sampled([Role::Input, Role::Output], selection, resample)?;
+        let found = self.sampled([Role::Input, Role::Output], selection, resample);
+        let ([u, y], step) = found.map_err(|error| self.located(error))?;
         let units = Units { u: u.unit, y: y.unit };
         let record = Record::new(u.ts, u.samples, y.samples)?.with_units(units);
         let steps = self.steps.iter().cloned().chain(self.history(selection)).chain(step);
@@ -146,7 +129,7 @@ impl Table {
     /// # Errors
     /// The errors of [`record`](Table::record).
     pub fn input(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
-        self.sampled([Role::Input], selection, None).map(|([u], _)| u)
+        self.single(Role::Input, selection)
     }
 
     /// A reference; the file need not have an input. It is the only `r_*`, or if there is none, the output.
@@ -156,8 +139,11 @@ impl Table {
     pub fn reference(&self, selection: &ColumnSelection) -> Result<Signal, Error> {
         let any = |prefix| self.names().any(|name| name.starts_with(prefix));
         let sentence = selection.output_col.is_none() && (any("r_") || !any("y_"));
-        let role = if sentence { Role::Reference } else { Role::Output };
-        self.sampled([role], selection, None).map(|([r], _)| r)
+        self.single(if sentence { Role::Reference } else { Role::Output }, selection)
+    }
+
+    fn single(&self, role: Role, selection: &ColumnSelection) -> Result<Signal, Error> {
+        self.sampled([role], selection, None).map(|([signal], _)| signal).map_err(|error| self.located(error))
     }
 
     /// True if something states the times of the rows: the selection, a column, or the format.
@@ -168,16 +154,6 @@ impl Table {
 
     /// The columns with these roles, which have no flaw, and how they were made even if they were not.
     fn sampled<const N: usize>(
-        &self,
-        roles: [Role; N],
-        selection: &ColumnSelection,
-        resample: Option<f64>,
-    ) -> Result<([Signal; N], Option<String>), Error> {
-        self.found(roles, selection, resample)
-            .map_err(|error| if self.first > 0 { error } else { self.without_lines(error) })
-    }
-
-    fn found<const N: usize>(
         &self,
         roles: [Role; N],
         selection: &ColumnSelection,
@@ -254,20 +230,11 @@ impl Table {
         let goes_on = |row: usize| {
             time.is_some_and(|time| row > 0 && matches!(time.samples.get(row - 1..=row), Some([a, b]) if a < b))
         };
-        match self
-            .again
-            .iter()
-            .find(|row| rows.contains(row) && (rows.contains(&row.wrapping_sub(1)) || **row == 0) && !goes_on(**row))
-        {
-            None => Ok(()),
-            Some(row) => Err(Error::Line {
-                line: self.line(*row) - 1,
-                column: None,
-                problem:
-                    "the names stand again: if another record begins here, split the file; if not, delete the line"
-                        .into(),
-            }),
-        }
+        let begins_another =
+            |row: &usize| rows.contains(row) && (*row == 0 || rows.contains(&(row - 1))) && !goes_on(*row);
+        let Some(row) = self.again.iter().copied().find(begins_another) else { return Ok(()) };
+        let problem = "the names stand again: if another record begins here, split the file; if not, delete the line";
+        Err(Error::line(self.line(row) - 1, problem))
     }
 
     /// Returns an error if a column is used twice, if its numbers are in doubt, or if the decimal separators of columns
@@ -275,60 +242,46 @@ impl Table {
     fn usable(&self, needed: &[&Column]) -> Result<(), Error> {
         for (i, column) in needed.iter().enumerate() {
             if needed[..i].iter().any(|earlier| std::ptr::eq(*earlier, *column)) {
-                return Err(Error::Line {
-                    line: self.header,
-                    column: Some(shortened(&column.name)),
-                    problem: "chosen twice: time, input and output must be different columns".into(),
-                });
+                let problem = "chosen twice: time, input and output must be different columns";
+                return Err(column.error(self.header, problem));
             }
             let wordy = column.flaw.as_ref().filter(|_| column.samples.is_empty());
             if let Some(error) = column.doubt.as_ref().or(wordy) {
                 return Err(error.clone());
             }
-            let first = needed[0];
-            if column.samples.len() != first.samples.len() {
-                return Err(Error::Lengths {
-                    left: shortened(&first.name),
-                    left_len: first.samples.len(),
-                    right: shortened(&column.name),
-                    right_len: column.samples.len(),
-                });
+            let [(left, left_len), (right, right_len)] =
+                [needed[0], column].map(|column| (shortened(&column.name), column.samples.len()));
+            if left_len != right_len {
+                return Err(Error::Lengths { left, left_len, right, right_len });
             }
         }
         let sign = |expected: char| {
-            needed.iter().find_map(|c| c.decimal.filter(|(sign, _)| *sign == expected).map(|(_, line)| (&c.name, line)))
+            needed.iter().find_map(|c| c.decimal.filter(|(sign, _)| *sign == expected).map(|(_, line)| (c, line)))
         };
-        match (sign('.'), sign(',')) {
-            (Some((point, above)), Some((comma, line))) => Err(Error::Line {
-                line,
-                column: Some(shortened(comma)),
-                problem: format!(
-                    "a decimal comma, but line {above} has a decimal point in {}: use one of them throughout, and no \
-                     thousands separator",
-                    quoted(point)
-                ),
-            }),
-            _ => Ok(()),
-        }
+        let (Some((point, above)), Some((comma, line))) = (sign('.'), sign(',')) else { return Ok(()) };
+        let name = quoted(&point.name);
+        let problem = format!(
+            "a decimal comma, but line {above} has a decimal point in {name}: use one of them throughout, and no \
+             thousands separator"
+        );
+        Err(comma.error(line, problem))
     }
 
-    /// The error for a format that has rows, counted from 0, instead of lines. It also lists what was left out, because
-    /// a missing name may be there.
-    fn without_lines(&self, error: Error) -> Error {
+    /// The error for this table. If its format has rows, counted from 0, instead of lines, it also lists what was left
+    /// out, because a missing name may be there.
+    fn located(&self, error: Error) -> Error {
+        if self.first > 0 {
+            return error;
+        }
         let left = if self.left.is_empty() { String::new() } else { format!("; left out: {}", self.left) };
         match error {
             Error::Line { line: 0, column, problem } => {
                 // Options follow the last part of the message.
-                let (sentence, more) = problem.rsplit_once("; ").unwrap_or((&problem, ""));
-                let more = if more.is_empty() && sentence.len() == problem.len() {
-                    String::new()
-                } else {
-                    format!("; {more}")
-                };
+                let (sentence, more) = problem.split_at(problem.rfind("; ").unwrap_or(problem.len()));
                 Error::Row { row: None, column, problem: format!("{sentence}{left}{more}") }
             }
             Error::Advised { error, options, all } => {
-                Error::Advised { error: Box::new(self.without_lines(*error)), options, all }
+                Error::Advised { error: Box::new(self.located(*error)), options, all }
             }
             Error::Line { line, column, problem } => Error::Row { row: Some(line), column, problem },
             Error::Unknown { .. } => Error::Content(format!("{error}{left}")),
@@ -344,11 +297,7 @@ impl Table {
             None => format!(": the columns have no names, but numbers from 1 to {}", titles.len()),
             Some(_) => format!(" among the columns {}", listed(titles.iter().map(String::as_str))),
         };
-        Error::Line {
-            line: if self.header > 0 { self.header } else { self.first },
-            column: None,
-            problem: format!("{wrong}{columns}{remedy}"),
-        }
+        Error::line(if self.header > 0 { self.header } else { self.first }, format!("{wrong}{columns}{remedy}"))
     }
 }
 

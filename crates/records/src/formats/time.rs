@@ -10,6 +10,7 @@
 
 use libm::{log10, pow};
 use piezoid_numerics::error::Error;
+use piezoid_numerics::series::quantile;
 use serde_json::Value;
 
 /// Allowed deviation from the median step, relative to it.
@@ -23,10 +24,7 @@ const AGREED: f64 = 1e-3;
 pub(super) fn period(t: &[f64], name: &str, line: &dyn Fn(usize) -> u64) -> Result<f64, Error> {
     let refused = |row: usize, (problem, ts): (String, Option<Value>)| {
         let error = Error::Line { line: line(row), column: Some(name.to_owned()), problem };
-        Err(match ts {
-            Some(ts) => error.advised(vec![("ts", ts)]),
-            None => error,
-        })
+        Err(if let Some(ts) = ts { error.advised(vec![("ts", ts)]) } else { error })
     };
     if t.len() < 2 {
         return refused(0, ("one row is not enough to find the sampling period: ".into(), Some(Value::Null)));
@@ -35,7 +33,7 @@ pub(super) fn period(t: &[f64], name: &str, line: &dyn Fn(usize) -> u64) -> Resu
         return refused(row, not_increasing(t[row - 1], t[row]));
     }
     let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let median = median(steps.clone());
+    let median = quantile(steps.clone(), 0.5);
     let mean = mean(t);
     match steps.iter().position(|d| off(*d, median)) {
         None => Ok(meant(t, mean)),
@@ -47,7 +45,7 @@ pub(super) fn period(t: &[f64], name: &str, line: &dyn Fn(usize) -> u64) -> Resu
 pub(super) fn step(t: &[f64]) -> Option<f64> {
     let steps: Vec<f64> = t.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let increases = !steps.is_empty() && steps.iter().all(|step| *step > 0.0);
-    increases.then(|| median(steps))
+    increases.then(|| quantile(steps, 0.5))
 }
 
 /// The first of these periods, unless another differs by more than rounding.
@@ -113,18 +111,15 @@ fn off(step: f64, median: f64) -> bool {
 /// The problem of step `k`: missing rows, if few steps are uneven (`ts` would only hide them), or rounded stamps.
 fn uneven(steps: &[f64], k: usize, median: f64, mean: f64) -> (String, Option<Value>) {
     let (count, all) = (steps.iter().filter(|d| off(**d, median)).count(), steps.len());
+    let [step, usual] = [steps[k], median].map(|step| rounded(step, 6));
     let found = format!(
-        "the step to this row is {} s, not {} s (the median) within 1 % (uneven steps: {count} of {all}): ",
-        rounded(steps[k], 6),
-        rounded(median, 6)
+        "the step to this row is {step} s, not {usual} s (the median) within 1 % (uneven steps: {count} of {all}): "
     );
     let missing = (steps[k] / median).round() - 1.0;
     if missing >= 1.0 && 4 * count <= all {
         let rows = if missing == 1.0 { "1 row seems".into() } else { format!("{missing} rows seem") };
-        let bridge = match missing < GAP {
-            true => format!(", or, to bridge the gap by a straight line, {}", resampling(median)),
-            false => String::new(),
-        };
+        let bridge = || format!(", or, to bridge the gap by a straight line, {}", resampling(median));
+        let bridge = (missing < GAP).then(bridge).unwrap_or_default();
         (found + &format!("{rows} to be missing; cut the record or split the file here{bridge}"), None)
     } else {
         let problem = format!(
@@ -158,11 +153,6 @@ fn meant(t: &[f64], mean: f64) -> f64 {
 /// The nearest number with this many significant digits, at least one.
 pub(super) fn rounded(x: f64, digits: usize) -> f64 {
     format!("{x:.*e}", digits - 1).parse().unwrap_or(x)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

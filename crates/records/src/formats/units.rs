@@ -95,6 +95,14 @@ pub(super) fn known(text: &str) -> Option<(String, Quantity)> {
     None
 }
 
+/// The seconds of a unit of time.
+pub(super) fn seconds(text: &str) -> Option<f64> {
+    match known(text)?.1 {
+        Quantity::Time(seconds) => Some(seconds),
+        _ => None,
+    }
+}
+
 /// True if this may be a unit: it is known, or made of words of letters (`furlong`, `um/V`, `kg m^2`, `a.u.`).
 pub(super) fn is_word(text: &str) -> bool {
     let part = |c: char| c.is_alphanumeric() || "./^*- \u{b0}\u{b2}\u{b3}\u{b7}".contains(c);

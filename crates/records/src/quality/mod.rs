@@ -38,7 +38,7 @@ pub use drift::DRIFT;
 pub use inspection::{Detection, Finding, Inspection};
 pub(crate) use outliers::OUTLIERS;
 pub use power::{around, excites};
-pub(crate) use runs::places;
+pub(crate) use runs::{places, runs};
 pub use scale::likely_cause;
 
 use crate::record::Record;

@@ -4,7 +4,7 @@
 //! Of a date, only the time of day is read. A clock that goes back by more than half a day has passed midnight. Dates
 //! are not read, because `3/5/2024` is two days.
 
-use crate::formats::units::{self, Quantity};
+use crate::formats::units;
 
 /// Seconds of a day.
 pub(super) const DAY: f64 = 86_400.0;
@@ -26,10 +26,8 @@ pub(super) fn read(cell: &str) -> Option<f64> {
 /// A number with a unit of time after it.
 fn duration(cell: &str) -> Option<f64> {
     let (number, unit) = cell.split_once(' ')?;
-    match units::known(unit)?.1 {
-        Quantity::Time(seconds) => Some(super::number::read(number)?.0 * seconds),
-        _ => None,
-    }
+    let seconds = units::seconds(unit)?;
+    Some(super::number::read(number)?.0 * seconds)
 }
 
 /// A time of day such as `14:07:09.5`, perhaps with a time zone, or `2:07:09.5 PM`.

@@ -26,15 +26,6 @@ const OTHERS: &[(&[u8], &str)] = &[
     (b"version https://git-lfs", "a pointer of Git LFS, not the data: fetch them with `git lfs pull`"),
 ];
 
-/// How bytes stand for letters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Encoding {
-    Utf8,
-    Utf16Le,
-    Utf16Be,
-    Windows1252,
-}
-
 /// The letters of the bytes 0x80 to 0x9f in Windows-1252. All others are the first letters of Unicode.
 const WINDOWS_1252: [char; 32] = [
     '\u{20ac}', '\u{81}', '\u{201a}', '\u{192}', '\u{201e}', '\u{2026}', '\u{2020}', '\u{2021}', //
@@ -43,70 +34,55 @@ const WINDOWS_1252: [char; 32] = [
     '\u{2dc}', '\u{2122}', '\u{161}', '\u{203a}', '\u{153}', '\u{9d}', '\u{17e}', '\u{178}',
 ];
 
-impl Encoding {
-    /// The encoding by the byte-order mark, or else the bytes, and the length of the mark.
-    fn of(bytes: &[u8]) -> (Encoding, usize) {
-        match bytes {
-            [0xef, 0xbb, 0xbf, ..] => (Encoding::Utf8, 3),
-            [0xff, 0xfe, ..] => (Encoding::Utf16Le, 2),
-            [0xfe, 0xff, ..] => (Encoding::Utf16Be, 2),
-            [a, 0, b, 0, ..] if *a > 0 && *b > 0 => (Encoding::Utf16Le, 0),
-            [0, a, 0, b, ..] if *a > 0 && *b > 0 => (Encoding::Utf16Be, 0),
-            _ if std::str::from_utf8(bytes).is_ok() => (Encoding::Utf8, 0),
-            _ => (Encoding::Windows1252, 0),
-        }
-    }
-
-    /// The text; what stands for no letter becomes U+FFFD.
-    fn text(self, bytes: &[u8]) -> Cow<'_, str> {
-        match self {
-            Encoding::Utf8 => String::from_utf8_lossy(bytes),
-            Encoding::Utf16Le => utf16(bytes, u16::from_le_bytes).into(),
-            Encoding::Utf16Be => utf16(bytes, u16::from_be_bytes).into(),
-            Encoding::Windows1252 => bytes.iter().map(|byte| windows_1252(*byte)).collect::<String>().into(),
-        }
-    }
-}
-
-fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> String {
+fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Cow<'_, str> {
     let (pairs, rest) = bytes.as_chunks::<2>();
     let letters = char::decode_utf16(pairs.iter().map(|pair| unit(*pair)));
     let cut = (!rest.is_empty()).then_some(char::REPLACEMENT_CHARACTER);
-    letters.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).chain(cut).collect()
+    letters.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).chain(cut).collect::<String>().into()
 }
 
-fn windows_1252(byte: u8) -> char {
-    let special = byte.checked_sub(0x80).and_then(|at| WINDOWS_1252.get(usize::from(at)));
-    special.copied().unwrap_or(char::from(byte))
-}
-
-/// The text, without its byte-order mark.
-pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
-    let (encoding, mark) = Encoding::of(bytes);
-    let bytes = &bytes[mark..];
-    if let Some((_, kind)) = OTHERS.iter().find(|(start, _)| bytes.starts_with(start)) {
-        return Err(Error::Content(format!("this is not text with columns but {kind}")));
-    }
+/// A text in Windows-1252, which is not UTF-8 at the position `invalid`.
+fn windows_1252(bytes: &[u8], invalid: usize) -> Result<Cow<'_, str>, Error> {
     let control = |b: &u8| *b < b' ' && !b"\t\n\r\x0c\x1a".contains(b);
-    if encoding == Encoding::Windows1252 && bytes.iter().take(4096).any(control) {
-        let at = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), |_| 0);
+    if bytes.iter().take(4096).any(control) {
+        let (byte, line) = (bytes.get(invalid).copied().unwrap_or_default(), line_at(bytes, invalid));
         return Err(Error::Content(format!(
-            "this is not text with columns: byte 0x{:02x} on line {} is not text; if it is another format, give it the \
-             right extension",
-            bytes.get(at).copied().unwrap_or_default(),
-            line_at(bytes, at)
+            "this is not text with columns: byte 0x{byte:02x} on line {line} is not text; if it is another format, \
+             give it the right extension"
         )));
     }
-    let text = encoding.text(bytes);
+    let special = |byte: u8| WINDOWS_1252.get(usize::from(byte.checked_sub(0x80)?)).copied();
+    Ok(bytes.iter().map(|byte| special(*byte).unwrap_or(char::from(*byte))).collect::<String>().into())
+}
+
+/// The text, without its byte-order mark. The mark tells the encoding, or else the bytes; what stands for no letter
+/// becomes U+FFFD.
+pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
+    let unmarked = match bytes {
+        [0xef, 0xbb, 0xbf, rest @ ..] | [0xff, 0xfe, rest @ ..] | [0xfe, 0xff, rest @ ..] => rest,
+        _ => bytes,
+    };
+    if let Some((_, kind)) = OTHERS.iter().find(|(start, _)| unmarked.starts_with(start)) {
+        return Err(Error::Content(format!("this is not text with columns but {kind}")));
+    }
+    let text = match bytes {
+        [0xef, 0xbb, 0xbf, ..] => String::from_utf8_lossy(unmarked),
+        [0xff, 0xfe, ..] => utf16(unmarked, u16::from_le_bytes),
+        [0xfe, 0xff, ..] => utf16(unmarked, u16::from_be_bytes),
+        [a, 0, b, 0, ..] if *a > 0 && *b > 0 => utf16(bytes, u16::from_le_bytes),
+        [0, a, 0, b, ..] if *a > 0 && *b > 0 => utf16(bytes, u16::from_be_bytes),
+        _ => match std::str::from_utf8(bytes) {
+            Ok(text) => text.into(),
+            Err(error) => windows_1252(bytes, error.valid_up_to())?,
+        },
+    };
     match text.find('\0') {
         None => Ok(text),
-        Some(at) => Err(Error::Line {
-            line: line_at(text.as_bytes(), at),
-            column: None,
-            problem: "a NUL byte, which is not allowed in text: the file is damaged from here on (was it written \
-                      completely?)"
-                .into(),
-        }),
+        Some(at) => {
+            let problem = "a NUL byte, which is not allowed in text: the file is damaged from here on (was it written \
+                           completely?)";
+            Err(Error::line(line_at(text.as_bytes(), at), problem))
+        }
     }
 }
 

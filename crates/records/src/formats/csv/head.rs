@@ -280,10 +280,7 @@ fn factor(unit: &str, rate: bool) -> Option<f64> {
             _ => return None,
         });
     }
-    match units::known(unit)? {
-        (_, units::Quantity::Time(seconds)) => Some(seconds),
-        _ => None,
-    }
+    units::seconds(unit)
 }
 
 /// The period [s] in a text such as `2 kHz`, `0.5 ms` or `Analog:5e-4`; the unit may stand in the next cell.

@@ -36,16 +36,15 @@ impl Even {
         let steps = || t.windows(2).map(|pair| pair[1] - pair[0]);
         let (least, most) = piezoid_numerics::series::ends(steps());
         if let Some(k) = steps().position(|step| step > GAP * median) {
-            let (from, to) = (start + t[k] - t[0], start + t[k + 1] - t[0]);
+            let ends = [k, k + 1].map(|k| start + t[k] - t[0]);
+            let [from, to] = ends.map(|t| rounded(t, 6));
             let problem = format!(
-                "there is no sample from {} s to {} s, more than {GAP} steps of {} s: cut the record there: ",
-                rounded(from, 6),
-                rounded(to, 6),
+                "there is no sample from {from} s to {to} s, more than {GAP} steps of {} s: cut the record there: ",
                 rounded(median, 6)
             );
             // The longer part remains.
             let cut = if 2 * k > t.len() { "to" } else { "from" };
-            return Err(Error::Content(problem).advised(vec![(cut, Value::from(rounded(to, 12)))]));
+            return Err(Error::Content(problem).advised(vec![(cut, Value::from(rounded(ends[1], 12)))]));
         }
         let ts = expected / (expected / median).round().max(1.0);
         let duration = t[t.len() - 1] - t[0];
@@ -65,12 +64,10 @@ impl Even {
             let share = (here - t[before]) / (t[before + 1] - t[before]);
             places.push((before, share.clamp(0.0, 1.0)));
         }
+        let [least, most, median, every] = [least, most, median, ts].map(round);
         let step = format!(
-            "uneven times (steps of {} s to {} s, {} s in the median): interpolated by straight lines, every {} s",
-            round(least),
-            round(most),
-            round(median),
-            round(ts)
+            "uneven times (steps of {least} s to {most} s, {median} s in the median): interpolated by straight lines, \
+             every {every} s"
         );
         Ok(Even { ts, step, places })
     }

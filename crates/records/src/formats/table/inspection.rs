@@ -96,12 +96,8 @@ impl Table {
             let own = column.own_unit(role).filter(|own| *own != stated)?;
             Some(format!("unit of the {}: {stated} as stated; the file has {own}", role.what()))
         };
-        let roles = if selection.period() == Ok(None) {
-            &[Role::Time, Role::Input, Role::Output][..]
-        } else {
-            &[Role::Input, Role::Output]
-        };
-        roles.iter().filter_map(|role| one(*role)).collect()
+        let is_used = |role: &Role| *role != Role::Time || selection.period() == Ok(None);
+        [Role::Time, Role::Input, Role::Output].into_iter().filter(is_used).filter_map(one).collect()
     }
 
     /// Where the sampling period comes from, if that is not a time in a stated unit.
@@ -131,10 +127,8 @@ impl Table {
         let Some(stated) = stated else {
             let own = self.ts?;
             if time.is_some_and(|time| time::period(&time.samples, "", &|_| 0).is_err()) {
-                return Some(format!(
-                    "the times are uneven or rounded: the sampling period of {} s that the file states is used",
-                    exact(own)
-                ));
+                let used = format!("the sampling period of {} s that the file states is used", exact(own));
+                return Some(format!("the times are uneven or rounded: {used}"));
             }
             let stamps = stamps?;
             let steps = "the time column is used, which has steps of";
@@ -149,11 +143,8 @@ impl Table {
         match stamps.or(self.ts) {
             Some(own) if differs(own, stated) => {
                 let likely = if !differs(own, 1.0 / stated) { format!("; {likely}") } else { String::new() };
-                Some(format!(
-                    "the sampling period is {} s in the file, but {} s in the options{likely}",
-                    exact(own),
-                    exact(stated)
-                ))
+                let [own, stated] = [own, stated].map(exact);
+                Some(format!("the sampling period is {own} s in the file, but {stated} s in the options{likely}"))
             }
             None if stated > MAX_PERIOD_S => {
                 Some(format!("the stated sampling period is {} s: {likely}", exact(stated)))

@@ -9,6 +9,7 @@ use super::super::selection::ColumnSelection;
 use super::super::time;
 use super::super::units::Quantity;
 use super::{ROUNDED, SLOW, Table};
+use crate::quality::runs;
 use crate::record::Record;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::{exact, join};
@@ -64,10 +65,8 @@ impl Table {
             Err(error) if !expected => Err(error),
             Err(error) => {
                 let stamps: Vec<f64> = time.samples[range.clone()].iter().map(|t| t * unit).collect();
-                match time::step(&stamps) {
-                    Some(ts) => Ok(Rows { range, ts, unit: Some(unit), stamps: Some(stamps) }),
-                    None => Err(error),
-                }
+                let ts = time::step(&stamps).ok_or(error)?;
+                Ok(Rows { range, ts, unit: Some(unit), stamps: Some(stamps) })
             }
         }
     }
@@ -87,8 +86,7 @@ impl Table {
 
     /// The error about a time column whose unit is not clear.
     fn unclear<T>(&self, time: &Column, problem: String) -> Result<T, Error> {
-        let error = Error::Line { line: self.header, column: Some(shortened(&time.name)), problem };
-        Err(error.advised(vec![("time_unit", Value::Null), ("fs", Value::Null)]))
+        Err(time.error(self.header, problem).advised(vec![("time_unit", Value::Null), ("fs", Value::Null)]))
     }
 
     /// The sampling period [s] of these rows of a time column.
@@ -137,13 +135,8 @@ impl Table {
         rows: &Range<usize>,
         at: &dyn Fn(usize) -> f64,
     ) -> Result<(), Error> {
-        let mut places: Vec<Range<usize>> = Vec::new();
-        for row in rows.clone().filter(|row| columns.iter().any(|column| !column.samples[*row].is_finite())) {
-            match places.last_mut() {
-                Some(last) if last.end == row => last.end = row + 1,
-                _ => places.push(row..row + 1),
-            }
-        }
+        let lacks = |row: usize| columns.iter().any(|column| !column.samples[row].is_finite());
+        let places = runs(rows.end, 0, |row| row >= rows.start && lacks(row));
         let Some(first) = places.first().map(|place| place.start) else { return Ok(()) };
         let Some(column) = columns.iter().find(|column| !column.samples[first].is_finite()) else { return Ok(()) };
         let message = match &column.flaw {
@@ -151,24 +144,23 @@ impl Table {
             Some(Error::NotFinite { .. }) => format!("the sample is {}", column.samples[first]),
             _ => "the cell holds no number".into(),
         };
-        let (count, many) = (places.iter().map(Range::len).sum::<usize>(), places.len() > 1);
+        let count = places.iter().map(Range::len).sum::<usize>();
         let where_ = if count > 1 { format!("; {}", self.placed(&places, count, at)) } else { String::new() };
         // The longest part without them.
         let starts = std::iter::once(rows.start).chain(places.iter().map(|place| place.end));
         let ends = places.iter().map(|place| place.start).chain([rows.end]);
         let part = starts.zip(ends).map(|(start, end)| start..end).max_by_key(Range::len).unwrap_or_default();
-        let problem = format!("{message}{where_}: repair {} in the file", if count > 1 { "them" } else { "it" });
-        let message = |problem| Error::Line { line: self.line(first), column: Some(shortened(&column.name)), problem };
+        let it = if count > 1 { "them" } else { "it" };
+        let problem = format!("{message}{where_}: repair {it} in the file");
         if part.len() < 2 {
-            return Err(message(problem));
+            return Err(column.error(self.line(first), problem));
         }
         let time = |row: usize| Value::from(time::rounded(at(row), DIGITS));
         let from = (part.start > 0).then(|| ("from", time(part.start)));
         let to = (part.end < column.samples.len()).then(|| ("to", time(part.end)));
-        let part = if many { "the longest part without them" } else { "the longer part without it" };
-        let part = if !many && count > 1 { "the longer part without them" } else { part };
-        let problem = format!("{problem}, or cut the record to {part}: ");
-        Err(message(problem).needing(from.into_iter().chain(to).collect()))
+        let longest = if places.len() > 1 { "longest" } else { "longer" };
+        let problem = format!("{problem}, or cut the record to the {longest} part without {it}: ");
+        Err(column.error(self.line(first), problem).needing(from.into_iter().chain(to).collect()))
     }
 
     /// The rows without numbers, in words: how many, where, and when.
