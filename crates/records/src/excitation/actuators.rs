@@ -83,65 +83,33 @@ const NONE: Actuator = Actuator {
     reference: "",
 };
 
+/// The actuators of a series, with their range [V], at whose ends the stroke is stated.
+const fn series(maker: &'static str, kind: &'static str, range: [f64; 2], reference: &'static str) -> Actuator {
+    Actuator { maker, kind, low: range[0], high: range[1], stroke_at: range, reference, ..NONE }
+}
+
 /// PI's benders between outer electrodes at 0 and 60 V; the capacitance is that of both halves.
-const PL: Actuator = Actuator {
-    maker: "PI",
-    kind: "bender",
-    low: -30.0,
-    high: 30.0,
-    stroke_at: [-30.0, 30.0],
-    reference: "PI, data sheet PL112-PL140, PICMA Bender, 31.07.2020",
-    ..NONE
-};
+const PL: Actuator = series("PI", "bender", [-30.0, 30.0], "PI, data sheet PL112-PL140, PICMA Bender, 31.07.2020");
 
 /// The benders of CTS between outer electrodes at 0 and 200 V; the capacitance is that of both halves.
-const NAC: Actuator = Actuator {
-    maker: "CTS (Noliac)",
-    kind: "bender",
-    low: -100.0,
-    high: 100.0,
-    stroke_at: [-100.0, 100.0],
-    reference: "CTS, data sheet Bending Actuators - Plate Benders, RevC_0524",
-    ..NONE
-};
+const NAC: Actuator = series("CTS (Noliac)", "bender", [-100.0, 100.0], NAC_SHEET);
+const NAC_SHEET: &str = "CTS, data sheet Bending Actuators - Plate Benders, RevC_0524";
 
-const PICMA: Actuator = Actuator {
-    maker: "PI",
-    kind: "stack",
-    low: -20.0,
-    high: 120.0,
-    stroke_at: [0.0, 100.0],
-    reference: "PI Ceramic, data sheet P-882 - P-888, PICMA Stack multilayer piezo actuators",
-    ..NONE
-};
+const PICMA: Actuator = Actuator { stroke_at: [0.0, 100.0], ..series("PI", "stack", [-20.0, 120.0], PICMA_SHEET) };
+const PICMA_SHEET: &str = "PI Ceramic, data sheet P-882 - P-888, PICMA Stack multilayer piezo actuators";
 
 /// The range of the stacks of PiezoDrive is that from -30 to 150 V; from 0 to 150 V it is three quarters.
-const PIEZO_DRIVE: Actuator =
-    Actuator { maker: "PiezoDrive", kind: "stack", low: -30.0, high: 150.0, stroke_at: [-30.0, 150.0], ..NONE };
+const PIEZO_DRIVE: Actuator = series("PiezoDrive", "stack", [-30.0, 150.0], "");
 
-const KEMET: Actuator = Actuator {
-    maker: "KEMET (NEC Tokin)",
-    kind: "stack",
-    high: 150.0,
-    stroke_at: [0.0, 150.0],
-    reference: "NEC Tokin, Multilayer Piezoelectric Actuators, AE series; mechano-transformer.com, products",
-    ..NONE
-};
+const KEMET: Actuator = series("KEMET (NEC Tokin)", "stack", [0.0, 150.0], AE_SHEET);
+const AE_SHEET: &str = "NEC Tokin, Multilayer Piezoelectric Actuators, AE series; mechano-transformer.com, products";
 
 /// PI's flexure stages, with the travel in open loop.
-const STAGE: Actuator =
-    Actuator { maker: "PI", kind: "stage", low: -20.0, high: 120.0, stroke_at: [-20.0, 120.0], ..NONE };
+const STAGE: Actuator = series("PI", "stage", [-20.0, 120.0], "");
 
 /// The lateral deflection of PI's tubes, with opposite voltages on opposite quarters; the capacitance is that of one.
-const PT230: Actuator = Actuator {
-    maker: "PI",
-    kind: "tube",
-    low: -250.0,
-    high: 250.0,
-    stroke_at: [-250.0, 250.0],
-    reference: "PI Ceramic, data sheet PT120 - PT140 Piezo Tube Actuators, scanner tubes",
-    ..NONE
-};
+const PT230: Actuator = series("PI", "tube", [-250.0, 250.0], TUBE_SHEET);
+const TUBE_SHEET: &str = "PI Ceramic, data sheet PT120 - PT140 Piezo Tube Actuators, scanner tubes";
 
 /// The lateral deflection of PiezoDrive's tubes, likewise.
 const TB: Actuator = Actuator {
@@ -225,10 +193,8 @@ impl Actuator {
     /// What it is, and its figures, in one line.
     pub fn description(&self) -> String {
         let [from, to] = self.stroke_at.map(round);
-        let allowed = match self.stroke_at == [self.low, self.high] {
-            true => String::new(),
-            false => format!(" (allowed: {} to {} V)", round(self.low), round(self.high)),
-        };
+        let allowed = || format!(" (allowed: {} to {} V)", round(self.low), round(self.high));
+        let allowed = (self.stroke_at != [self.low, self.high]).then(allowed).unwrap_or_default();
         let Actuator { maker, model, kind, unit, .. } = self;
         let stroke = format!("{maker} {model}, {kind}: {} {unit} from {from} to {to} V{allowed}", round(self.stroke));
         let figures = [

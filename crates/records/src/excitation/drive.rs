@@ -24,14 +24,12 @@ impl Drive {
     /// The frequency, if samples every `ts` can represent it.
     pub(super) fn shows(&self, name: &str, frequency: f64) -> Result<f64, Error> {
         positive(name, frequency, "hertz")?;
-        let nyquist = 0.5 / self.ts;
+        let (nyquist, ts) = (0.5 / self.ts, self.ts);
         if frequency < nyquist {
             return Ok(frequency);
         }
-        let rule = format!(
-            "must be below {nyquist} Hz, half the sampling rate (ts = {} s); lower it or sample faster",
-            self.ts
-        );
+        let rule =
+            format!("must be below {nyquist} Hz, half the sampling rate (ts = {ts} s); lower it or sample faster");
         Err(Error::parameter(name, format!("{frequency} Hz"), rule))
     }
 

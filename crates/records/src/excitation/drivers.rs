@@ -11,11 +11,13 @@ use super::limits::GROUP;
 use piezoid_numerics::error::{Error, row};
 use piezoid_numerics::number::{quantity, round};
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use serde::ser::Error as _;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
 /// A driver by name.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Serialize)]
+#[serde(remote = "Self")]
 pub struct Amplifier {
     /// Name in every front end.
     pub name: &'static str,
@@ -24,6 +26,7 @@ pub struct Amplifier {
     /// Source of the numbers.
     pub reference: &'static str,
     /// Limits of its output.
+    #[serde(flatten)]
     pub limits: Limits,
     /// Current that it gives continuously, rms or average as the data sheet states it [A].
     pub continuous: Option<f64>,
@@ -149,10 +152,8 @@ impl Amplifier {
     pub fn loaded(&self, capacitance: Option<f64>) -> Result<Limits, Error> {
         let limits = Limits { capacitance: capacitance.or(self.limits.capacitance), ..self.limits };
         if limits.current.is_some() && limits.capacitance.is_none() {
-            let name = self.name;
-            let rule = format!(
-                "driver `{name}` limits the current, which depends on the load: give its capacitance, such as 8.2e-6 F"
-            );
+            let remedy = "which depends on the load: give its capacitance, such as 8.2e-6 F";
+            let rule = format!("driver `{}` limits the current, {remedy}", self.name);
             return Err(Error::parameter("capacitance", "none", rule));
         }
         Ok(limits)
@@ -162,20 +163,9 @@ impl Amplifier {
 /// Its figures by name; the summary is the description.
 impl Serialize for Amplifier {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        #[derive(Serialize)]
-        struct Row {
-            name: &'static str,
-            summary: String,
-            reference: &'static str,
-            #[serde(flatten)]
-            limits: Limits,
-            continuous: Option<f64>,
-            gain: Option<f64>,
-            bandwidth: Option<f64>,
-        }
-        let (summary, Amplifier { name, reference, limits, continuous, gain, bandwidth, .. }) =
-            (self.description(), *self);
-        Row { name, summary, reference, limits, continuous, gain, bandwidth }.serialize(to)
+        let mut row = Amplifier::serialize(self, serde_json::value::Serializer).map_err(S::Error::custom)?;
+        row["summary"] = self.description().into();
+        row.serialize(to)
     }
 }
 

@@ -118,10 +118,7 @@ impl Limits {
         let steps = u.windows(2).enumerate().map(|(t, w)| (t + 1, (w[1] - w[0]).abs() / ts));
         let slew = steps.fold((0, 0.0), larger);
 
-        let middle = match (self.low, self.high) {
-            (Some(low), Some(high)) => 0.5 * low + 0.5 * high,
-            _ => 0.0,
-        };
+        let middle = self.low.zip(self.high).map_or(0.0, |(low, high)| 0.5 * low + 0.5 * high);
         let peak = |quantity, unit, (sample, value): (usize, f64), limit: Option<f64>, from: f64| {
             let share = limit.map(|limit| (value - from) / (limit - from));
             Peak { quantity, unit, value, sample, limit, share }
@@ -188,19 +185,13 @@ impl Limits {
         }
         for (name, value) in [("low", self.low), ("high", self.high)] {
             if let Some(value) = value.filter(|value| !value.is_finite()) {
-                return Err(Error::parameter(
-                    name,
-                    value,
-                    "must be a finite number of volts; leave it out for no limit",
-                ));
+                let rule = "must be a finite number of volts; leave it out for no limit";
+                return Err(Error::parameter(name, value, rule));
             }
         }
         if self.current.is_some() && self.capacitance.is_none() {
-            return Err(Error::parameter(
-                "capacitance",
-                "(not given)",
-                "a current limit needs the capacitance of the load [F]",
-            ));
+            let rule = "a current limit needs the capacitance of the load [F]";
+            return Err(Error::parameter("capacitance", "(not given)", rule));
         }
         let rule = "low must be below high; if only low is given it must be negative, if only high is given it must \
                     be positive";

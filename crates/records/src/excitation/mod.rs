@@ -88,9 +88,7 @@ impl Excitation {
     pub fn find(name: &str) -> Result<&'static Self, Error> {
         row("excitation", EXCITATIONS.iter(), |row| row.name, name)
     }
-}
 
-impl Excitation {
     /// The voltages [V], every `ts` [s] for a `duration` [s]: `round(duration / ts)` samples. `arguments` contains the
     /// options by name.
     ///

@@ -89,8 +89,8 @@ impl Multisine {
             let which = if self.odd { "odd multiple" } else { "multiple" };
             let base = 1.0 / period;
             let rule = format!(
-                "no {which} of {base} Hz lies between frequency_low = {low} Hz and this frequency; it \
-                                must be above frequency_low: widen the band or lengthen the period"
+                "no {which} of {base} Hz lies between frequency_low = {low} Hz and this frequency; it must be above \
+                 frequency_low: widen the band or lengthen the period"
             );
             return Err(Error::parameter("frequency_high", format!("{high} Hz"), rule));
         }

@@ -86,57 +86,18 @@ impl Register {
     fn clock(&mut self) -> bool {
         let out = self.bits & 1;
         // The parity of the tapped bits is their exclusive or. Bit 0 is tapped in every polynomial.
-        let fed_back = (self.bits & (TAPS[self.order as usize] | 1)).count_ones() & 1;
+        let fed_back = (self.bits & TAPS[self.order as usize]).count_ones() & 1;
         self.bits = (self.bits >> 1) | (fed_back << (self.order - 1));
         out == 1
     }
 }
 
-/// The tapped bits besides bit 0, by order.
+/// Words in which the tapped bits are set, by order: 0x9 for `s_3` and `s_0`.
 const TAPS: [u32; 32] = [
-    0,
-    0,
-    taps(&[1]),
-    taps(&[2]),
-    taps(&[3]),
-    taps(&[3]),
-    taps(&[5]),
-    taps(&[6]),
-    taps(&[7, 6, 1]),
-    taps(&[5]),
-    taps(&[7]),
-    taps(&[9]),
-    taps(&[11, 10, 4]),
-    taps(&[12, 11, 8]),
-    taps(&[13, 12, 2]),
-    taps(&[14]),
-    taps(&[15, 13, 4]),
-    taps(&[14]),
-    taps(&[11]),
-    taps(&[18, 17, 14]),
-    taps(&[17]),
-    taps(&[19]),
-    taps(&[21]),
-    taps(&[18]),
-    taps(&[23, 22, 17]),
-    taps(&[22]),
-    taps(&[25, 24, 20]),
-    taps(&[26, 25, 22]),
-    taps(&[25]),
-    taps(&[27]),
-    taps(&[29, 28, 7]),
-    taps(&[28]),
+    0x0, 0x0, 0x3, 0x5, 0x9, 0x9, 0x21, 0x41, 0xc3, 0x21, 0x81, 0x201, 0xc11, 0x1901, 0x3005, 0x4001, 0xa011, 0x4001,
+    0x801, 0x64001, 0x20001, 0x80001, 0x200001, 0x40001, 0xc20001, 0x400001, 0x3100001, 0x6400001, 0x2000001,
+    0x8000001, 0x30000081, 0x10000001,
 ];
-
-/// A word with these bits set.
-const fn taps(mut bits: &[u32]) -> u32 {
-    let mut word = 0;
-    while let [bit, rest @ ..] = bits {
-        word |= 1 << *bit;
-        bits = rest;
-    }
-    word
-}
 
 pub(super) const ROW: Excitation = Excitation {
     name: "prbs",

@@ -47,12 +47,9 @@ impl RisingSine {
         let frequency = drive.shows("frequency", self.frequency)?;
         let period = 1.0 / (frequency * ts);
         if (n as f64) < 2.0 * period - 0.5 {
-            return Err(Error::TooShort {
-                what: "a rising sine".into(),
-                have: n,
-                need: (2.0 * period).round() as usize,
-                remedy: format!("two periods of {frequency} Hz; lengthen the duration or raise the frequency"),
-            });
+            let remedy = format!("two periods of {frequency} Hz; lengthen the duration or raise the frequency");
+            let need = (2.0 * period).round() as usize;
+            return Err(Error::TooShort { what: "a rising sine".into(), have: n, need, remedy });
         }
         let rise = n as f64 - period;
         let growth = |t: usize| (t as f64 / rise).min(1.0);
