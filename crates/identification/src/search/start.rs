@@ -72,7 +72,7 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
         require_excitation(small, n)?;
         return of_order(&with_driver, n);
     }
-    let limits = OrderSearch { order: max_order, delay: POLICY.max_delay, parallel: true, ..OrderSearch::default() };
+    let limits = OrderSearch { order: max_order, delay: POLICY.max_delay, parallel: true };
     let found = select_order(&with_driver, &limits)?;
     let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
     if !creeps(&found.fit.arx) {

@@ -40,6 +40,7 @@ use clap::{ArgMatches, Args, Command, FromArgMatches};
 use piezoid_operations::Operation;
 
 /// A verb of the command line.
+#[derive(Clone, Copy)]
 pub(crate) struct Verb {
     pub(crate) name: &'static str,
     about: &'static str,
@@ -84,7 +85,7 @@ const fn list(name: &'static str, about: &'static str) -> Verb {
     Verb { name, about, arguments: |_, command| lists::List::augment_args(command), parse }
 }
 
-const VERBS: [Verb; 26] = [
+const VERBS: &[Verb] = &[
     operation::<study::Study>("study"),
     operation::<plan::Plan>("plan"),
     operation::<inspect::Inspect>("inspect"),
@@ -120,7 +121,7 @@ const VERBS: [Verb; 26] = [
 pub(crate) fn all() -> Vec<Verb> {
     let names = Operation::all().map(|operation| operation.name).filter(|name| *name != "controller");
     let others = names.filter(|name| VERBS.iter().all(|verb| verb.name != *name)).map(derived);
-    VERBS.into_iter().chain(others).collect()
+    VERBS.iter().copied().chain(others).collect()
 }
 
 impl Verb {

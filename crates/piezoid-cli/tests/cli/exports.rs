@@ -71,7 +71,11 @@ fn the_operations_of_every_function_are_given_as_json_with_their_bound() {
 fn targets_tell_the_operators_that_they_serve() {
     let bench = Bench::new();
     let message = bench.run("targets --operators").ok();
-    message.prints(&["model and feed-forward: all 16 operators", "model: no operator; feed-forward: all 16"]);
+    let all = piezoid::hysteresis::OPERATORS.len();
+    message.prints(&[
+        &format!("model and feed-forward: all {all} operators"),
+        &format!("model: no operator; feed-forward: all {all}"),
+    ]);
     let rows = bench.run("targets --operators --json -").ok().out_json();
     let rows = rows.as_array().unwrap();
     let of = |target: &str| &rows.iter().find(|row| row["name"] == target).unwrap()["operators"]["preisach"];

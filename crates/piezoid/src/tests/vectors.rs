@@ -17,7 +17,7 @@ fn every_operator_gives_the_numbers_of_its_vector_file() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/vectors");
     for name in OPERATORS.iter().map(|o| o.name).chain(["driven"]) {
         let text = std::fs::read_to_string(folder.join(format!("{name}.json")))
-            .unwrap_or_else(|e| panic!("{name}.json: {e}: write it with `cargo run -p piezoid-bench -- vectors`"));
+            .unwrap_or_else(|e| panic!("{name}.json: {e}: write it with `cargo xtask generate vectors`"));
         let vectors: Value = serde_json::from_str(&text).unwrap();
         let model = Model::from_json(&vectors["model"].to_string()).unwrap();
         let of = |entry: &str, part: &str| numbers(&vectors[entry][part]);
