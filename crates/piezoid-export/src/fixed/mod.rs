@@ -54,8 +54,8 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 const MAX_ERROR_SHARE: f64 = 1e-4;
 
 /// Largest mean number of operations of a sample in a test run: these then take seconds. The largest of the operators
-/// with default sizes has 2e4.
-const OPERATIONS: f64 = 5e4;
+/// with default sizes has 5e4.
+const OPERATIONS: f64 = 1e5;
 
 /// Samples of which a run takes at least the mean: some take many times as long as others.
 const TRIED: usize = 16;
