@@ -90,8 +90,9 @@ impl IdentifyOptions {
         Ok(Identification { found, training, linearity })
     }
 
-    /// How a model was identified, for its file: what repeats it (see [`identify_again`](crate::identify_again)), the operators that were tried,
-    /// the parameters with their errors, notes and verdict. A report needs these, and the blocks do not contain them.
+    /// How a model was identified, for its file: what repeats it (see [`identify_again`](crate::identify_again)), the
+    /// operators that were tried, the parameters with their errors, notes and verdict. A report needs these, and the
+    /// blocks do not contain them.
     fn fit(&self, found: &Identified, command: &str, files: &[Training], verdict: Option<&Verdict>) -> Value {
         let version = env!("CARGO_PKG_VERSION");
         let options = self.to_json();

@@ -23,8 +23,8 @@ const ON_THE_CIRCLE: f64 = 1e-9;
 const IMPULSE: usize = 1 << 14;
 
 impl Arx {
-    /// The causal inverse (8): displacement in, hidden variable out. Its state has the last outputs of the block and the
-    /// last z.
+    /// The causal inverse (8): displacement in, hidden variable out. Its state has the last outputs of the block and
+    /// the last z.
     ///
     /// # Errors
     /// [`Error::NoInverse`], with the zeros, if b0 = 0 or a zero is not inside the unit circle.

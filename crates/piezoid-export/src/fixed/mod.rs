@@ -53,12 +53,8 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 /// Largest allowed error, over the stroke.
 const MAX_ERROR_SHARE: f64 = 1e-4;
 
-/// Largest mean number of operations of a sample in a test run: these then take seconds. The largest of the operators
-/// with default sizes has 5e4.
-const OPERATIONS: f64 = 1e5;
-
-/// Samples of which a run takes at least the mean: some take many times as long as others.
-const TRIED: usize = 16;
+/// Largest number of operations of a test run: these then take seconds.
+const OPERATIONS: usize = 200_000_000;
 
 /// The exported program with integers.
 pub(super) struct Fixed {
@@ -224,20 +220,19 @@ impl Fixed {
 fn run(machine: &mut Machine, entry: &Entry, start: &[f64], inputs: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
     machine.state().copy_from_slice(start);
     let before = machine.counts.total();
-    let output = |(t, row): (usize, &Vec<f64>)| {
+    let output = |row: &Vec<f64>| {
         let output = machine.call(entry.step, row)?[0];
-        let each = (machine.counts.total() - before) as f64 / TRIED.max(t + 1) as f64;
-        if each > OPERATIONS {
+        if machine.counts.total() - before > OPERATIONS {
             let because = format!(
-                "a sample takes {} operations, but range and error are computed for at most {}",
-                short(each),
-                short(OPERATIONS)
+                "`{}` takes more than {OPERATIONS:e} operations for the {} samples on which range and error are computed",
+                entry.step,
+                inputs.len()
             );
             return Err(Error::Unsuited { what: "export in fixed point".into(), because });
         }
         Ok(output)
     };
-    inputs.iter().enumerate().map(output).collect()
+    inputs.iter().map(output).collect()
 }
 
 /// The output of an entry.

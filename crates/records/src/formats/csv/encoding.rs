@@ -55,7 +55,7 @@ fn windows_1252(bytes: &[u8], invalid: usize) -> Result<Cow<'_, str>, Error> {
     Ok(bytes.iter().map(|byte| special(*byte).unwrap_or(char::from(*byte))).collect::<String>().into())
 }
 
-/// The text, without its byte-order mark. The mark tells the encoding, or else the bytes; what stands for no letter
+/// The text, without its byte-order mark. The mark gives the encoding, or else the bytes; what stands for no letter
 /// becomes U+FFFD.
 pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
     let unmarked = match bytes {
