@@ -62,11 +62,12 @@ impl PoleShare {
     }
 
     /// The mode as an oscillator of this stiffness [N/m] at the point where the displacement is measured. `None` if the
-    /// pole is not a mode, or not damped.
+    /// pole is not a mode, or not damped, or the stiffness is not a positive number.
     pub fn oscillator(&self, stiffness: f64) -> Option<Oscillator> {
         let Pole { hz, damping, .. } = self.pole;
         let w = TAU * hz;
-        (self.kind() == PoleKind::Mode && damping >= 0.0)
+        let is_stiff = stiffness > 0.0 && stiffness.is_finite();
+        (self.kind() == PoleKind::Mode && damping >= 0.0 && is_stiff)
             .then(|| Oscillator { mass: stiffness / (w * w), damper: 2.0 * damping * stiffness / w })
     }
 }
@@ -276,7 +277,10 @@ mod tests {
         let mode = |hz, damping| held(&[(hz, damping, 27.0)], 0.0, 0.0).modal_form().poles[0];
         // The PL140 at 500 N/m: 0.46 g move, of the 1.9 g that the free part weighs.
         assert_close(&[1e3 * mode(166.3, 0.03).oscillator(500.0).unwrap().mass], &[0.458], 1e-3, 0.0);
-        let unit = mode(100.0, 0.1).oscillator(1.0).unwrap();
-        assert_close(&[unit.damper / (2.0 * unit.mass.sqrt())], &[0.1], 1e-9, 0.0);
+        let held = mode(100.0, 0.1);
+        let unit = held.oscillator(1.0).unwrap();
+        assert_close(&[unit.damper / (2.0 * unit.mass.sqrt())], &[held.pole.damping], 1e-12, 0.0);
+        assert_close(&[held.pole.damping], &[0.1], 1e-9, 0.0);
+        assert!([0.0, -1.0, f64::NAN, f64::INFINITY].iter().all(|stiffness| held.oscillator(*stiffness).is_none()));
     }
 }
