@@ -12,7 +12,7 @@ use multiversion::multiversion;
 use nalgebra::DMatrix;
 
 /// Columns that are computed together, and rows of a strip.
-const COLUMNS: usize = 4;
+const COLUMNS: usize = 8;
 const ROWS: usize = 8;
 
 /// Smallest pivot, over the diagonal of A.

@@ -17,6 +17,9 @@ use nalgebra::{DMatrix, DVector};
 /// Maximum number of block exchanges in a row that do not reduce the number of violations.
 const PATIENCE: usize = 4;
 
+/// Least number of free x for each that is exchanged, from which the factor is updated.
+const MIN_X_PER_UPDATE: usize = 20;
+
 /// Rounding tolerance below zero: of x relative to the largest x, and of the gradient relative to the largest g.
 const TINY: f64 = 1e-11;
 const LEVEL: f64 = 1e-9;
@@ -28,8 +31,9 @@ pub fn non_negative(h: &DMatrix<f64>, g: &DVector<f64>, signed: &[bool], free: &
     (0..n).for_each(|k| free[k] |= !signed[k]);
     let (mut fewest, mut patience) = (n + 1, PATIENCE);
     let mut best = free.to_vec();
+    let mut factor = FreeFactor::of(h, free)?;
     while patience > 0 {
-        let mut x = solve(h, g, free)?;
+        let mut x = factor.solve(g);
         let (smallest, gradient) = (-TINY * x.amax(), h * &x - g);
         let is_broken = |&k: &usize| match free[k] {
             true => signed[k] && x[k] < smallest,
@@ -46,6 +50,16 @@ pub fn non_negative(h: &DMatrix<f64>, g: &DVector<f64>, signed: &[bool], free: &
             patience -= 1;
         }
         broken.iter().for_each(|&k| free[k] = !free[k]);
+        if broken.len() > factor.free.len() / MIN_X_PER_UPDATE {
+            factor = FreeFactor::of(h, free)?;
+            continue;
+        }
+        for k in broken {
+            match free[k] {
+                true => factor.add(h, k)?,
+                false => factor.remove(k),
+            }
+        }
     }
     free.copy_from_slice(&best);
     downhill(h, g, signed, free)
