@@ -30,6 +30,7 @@ pub mod large_signal;
 mod records;
 mod result;
 mod search;
+mod side_by_side;
 #[cfg(test)]
 mod tests;
 
@@ -62,7 +63,7 @@ pub struct JointOptions {
     pub creep: bool,
     /// The driver; `None` if it is unknown.
     pub driver: Option<DriverModel>,
-    /// Seed of the swarm that searches the shape of operators.
+    /// Seed of the search of the shape of operators.
     pub seed: u64,
 }
 

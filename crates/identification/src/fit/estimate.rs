@@ -48,6 +48,11 @@ impl Estimate {
         Estimate { linear, ..self.clone() }
     }
 
+    /// The shape parameters of the hysteresis.
+    pub(crate) fn shape(&self) -> Vec<f64> {
+        self.basis.shape().iter().map(|shape| shape.value).collect()
+    }
+
     pub(crate) fn ts(&self) -> f64 {
         self.linear.ts()
     }
@@ -84,16 +89,8 @@ impl Estimate {
     }
 }
 
-/// The differences of `v` of order 0, 1, 2 ... at its first element: v_0, v_0 - v_1, v_0 - 2 v_1 + v_2 ...
-pub(crate) fn differences(v: &mut [f64]) {
-    for order in 1..v.len() {
-        for k in (order..v.len()).rev() {
-            v[k] = v[k - 1] - v[k];
-        }
-    }
-}
-
-/// The coefficients of the elements from those of the differences, and the reverse: the matrix is its own inverse.
+/// The coefficients of the elements from those of their differences of order 0, 1, 2 ... at the first element (v_0,
+/// v_0 - v_1, v_0 - 2 v_1 + v_2 ...), and the reverse: the matrix is its own inverse.
 /// Slow inputs determine the coefficients of the differences, but not those of single elements, which are nearly equal.
 pub(crate) fn of_differences(c: &[f64]) -> Vec<f64> {
     let mut c = c.to_vec();
@@ -190,6 +187,15 @@ mod tests {
     use piezoid_models::hysteresis::{BasisDesign, OPERATORS};
     use piezoid_numerics::series::dot;
     use piezoid_testing::assert_close;
+
+    /// The differences of `v` of order 0, 1, 2 ... at its first element: v_0, v_0 - v_1, v_0 - 2 v_1 + v_2 ...
+    fn differences(v: &mut [f64]) {
+        for order in 1..v.len() {
+            for k in (order..v.len()).rev() {
+                v[k] = v[k - 1] - v[k];
+            }
+        }
+    }
 
     #[test]
     fn coefficients_of_differences_are_those_of_the_elements() {

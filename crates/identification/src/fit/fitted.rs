@@ -3,6 +3,7 @@
 use super::estimate::Estimate;
 use super::held_out::HeldOut;
 use super::runs::TrainingRecord;
+use nalgebra::DMatrix;
 use piezoid_models::hammerstein::InitialCondition;
 use piezoid_numerics::series::mean;
 
@@ -10,13 +11,16 @@ use piezoid_numerics::series::mean;
 #[derive(Debug, Clone)]
 pub(crate) struct Fitted {
     pub(crate) estimate: Estimate,
-    /// The initial condition of each run.
+    /// The initial condition of each run, and the weight of its kind.
     pub(crate) initial_conditions: Vec<InitialCondition>,
+    pub(crate) heavier: Vec<f64>,
     /// Initial states and constant of each run.
     pub(crate) own: Vec<Vec<f64>>,
     pub(crate) held_out: HeldOut,
     /// For each run, the mean squared error over the squared peak-to-peak.
     pub(crate) residuals: Vec<f64>,
+    /// The products of the columns of the weights with each other.
+    pub(crate) products: DMatrix<f64>,
     /// The minimised sum of squares and penalties.
     pub(crate) minimum: f64,
 }
@@ -27,8 +31,9 @@ impl Fitted {
         mean(&self.residuals)
     }
 
-    /// Sets the initial conditions of the runs to those of this fit: later fits may have tried others.
-    pub(crate) fn apply_initial_conditions(&self, runs: &mut [TrainingRecord], range: (f64, f64)) {
+    /// Sets the initial conditions and the weights of the runs to those of this fit: later fits may have tried others.
+    pub(crate) fn apply_to(&self, runs: &mut [TrainingRecord], range: (f64, f64)) {
+        runs.iter_mut().zip(&self.heavier).for_each(|(run, heavier)| run.heavier = *heavier);
         let others = runs.iter_mut().zip(&self.initial_conditions).filter(|(run, initial)| run.initial != **initial);
         others.for_each(|(run, initial)| run.start_from(*initial, range));
     }
@@ -52,7 +57,7 @@ mod tests {
         let (initial, before) = (runs[0].initial, runs[0].before.clone());
         runs[0].start_from(InitialCondition::FromAbove, (-28.0, 28.0));
         assert_ne!(runs[0].before, before);
-        fit.apply_initial_conditions(&mut runs, (-28.0, 28.0));
+        fit.apply_to(&mut runs, (-28.0, 28.0));
         assert_eq!((runs[0].initial, &runs[0].before), (initial, &before));
     }
 }

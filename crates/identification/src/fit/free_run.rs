@@ -4,9 +4,11 @@ use super::runs::TrainingRecord;
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::series::{mean, scatter};
 use piezoid_numerics::system::System;
+use tracing::trace_span;
 
 /// Mean of the free-run error of a record, and its rms about that mean.
 pub(crate) fn free_run_residual(run: &TrainingRecord, model: &Model) -> (f64, f64) {
+    let _span = trace_span!("free run").entered();
     let (u, y) = (run.record.u(), run.record.y());
     let simulated = model.resume(&mut model.before(u, run.initial), u);
     let errors = y.iter().zip(simulated).zip(&run.usable).filter(|(_, usable)| **usable).map(|((y, s), _)| y - s);
@@ -16,6 +18,7 @@ pub(crate) fn free_run_residual(run: &TrainingRecord, model: &Model) -> (f64, f6
 
 /// Sum of squares of the free-run error from an initial condition, about a line through the errors.
 pub(crate) fn free_run_squares(run: &TrainingRecord, model: &Model, initial: InitialCondition) -> f64 {
+    let _span = trace_span!("free run").entered();
     let (u, y) = (run.record.u(), run.record.y());
     let simulated = model.resume(&mut model.before(u, initial), u);
     let errors = y.iter().zip(simulated).zip(&run.usable).enumerate();

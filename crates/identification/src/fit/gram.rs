@@ -3,34 +3,86 @@
 //! Each product is summed over a block of samples in their order, without fused multiply-add, so that it is the same to
 //! the bit on every machine. Tiles of eight by eight columns stay in registers; for WebAssembly, of four by four.
 
-#[cfg(not(target_arch = "wasm32"))]
-pub(crate) use native::add;
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+use tracing::trace_span;
 
 #[cfg(not(target_arch = "wasm32"))]
-mod native {
-    use multiversion::{multiversion, target::target_cfg_f};
-    use nalgebra::DMatrix;
-    use rayon::prelude::*;
+use native::{TILE, tile};
+#[cfg(target_arch = "wasm32")]
+use simd128::{TILE, tile};
 
-    /// Columns of a tile, and tiles beside each other that one thread computes.
-    const TILE: usize = 8;
-    const GROUP: usize = 8;
+/// Panels beside each other that one thread computes.
+const GROUP: usize = 8;
 
-    /// Adds the products of `rows`, one sample after the other, to the lower triangle of `gram`.
-    pub(crate) fn add(gram: &mut DMatrix<f64>, rows: &[f64]) {
-        let size = gram.nrows();
-        // Eight columns beside each other, filled up by zeros.
-        let panel = |from: usize| -> Vec<[f64; TILE]> {
-            let width = TILE.min(size - from);
-            let eight = |row: &[f64]| {
-                let mut eight = [0.0; TILE];
-                eight[..width].copy_from_slice(&row[from..from + width]);
-                eight
-            };
-            rows.chunks_exact(size).map(eight).collect()
-        };
-        let panels: Vec<_> = (0..size).step_by(TILE).map(panel).collect();
-        gram.as_mut_slice().par_chunks_mut(size * TILE * GROUP).enumerate().for_each(|(group, columns)| {
+/// A block of rows, in panels of [`TILE`] columns that are beside each other for all rows.
+pub(crate) struct Rows {
+    size: usize,
+    capacity: usize,
+    len: usize,
+    panels: Vec<[f64; TILE]>,
+}
+
+impl Rows {
+    /// No rows yet, of at most `capacity`, with `size` columns.
+    pub(crate) fn new(size: usize, capacity: usize) -> Self {
+        let panels = vec![[0.0; TILE]; size.div_ceil(TILE) * capacity];
+        Rows { size, capacity, len: 0, panels }
+    }
+
+    /// The number of further rows.
+    pub(crate) fn room(&self) -> usize {
+        self.capacity - self.len
+    }
+
+    /// Appends `n` rows of any content; returns the index of the first.
+    pub(crate) fn extend(&mut self, n: usize) -> usize {
+        assert!(n <= self.room(), "a block has at most {} rows", self.capacity);
+        self.len += n;
+        self.len - n
+    }
+
+    /// Sets the value in one column of a row.
+    fn set(&mut self, row: usize, column: usize, value: f64) {
+        self.panels[column / TILE * self.capacity + row][column % TILE] = value;
+    }
+
+    /// Sets the values in one column from a row on.
+    pub(crate) fn set_column(&mut self, first: usize, column: usize, values: impl Iterator<Item = f64>) {
+        let panel = &mut self.panels[column / TILE * self.capacity..][first..self.len];
+        panel.iter_mut().zip(values).for_each(|(row, value)| row[column % TILE] = value);
+    }
+
+    /// The value in one column of a row.
+    #[cfg(test)]
+    pub(super) fn get(&self, row: usize, column: usize) -> f64 {
+        self.panels[column / TILE * self.capacity + row][column % TILE]
+    }
+
+    /// Sets the values from a column on, each multiplied by `scale`.
+    pub(crate) fn set_scaled(&mut self, row: usize, from: usize, values: &[f64], scale: f64) {
+        let (unaligned, aligned) = values.split_at((from.next_multiple_of(TILE) - from).min(values.len()));
+        let (whole, rest) = aligned.as_chunks::<TILE>();
+        let single = |k: usize, value: &f64| (k, value * scale);
+        for (column, value) in unaligned.iter().enumerate().map(|(k, value)| single(from + k, value)) {
+            self.set(row, column, value);
+        }
+        let first = from + unaligned.len();
+        for (k, values) in whole.iter().enumerate() {
+            let panel = &mut self.panels[(first / TILE + k) * self.capacity + row];
+            (0..TILE).for_each(|l| panel[l] = values[l] * scale);
+        }
+        for (column, value) in rest.iter().enumerate().map(|(k, value)| single(first + whole.len() * TILE + k, value)) {
+            self.set(row, column, value);
+        }
+    }
+
+    /// Adds the products of the rows to the lower triangle of `gram`, and empties the block.
+    pub(crate) fn add_to(&mut self, gram: &mut DMatrix<f64>) {
+        let _span = trace_span!("products").entered();
+        let (size, rows) = (self.size, std::mem::take(&mut self.len));
+        let panels: Vec<&[[f64; TILE]]> = self.panels.chunks_exact(self.capacity).map(|panel| &panel[..rows]).collect();
+        let of_group = |(group, columns): (usize, &mut [f64])| {
             for (i, below) in panels.iter().enumerate().skip(GROUP * group) {
                 let rows = TILE * i..size.min(TILE * (i + 1));
                 for (right, columns) in panels[GROUP * group..=i].iter().zip(columns.chunks_mut(size * TILE)) {
@@ -39,13 +91,22 @@ mod native {
                     }
                 }
             }
-        });
+        };
+        gram.as_mut_slice().par_chunks_mut(size * TILE * GROUP).enumerate().for_each(of_group);
     }
+}
+
+#[cfg(not(target_arch = "wasm32"))]
+mod native {
+    use multiversion::{multiversion, target::target_cfg_f};
+
+    /// Columns of a tile.
+    pub(super) const TILE: usize = 8;
 
     /// The products of each column of `below` with each of `right`, by the columns of `right`. The sums have names so
     /// that they stay in registers; where there are 16, four columns fit at a time.
     #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
-    fn tile(below: &[[f64; TILE]], right: &[[f64; TILE]]) -> [[f64; TILE]; TILE] {
+    pub(super) fn tile(below: &[[f64; TILE]], right: &[[f64; TILE]]) -> [[f64; TILE]; TILE] {
         let zero = [0.0; TILE];
         let (mut a, mut b, mut c, mut d) = (zero, zero, zero, zero);
         let (mut e, mut f, mut g, mut h) = (zero, zero, zero, zero);
@@ -86,55 +147,28 @@ mod native {
 }
 
 #[cfg(target_arch = "wasm32")]
-pub(crate) use tiles::add;
-
-#[cfg(target_arch = "wasm32")]
-mod tiles {
+mod simd128 {
     use core::arch::wasm32::{f64x2, f64x2_add, f64x2_extract_lane, f64x2_mul, f64x2_splat, v128};
-    use nalgebra::DMatrix;
 
     /// Columns of a tile.
-    const TILE: usize = 4;
-
-    /// Adds the products of `rows`, one sample after the other, to the lower triangle of `gram`.
-    pub(crate) fn add(gram: &mut DMatrix<f64>, rows: &[f64]) {
-        let size = gram.nrows();
-        // Four columns beside each other, filled up by zeros.
-        let panel = |from: usize| -> Vec<[v128; 2]> {
-            let at = |row: &[f64], k: usize| row.get(from + k).copied().unwrap_or(0.0);
-            rows.chunks_exact(size).map(|row| [0, 2].map(|k| f64x2(at(row, k), at(row, k + 1)))).collect()
-        };
-        let panels: Vec<_> = (0..size).step_by(TILE).map(panel).collect();
-        for (k, right) in panels.iter().enumerate() {
-            for (i, below) in panels.iter().enumerate().skip(k) {
-                for (c, column) in tile(below, right).iter().enumerate().take(size - TILE * k) {
-                    for (r, sum) in column.iter().enumerate().take(size - TILE * i) {
-                        gram[(TILE * i + r, TILE * k + c)] += sum;
-                    }
-                }
-            }
-        }
-    }
+    pub(super) const TILE: usize = 4;
 
     /// The products of each column of `below` with each of `right`, by the columns of `right`. The sums have names so
     /// that they stay in registers.
-    fn tile(below: &[[v128; 2]], right: &[[v128; 2]]) -> [[f64; TILE]; TILE] {
+    pub(super) fn tile(below: &[[f64; TILE]], right: &[[f64; TILE]]) -> [[f64; TILE]; TILE] {
         let zero = f64x2_splat(0.0);
         let (mut a0, mut a1, mut b0, mut b1) = (zero, zero, zero, zero);
         let (mut c0, mut c1, mut d0, mut d1) = (zero, zero, zero, zero);
-        for ([upper, lower], [ab, cd]) in below.iter().zip(right) {
-            let a = f64x2_splat(f64x2_extract_lane::<0>(*ab));
-            a0 = f64x2_add(a0, f64x2_mul(*upper, a));
-            a1 = f64x2_add(a1, f64x2_mul(*lower, a));
-            let b = f64x2_splat(f64x2_extract_lane::<1>(*ab));
-            b0 = f64x2_add(b0, f64x2_mul(*upper, b));
-            b1 = f64x2_add(b1, f64x2_mul(*lower, b));
-            let c = f64x2_splat(f64x2_extract_lane::<0>(*cd));
-            c0 = f64x2_add(c0, f64x2_mul(*upper, c));
-            c1 = f64x2_add(c1, f64x2_mul(*lower, c));
-            let d = f64x2_splat(f64x2_extract_lane::<1>(*cd));
-            d0 = f64x2_add(d0, f64x2_mul(*upper, d));
-            d1 = f64x2_add(d1, f64x2_mul(*lower, d));
+        for (&[p, q, r, s], by) in below.iter().zip(right) {
+            let (upper, lower, [a, b, c, d]) = (f64x2(p, q), f64x2(r, s), by.map(|x| f64x2_splat(x)));
+            a0 = f64x2_add(a0, f64x2_mul(upper, a));
+            a1 = f64x2_add(a1, f64x2_mul(lower, a));
+            b0 = f64x2_add(b0, f64x2_mul(upper, b));
+            b1 = f64x2_add(b1, f64x2_mul(lower, b));
+            c0 = f64x2_add(c0, f64x2_mul(upper, c));
+            c1 = f64x2_add(c1, f64x2_mul(lower, c));
+            d0 = f64x2_add(d0, f64x2_mul(upper, d));
+            d1 = f64x2_add(d1, f64x2_mul(lower, d));
         }
         let two = |v: v128| [f64x2_extract_lane::<0>(v), f64x2_extract_lane::<1>(v)];
         [(a0, a1), (b0, b1), (c0, c1), (d0, d1)].map(|(upper, lower)| {
@@ -147,17 +181,30 @@ mod tiles {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DMatrix;
 
     #[test]
     fn products_are_summed_in_the_order_of_samples_to_the_bit() {
         for (size, samples) in [(1, 3), (4, 1), (8, 20), (9, 64), (23, 100), (71, 256)] {
-            let rows: Vec<f64> = (0..size * samples).map(|k| (k as f64 * 0.37).sin()).collect();
+            let value = |row: usize, k: usize| ((row * size + k) as f64 * 0.37).sin();
+            let mut rows = Rows::new(size, samples + 3);
             let mut gram = DMatrix::from_element(size, size, 0.5);
-            add(&mut gram, &rows);
+            // The second time with other rows, which are the only ones in the block.
+            for (from, times) in [(0, 1.0), (5, 2.0)] {
+                let first = rows.extend(samples);
+                for row in 0..samples {
+                    let values: Vec<f64> = (0..size).map(|k| value(from + row, k)).collect();
+                    let (single, others) = values.split_at(size.min(3));
+                    single.iter().enumerate().for_each(|(k, value)| rows.set(first + row, k, times * value));
+                    rows.set_scaled(first + row, single.len(), others, times);
+                }
+                rows.add_to(&mut gram);
+            }
             for (k, i) in (0..size).flat_map(|k| (k..size).map(move |i| (k, i))) {
-                let sum = rows.chunks_exact(size).fold(0.0, |sum, row| sum + row[i] * row[k]);
-                assert_eq!(gram[(i, k)], 0.5 + sum, "{size} columns: {i}, {k}");
+                let product = |from: usize, times: f64| {
+                    let of = |row: usize| times * value(from + row, i) * (times * value(from + row, k));
+                    (0..samples).fold(0.0, |sum, row| sum + of(row))
+                };
+                assert_eq!(gram[(i, k)], 0.5 + product(0, 1.0) + product(5, 2.0), "{size} columns: {i}, {k}");
             }
         }
     }

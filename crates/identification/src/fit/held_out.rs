@@ -9,6 +9,7 @@ use libm::log;
 use nalgebra::DVector;
 use piezoid_numerics::series::{mean, scatter};
 use rayon::prelude::*;
+use tracing::trace_span;
 
 /// Smoothness weights, from rough to smooth.
 const SMOOTHNESS_WEIGHTS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1];
@@ -98,6 +99,7 @@ pub(crate) fn cross_validate(
     free: FreeParameters,
     smoothness: Smoothness,
 ) -> HeldOut {
+    let _stage = trace_span!(target: "stage", "held-out folds").entered();
     let lambdas = match smoothness {
         Smoothness::Any | Smoothness::Near(_) if estimate.basis.roughness().is_empty() => vec![SMOOTHNESS_WEIGHTS[0]],
         _ => smoothness.lambdas(),

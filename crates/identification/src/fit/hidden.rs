@@ -15,6 +15,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use rayon::prelude::*;
+use tracing::trace_span;
 
 /// The inputs of the hysteresis block in a run, behind the driver, substep by substep. The first is the one at which it
 /// settles from rest: the first of those before the record.
@@ -69,15 +70,16 @@ pub(crate) struct Hidden {
     /// z about the level at which the block is settled, and y.
     pub(crate) record: Record,
     /// z before the record, for one in motion.
-    before: Vec<f64>,
+    pub(super) before: Vec<f64>,
 }
 
 impl Hidden {
     /// z of each run.
     pub(crate) fn of_all(estimate: &Estimate, runs: &[TrainingRecord]) -> Result<Vec<Self>, Error> {
+        let _span = trace_span!("hidden variable").entered();
         let of = |run: &TrainingRecord| {
             let inputs = Inputs::of(run, estimate.driver);
-            let z = estimate.basis.operator(&estimate.weights)?.simulate(&inputs.v);
+            let z = estimate.basis.output(&estimate.weights, &inputs.v)?;
             let mut z = inputs.by_sample(&z, run);
             let before = z.drain(..run.moving()).collect();
             Ok(Hidden { record: Record::new(estimate.ts(), z, run.record.y().to_vec())?, before })
@@ -110,7 +112,7 @@ impl Hidden {
 
     /// The run with z in place of u.
     pub(crate) fn run<'a>(&'a self, run: &TrainingRecord) -> TrainingRecord<'a> {
-        let moving = run.moving() > 0;
+        let moving = !self.before.is_empty();
         TrainingRecord {
             record: &self.record,
             name: run.name.clone(),

@@ -38,6 +38,13 @@ impl Iterate {
         Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each, free }
     }
 
+    /// The estimate at the solution of the linearised equations; the same one if there is none.
+    pub(super) fn solved(self, lambda: f64) -> Estimate {
+        let mut positive = self.prior.positive();
+        let x = self.prior.solve(&self.normal, lambda, INITIAL_DAMPING, self.free, &mut positive);
+        x.and_then(|x| self.estimate.moved(x.as_slice())).unwrap_or(self.estimate)
+    }
+
     /// The current parameters as the unknowns of the equations.
     fn unknowns(&self) -> DVector<f64> {
         self.prior.steps(self.prior.current())
@@ -74,7 +81,12 @@ impl Iterate {
 
     /// True if the linearised equations promise less than `ratio` times the minimum of a fit, or next to nothing.
     pub(super) fn promises(&self, ratio: f64, fit: &Fitted) -> bool {
-        self.predicted(fit.held_out.lambda) < (ratio * fit.minimum).max(NEGLIGIBLE_ERROR * self.normal.samples)
+        self.predicted(fit.held_out.lambda) < (ratio * fit.minimum).max(self.negligible())
+    }
+
+    /// A sum of squares that is next to nothing.
+    pub(crate) fn negligible(&self) -> f64 {
+        NEGLIGIBLE_ERROR * self.normal.samples
     }
 
     /// The sum of squares and penalties at the solution of the linearised equations.

@@ -21,6 +21,7 @@ mod layout;
 mod offset;
 mod optimality;
 mod products;
+mod reduced;
 mod refine;
 mod runs;
 mod signals;
@@ -29,12 +30,13 @@ mod spread;
 #[cfg(test)]
 mod testing;
 mod uncertainty;
+mod windows;
 
 pub(super) use dynamics::{
     MAX_MODE_DAMPING, MIN_MODE_DAMPING, creep_pole, is_lag, slowest_observable, slowest_pole, with_slow_lags_limited,
     without_factor,
 };
-pub(super) use equations::equations;
+
 pub(super) use estimate::Estimate;
 pub(super) use fitted::Fitted;
 pub(super) use free_run::{free_run_residual, free_run_squares};
@@ -43,10 +45,14 @@ pub(super) use hidden::Hidden;
 pub(super) use iterate::Iterate;
 pub(super) use offset::offset;
 pub(super) use optimality::optimality;
-pub(super) use products::products;
-pub(crate) use refine::{StepCallback, refine, refine_from, refine_if_better, refine_promising};
+
+pub(super) use reduced::Reduced;
+pub(crate) use refine::{
+    StepCallback, refine, refine_from, refine_from_unknown, refine_if_better, refine_promising, refine_to_minimum,
+    refine_within_reach,
+};
 pub(super) use runs::{TrainingRecord, training_records};
-pub(super) use solve::{FreeParameters, MAX_CREEP_GAIN, Prior};
+pub(super) use solve::{FreeParameters, MAX_CREEP_GAIN};
 pub(super) use spread::Spread;
 #[cfg(test)]
 pub(super) use testing::{estimate, pair};

@@ -8,7 +8,7 @@ use super::solve::{FreeParameters, Prior};
 use piezoid_numerics::number::short;
 
 /// Decrease of the sum of squares from which a fit is not at its minimum, and one that is next to nothing [%].
-const UNFINISHED_PERCENT: f64 = 1.0;
+const UNFINISHED_PERCENT: f64 = 0.1;
 const NEGLIGIBLE_PERCENT: f64 = 0.01;
 
 /// How a search ended.

@@ -4,13 +4,14 @@
 
 use super::columns::{FILTERED_SAMPLES, RunColumns};
 use super::estimate::Estimate;
-use super::gram;
+use super::gram::Rows;
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
+use tracing::trace_span;
 
 /// Rows per block.
 const BLOCK_ROWS: usize = 256;
@@ -53,6 +54,7 @@ pub(crate) fn products(
     own: &[Vec<f64>],
     free: FreeParameters,
 ) -> Vec<Segment> {
+    let _span = trace_span!("rows", weights = estimate.weights.len()).entered();
     let large_signal: usize = runs.iter().filter(|r| r.large_signal).map(|r| r.record.len()).sum();
     let thin = large_signal.div_ceil(MAX_ROWS).max(1);
     let layout = ColumnLayout::of(estimate);
@@ -69,41 +71,39 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
     columns.pass_earlier_inputs();
     let size = columns.layout.columns() + 1;
     let weight = run.scale * run.heavier * (thin as f64).sqrt();
-    let selected = |t: usize| run.usable[t] && kept(t, thin);
+    let selected = kept(run, thin);
     // Per fold: its products, and rows that are not in them yet.
-    let mut parts: BTreeMap<Option<usize>, (Segment, Vec<f64>)> = BTreeMap::new();
-    let mut rows = vec![0.0; size * FILTERED_SAMPLES];
+    let mut parts: BTreeMap<Option<usize>, (Segment, Rows)> = BTreeMap::new();
     let mut start = 0;
     for &(end, fold) in &run.segments {
-        let (segment, waiting) = parts.entry(fold).or_insert_with(|| {
+        let (segment, rows) = parts.entry(fold).or_insert_with(|| {
             let gram = DMatrix::zeros(size, size);
             let segment =
                 Segment { run: index, fold, judged: run.large_signal, drifts: run.drifts, gram, samples: 0.0 };
-            (segment, Vec::with_capacity(size * BLOCK_ROWS))
+            (segment, Rows::new(size, BLOCK_ROWS))
         });
         for from in (start..end).step_by(FILTERED_SAMPLES) {
-            let added = columns.advance(from..end.min(from + FILTERED_SAMPLES), selected, &mut rows);
-            waiting.extend(rows[..added * size].iter().map(|v| v * weight));
-            if waiting.len() > size * (BLOCK_ROWS - FILTERED_SAMPLES) {
-                gram::add(&mut segment.gram, waiting);
-                waiting.clear();
+            columns.advance(from..end.min(from + FILTERED_SAMPLES), &selected, weight, rows);
+            if rows.room() < FILTERED_SAMPLES {
+                rows.add_to(&mut segment.gram);
             }
         }
         segment.samples += run.usable[start..end].iter().filter(|usable| **usable).count() as f64;
         start = end;
     }
-    let whole = |(mut segment, waiting): (Segment, Vec<f64>)| {
-        gram::add(&mut segment.gram, &waiting);
+    let whole = |(mut segment, mut rows): (Segment, Rows)| {
+        rows.add_to(&mut segment.gram);
         segment.gram.fill_upper_triangle_with_lower_triangle();
         segment
     };
     parts.into_values().map(whole).collect()
 }
 
-/// True if row `t` is kept: one of every `thin` rows, at non-periodic places.
-fn kept(t: usize, thin: usize) -> bool {
-    let golden = ((t / thin) as f64 * 0.618_033_988_749_895).fract();
-    t % thin == (golden * thin as f64) as usize
+/// The usable samples of a run that are kept: one of every `thin`, at non-periodic places.
+fn kept(run: &TrainingRecord, thin: usize) -> Vec<usize> {
+    let golden = |k: usize| ((k as f64 * 0.618_033_988_749_895).fract() * thin as f64) as usize;
+    let samples = (0..run.usable.len().div_ceil(thin)).map(|k| thin * k + golden(k));
+    samples.filter(|&t| run.usable.get(t) == Some(&true)).collect()
 }
 
 #[cfg(test)]

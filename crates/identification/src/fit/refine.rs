@@ -10,9 +10,12 @@ use super::held_out::{ROUNDING_ERROR, Smoothness};
 use super::iterate::{INITIAL_DAMPING, Iterate};
 use super::runs::TrainingRecord;
 use super::solve::FreeParameters;
+use crate::side_by_side::side_by_side;
+use libm::pow;
 use piezoid_models::linear::Arx;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::series::mean;
+use tracing::trace_span;
 
 /// Maximum number of steps, and of tries per step.
 const MAX_STEPS: usize = 60;
@@ -27,11 +30,16 @@ const MAX_SMOOTHNESS_CHANGES: usize = 3;
 /// Relative decrease of the cost below which the search ends.
 const MIN_COST_DECREASE: f64 = 3e-4;
 
-/// The same by the linearised equations, below which a step is not tried.
+/// The same by the linearised equations: below the first a step is not tried, and the last point promises less than the
+/// second.
 const MIN_PREDICTED_DECREASE: f64 = 1e-4;
+const MAX_PREDICTED_DECREASE: f64 = 5e-4;
 
 /// Ratio of the costs with z alone up to which all columns decide: the scale of the penalty may have changed.
 const SCREENING_COST_RATIO: f64 = 1.01;
+
+/// Number of steps, each as good as the last one, within which a cost is within reach.
+const EXTRAPOLATED_STEPS: f64 = 10.0;
 
 /// Smallest damping, and its factor after a step that lowered the cost.
 const MIN_DAMPING: f64 = 1e-9;
@@ -70,17 +78,68 @@ pub(crate) fn refine_from(
         Smoothness::Any => Iterate::at(start, runs, &[], free),
         _ => Iterate::known(start, runs, free),
     };
-    descend(point, smoothness, &|_| true, runs, watch)
+    descend(point, smoothness, &Goal::ANY, runs, watch)
 }
 
-/// Lowers the cost from `point` on, to its minimum or to the first linear block that is not `possible`.
-fn descend(
-    mut point: Iterate,
+/// The same with all parameters, as long as a cost of at most `most` seems within reach.
+pub(crate) fn refine_within_reach(
+    start: Estimate,
     smoothness: Smoothness,
-    possible: &dyn Fn(&Arx) -> bool,
+    most: f64,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
+    let point = Iterate::known(start, runs, FreeParameters::All);
+    descend(point, smoothness, &Goal { most, ..Goal::ANY }, runs, watch)
+}
+
+/// Fits all parameters of a fit to the minimum, however slowly it is reached.
+pub(crate) fn refine_to_minimum(
+    from: &Fitted,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let point = Iterate::known(from.estimate.clone(), runs, FreeParameters::All);
+    let goal = Goal { left: MAX_PREDICTED_DECREASE, ..Goal::ANY };
+    descend(point, Smoothness::Fixed(from.held_out.lambda), &goal, runs, watch)
+}
+
+/// Fits the `free` parameters from the shape and the linear block of `start`, with a fixed smoothness.
+pub(crate) fn refine_from_unknown(
+    start: Estimate,
+    lambda: f64,
+    runs: &mut [TrainingRecord],
+    free: FreeParameters,
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let point = Iterate::at(start, runs, &[], FreeParameters::Weights);
+    let known = point.solved(lambda);
+    descend(Iterate::at(known, runs, &[], free), Smoothness::Fixed(lambda), &Goal::ANY, runs, watch)
+}
+
+/// What a fit must be able to reach.
+struct Goal<'a> {
+    /// True for a linear block that is possible.
+    possible: &'a (dyn Fn(&Arx) -> bool + Sync),
+    /// The highest cost at which the fit is of use.
+    most: f64,
+    /// The relative decrease of the cost that another step may promise at the end.
+    left: f64,
+}
+
+impl Goal<'_> {
+    const ANY: Goal<'static> = Goal { possible: &|_| true, most: f64::INFINITY, left: 1.0 };
+}
+
+/// Lowers the cost from `point` on, to its minimum or as long as the goal is within reach.
+fn descend(
+    mut point: Iterate,
+    smoothness: Smoothness,
+    goal: &Goal,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let _stage = trace_span!(target: "stage", "refinement").entered();
     let free = point.free;
     let (is_start, is_fixed) = (smoothness == Smoothness::Any, matches!(smoothness, Smoothness::Fixed(_)));
     let (mut lambda, mut damping) = (smoothness.lambda(), INITIAL_DAMPING);
@@ -98,16 +157,21 @@ fn descend(
         }
         let cost = if is_start && step == 0 { f64::INFINITY } else { point.cost(lambda) };
         let next = lower(&point, runs, cost, lambda, &mut damping, now);
+        let is_lower = next.is_some();
         let fall = next.as_ref().map_or(0.0, |next| 1.0 - next.cost(lambda) / cost);
         point = next.unwrap_or(point);
-        if !possible(&point.estimate.linear) {
+        let is_within_reach = point.cost(lambda) * pow(1.0 - fall, EXTRAPOLATED_STEPS) <= goal.most;
+        if !(goal.possible)(&point.estimate.linear) || !is_within_reach {
             break;
         }
         if is_start && step + 1 < RECORD_WEIGHT_STEPS && weigh(runs, &point.residuals(runs)) {
             let own = point.own(point.prior.current());
             point = Iterate::at(point.estimate, runs, &own, free);
         }
-        let ends = fall < MIN_COST_DECREASE || point.cost(lambda) < ROUNDING_ERROR * point.normal.samples;
+        let is_left =
+            |point: &Iterate| goal.left < 1.0 && point.predicted(lambda) < (1.0 - goal.left) * point.cost(lambda);
+        let goes_on = is_lower && (fall >= MIN_COST_DECREASE || is_left(&point));
+        let ends = !goes_on || point.cost(lambda) < ROUNDING_ERROR * point.normal.samples;
         if ends && now != free {
             // More parameters are free in the next step.
             damping = INITIAL_DAMPING;
@@ -123,7 +187,10 @@ fn descend(
     let (held_out, residuals) = (point.held_out(free, Smoothness::Fixed(lambda)), point.residuals(runs));
     let minimum = point.cost(lambda);
     let initial_conditions = runs.iter().map(|run| run.initial).collect();
-    Ok(Fitted { estimate: point.estimate, initial_conditions, own, held_out, residuals, minimum })
+    let heavier = runs.iter().map(|run| run.heavier).collect();
+    let (n, estimate) = (point.estimate.weights.len(), point.estimate);
+    let products = point.normal.h.view((0, 0), (n, n)).into_owned();
+    Ok(Fitted { estimate, initial_conditions, heavier, own, held_out, residuals, products, minimum })
 }
 
 /// Fits all parameters from each start that promises less than `ratio` times the minimum of `from`, or next to nothing,
@@ -132,20 +199,22 @@ pub(crate) fn refine_promising(
     starts: Vec<(String, Estimate)>,
     from: &Fitted,
     ratio: f64,
-    possible: &dyn Fn(&Arx) -> bool,
-    runs: &mut [TrainingRecord],
+    possible: &(dyn Fn(&Arx) -> bool + Sync),
+    runs: &[TrainingRecord],
     watch: StepCallback,
 ) -> Result<Vec<(String, Fitted)>, Error> {
     let smoothness = Smoothness::Fixed(from.held_out.lambda);
-    let mut found = Vec::new();
-    for (name, start) in starts {
+    let refined = |(name, start): (String, Estimate), watch: StepCallback| {
+        let runs = &mut runs.to_vec();
         let point = Iterate::known(start, runs, FreeParameters::All);
-        if point.promises(ratio, from) {
-            let fit = descend(point, smoothness, possible, runs, watch)?;
-            found.extend(Some((name, fit)).filter(|(_, fit)| possible(&fit.estimate.linear)));
+        if !point.promises(ratio, from) {
+            return Ok(None);
         }
-    }
-    Ok(found)
+        let fit = descend(point, smoothness, &Goal { possible, ..Goal::ANY }, runs, watch)?;
+        Ok(Some((name, fit)).filter(|(_, fit)| possible(&fit.estimate.linear)))
+    };
+    let found = side_by_side(starts, refined, |_, _| watch(0))?;
+    found.into_iter().filter_map(Result::transpose).collect()
 }
 
 /// Fits weights and creep from the parameters of `from`, if that promises a lower minimum with the present initial
@@ -157,7 +226,7 @@ pub(crate) fn refine_if_better(
 ) -> Result<Option<Fitted>, Error> {
     let point = Iterate::known(from.estimate.clone(), runs, FreeParameters::Creep);
     let smoothness = Smoothness::Near(from.held_out.lambda);
-    point.promises(1.0, from).then(|| descend(point, smoothness, &|_| true, runs, watch)).transpose()
+    point.promises(1.0, from).then(|| descend(point, smoothness, &Goal::ANY, runs, watch)).transpose()
 }
 
 /// The next point with lower cost, if one is found.

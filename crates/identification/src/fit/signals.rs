@@ -2,47 +2,82 @@
 
 use multiversion::multiversion;
 
-/// Signals that are filtered together: several vectors of a vector unit. With fewer, the compiler unrolls the loops
-/// over them, and makes vectors of the coefficients instead, which is slow.
-pub(crate) const LANES: usize = 32;
+/// Signals that are filtered together: several vectors of a vector unit, or one.
+const WIDE: usize = 32;
+const NARROW: usize = 8;
 
 /// What has decayed to this is zero: processors are slow with numbers next to the smallest ones.
 pub(crate) const DECAYED_SIGNAL: f64 = 1e-100;
 
-/// Creep, then G = B/A, on [`LANES`] signals.
-pub(crate) struct Filter {
+/// Creep, then G = B/A, on many signals.
+pub(crate) struct Filters {
     /// 1 - exp(-Ts / tau), and gain, of the lags that have one.
     lags: Vec<(f64, f64)>,
     /// b_j and a_j of each delay.
     coefficients: Vec<(f64, f64)>,
+    wide: Vec<States<WIDE>>,
+    narrow: Vec<States<NARROW>>,
+}
+
+impl Filters {
+    /// Filters at rest for at least this number of signals; `lags` are (1 - exp(-Ts / tau), gain).
+    pub(super) fn new(signals: usize, lags: &[(f64, f64)], a: &[f64], b: &[f64]) -> Self {
+        let lags: Vec<_> = lags.iter().copied().filter(|lag| lag.1 != 0.0).collect();
+        let at = |c: &[f64], k: usize| c.get(k).copied().unwrap_or_default();
+        let delays = b.len().max(a.len() + 1);
+        let coefficients: Vec<_> = (0..delays).map(|k| (at(b, k), if k > 0 { at(a, k - 1) } else { 0.0 })).collect();
+        Filters {
+            wide: (0..signals / WIDE).map(|_| States::at_rest(lags.len(), delays)).collect(),
+            narrow: (0..(signals % WIDE).div_ceil(NARROW)).map(|_| States::at_rest(lags.len(), delays)).collect(),
+            lags,
+            coefficients,
+        }
+    }
+
+    /// The number of signals.
+    pub(crate) fn len(&self) -> usize {
+        WIDE * self.wide.len() + NARROW * self.narrow.len()
+    }
+
+    /// Filters the signals of `rows` from column `from` on, which have `width` columns each.
+    pub(crate) fn pass(&mut self, rows: &mut [f64], width: usize, mut from: usize) {
+        for states in &mut self.wide {
+            pass(rows, width, from, &self.lags, &self.coefficients, &mut states.lagging, &mut states.carried);
+            states.end_decayed();
+            from += WIDE;
+        }
+        for states in &mut self.narrow {
+            pass(rows, width, from, &self.lags, &self.coefficients, &mut states.lagging, &mut states.carried);
+            states.end_decayed();
+            from += NARROW;
+        }
+    }
+}
+
+/// The states of filters of `LANES` signals.
+struct States<const LANES: usize> {
     lagging: Vec<[f64; LANES]>,
     /// What past samples add to the outputs of the next ones (the transposed direct form).
     carried: Vec<[f64; LANES]>,
 }
 
-impl Filter {
-    /// The filter at rest; `lags` are (1 - exp(-Ts / tau), gain).
-    pub(super) fn new(lags: &[(f64, f64)], a: &[f64], b: &[f64]) -> Self {
-        let lags: Vec<_> = lags.iter().copied().filter(|lag| lag.1 != 0.0).collect();
-        let at = |c: &[f64], k: usize| c.get(k).copied().unwrap_or_default();
-        let delays = b.len().max(a.len() + 1);
-        let coefficients: Vec<_> = (0..delays).map(|k| (at(b, k), if k > 0 { at(a, k - 1) } else { 0.0 })).collect();
-        let rest = |n: usize| vec![[0.0; LANES]; n];
-        Filter { lagging: rest(lags.len()), carried: rest(delays), lags, coefficients }
+impl<const LANES: usize> States<LANES> {
+    fn at_rest(lags: usize, delays: usize) -> Self {
+        States { lagging: vec![[0.0; LANES]; lags], carried: vec![[0.0; LANES]; delays] }
     }
 
-    /// Filters the signals `from..from + LANES` of `rows`, which have `width` signals each.
-    pub(crate) fn pass(&mut self, rows: &mut [f64], width: usize, from: usize) {
-        pass(rows, width, from, &self.lags, &self.coefficients, &mut self.lagging, &mut self.carried);
-        for x in self.lagging.iter_mut().chain(&mut self.carried).flatten().filter(|x| x.abs() < DECAYED_SIGNAL) {
-            *x = 0.0;
-        }
+    fn end_decayed(&mut self) {
+        self.lagging.iter_mut().chain(&mut self.carried).flatten().for_each(end_decayed);
     }
+}
+
+fn end_decayed(x: &mut f64) {
+    *x = if x.abs() < DECAYED_SIGNAL { 0.0 } else { *x };
 }
 
 /// x_i += rate_i (v - x_i),  w = v + sum_i gain_i x_i;  y = b_0 w + s_0,  s_k = b_{k+1} w + a_{k+1} y + s_{k+1}.
 #[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
-fn pass(
+fn pass<const LANES: usize>(
     rows: &mut [f64],
     width: usize,
     from: usize,
@@ -74,28 +109,164 @@ fn pass(
     }
 }
 
-/// 1/A on one signal, with its last outputs.
+/// The states of creep behind z, and what its initial states have become.
+pub(crate) struct CreepStates {
+    /// Number of lags; the last of each eight may be none.
+    lags: usize,
+    rates: Vec<[f64; NARROW]>,
+    gains: Vec<[f64; NARROW]>,
+    initial: Vec<[f64; NARROW]>,
+    lagging: Vec<[f64; NARROW]>,
+    decaying: Vec<[f64; NARROW]>,
+}
+
+impl CreepStates {
+    /// At rest; `lags` are (1 - exp(-Ts / tau), gain), and `initial` what their initial states add to the output.
+    pub(super) fn new(lags: &[(f64, f64)], initial: &[f64]) -> Self {
+        let by_eight = |values: &mut dyn Iterator<Item = f64>| {
+            let values: Vec<f64> = values.collect();
+            let eight = |values: &[f64]| std::array::from_fn(|l| values.get(l).copied().unwrap_or_default());
+            values.chunks(NARROW).map(eight).collect::<Vec<_>>()
+        };
+        let rest = vec![[0.0; NARROW]; lags.len().div_ceil(NARROW)];
+        CreepStates {
+            lags: lags.len(),
+            rates: by_eight(&mut lags.iter().map(|lag| lag.0)),
+            gains: by_eight(&mut lags.iter().map(|lag| lag.1)),
+            initial: by_eight(&mut initial.iter().copied()),
+            lagging: rest.clone(),
+            decaying: rest,
+        }
+    }
+
+    /// The record begins: its initial states decay from here on.
+    pub(crate) fn begin(&mut self) {
+        self.decaying.iter_mut().for_each(|decaying| *decaying = [1.0; NARROW]);
+    }
+
+    /// Creep of a block of z; writes the lags, then the decaying ones, into `rows` from column `from` on.
+    pub(super) fn pass(&mut self, z: &[f64], rows: &mut [f64], width: usize, from: usize) -> Vec<f64> {
+        let mut crept = z.to_vec();
+        for k in 0..self.rates.len() {
+            creep(self, k, z, &mut crept, rows, width, from);
+        }
+        self.lagging.iter_mut().chain(&mut self.decaying).flatten().for_each(end_decayed);
+        crept
+    }
+}
+
+/// Eight lags from lag 8 `k` on:
+/// x_i += rate_i (z - x_i),  d_i *= 1 - rate_i;  crept += sum_i gain_i x_i + initial_i d_i.
+#[multiversion(targets("x86_64+avx512f+avx512vl", "x86_64+avx2", "aarch64+neon"))]
+fn creep(
+    states: &mut CreepStates,
+    k: usize,
+    z: &[f64],
+    crept: &mut [f64],
+    rows: &mut [f64],
+    width: usize,
+    from: usize,
+) {
+    let (n, first) = (NARROW.min(states.lags - NARROW * k), from + NARROW * k);
+    let (rate, gain, initial) = (states.rates[k], states.gains[k], states.initial[k]);
+    let (mut x, mut d) = (states.lagging[k], states.decaying[k]);
+    for ((row, z), crept) in rows.chunks_exact_mut(width).zip(z).zip(crept) {
+        let mut parts = [0.0; NARROW];
+        for l in 0..NARROW {
+            x[l] += rate[l] * (z - x[l]);
+            d[l] *= 1.0 - rate[l];
+            parts[l] = gain[l] * x[l] + initial[l] * d[l];
+        }
+        let [p, q, r, s, t, u, v, w] = parts;
+        *crept += ((p + q) + (r + s)) + ((t + u) + (v + w));
+        row[first..first + n].copy_from_slice(&x[..n]);
+        row[first + states.lags..first + states.lags + n].copy_from_slice(&d[..n]);
+    }
+    (states.lagging[k], states.decaying[k]) = (x, d);
+}
+
+/// 1/A on one signal, block by block.
 pub(crate) struct AllPole<'a> {
     a: &'a [f64],
-    past: Vec<f64>,
+    /// Number of outputs before the block.
+    past: usize,
+    /// Those, then the outputs of the block.
+    outputs: Vec<f64>,
 }
 
 impl<'a> AllPole<'a> {
-    /// Stores the last `length` outputs.
-    pub(super) fn new(a: &'a [f64], length: usize) -> Self {
-        AllPole { a, past: vec![0.0; length.max(a.len()).max(1)] }
+    /// At rest; stores the outputs of `past` samples before a block.
+    pub(super) fn new(a: &'a [f64], past: usize) -> Self {
+        let past = past.max(a.len());
+        AllPole { a, past, outputs: vec![0.0; past] }
     }
 
-    pub(crate) fn step(&mut self, v: f64) {
-        let y = v + self.a.iter().zip(&self.past).map(|(a, y)| a * y).sum::<f64>();
-        let kept = self.past.len() - 1;
-        self.past.copy_within(..kept, 1);
-        self.past[0] = if y.abs() < DECAYED_SIGNAL { 0.0 } else { y };
+    /// Filters the next block.
+    pub(crate) fn pass(&mut self, inputs: &[f64]) {
+        let start = self.outputs.len() - self.past;
+        self.outputs.copy_within(start.., 0);
+        self.outputs.truncate(self.past);
+        self.outputs.iter_mut().for_each(end_decayed);
+        self.outputs.extend(inputs);
+        // Of a known order, the last outputs stay in registers.
+        let pass = match self.a.len() {
+            0 => return,
+            1 => all_pole::<1>,
+            2 => all_pole::<2>,
+            3 => all_pole::<3>,
+            4 => all_pole::<4>,
+            5 => all_pole::<5>,
+            6 => all_pole::<6>,
+            7 => all_pole::<7>,
+            8 => all_pole::<8>,
+            _ => all_pole_of_any_order,
+        };
+        pass(self.a, &mut self.outputs, self.past);
     }
 
-    /// The last outputs, newest first.
-    pub(crate) fn past(&self) -> &[f64] {
-        &self.past
+    /// The outputs of the block `delay` samples later, and those of the `more` samples before them.
+    fn delayed(&self, delay: usize, more: usize) -> &[f64] {
+        &self.outputs[self.past - delay - more..self.outputs.len() - delay]
+    }
+
+    /// Adds sum_j b_j q^-j of the outputs to the block `y`.
+    pub(crate) fn add_to(&self, y: &mut [f64], b: &[f64]) {
+        b.iter().enumerate().for_each(|(delay, b)| add(y, *b, self.delayed(delay, 0)));
+    }
+
+    /// The differences of order 0, 1, ... `n` - 1 of the outputs over the block, `delay` samples later.
+    pub(crate) fn differences(&self, delay: usize, n: usize, mut each: impl FnMut(usize, &[f64])) {
+        let Some(highest) = n.checked_sub(1) else { return };
+        let mut differences = self.delayed(delay, highest).to_vec();
+        let samples = self.outputs.len() - self.past;
+        for order in 0..=highest {
+            if order > 0 {
+                (1..differences.len()).for_each(|t| differences[t - 1] = differences[t] - differences[t - 1]);
+                differences.pop();
+            }
+            each(order, &differences[differences.len() - samples..]);
+        }
+    }
+}
+
+/// y_t = v_t + sum_i a_i y_{t-i}, in place of v from sample `start` on, in the transposed direct form.
+fn all_pole<const N: usize>(a: &[f64], signal: &mut [f64], start: usize) {
+    let Some(&a) = a.first_chunk::<N>() else { return };
+    let carried = |k: usize| (k..N).map(|i| a[i] * signal[start + k - i - 1]).sum();
+    let mut carried: [f64; N] = std::array::from_fn(carried);
+    for y in &mut signal[start..] {
+        *y += carried[0];
+        for k in 0..N - 1 {
+            carried[k] = a[k] * *y + carried[k + 1];
+        }
+        carried[N - 1] = a[N - 1] * *y;
+    }
+}
+
+fn all_pole_of_any_order(a: &[f64], signal: &mut [f64], start: usize) {
+    for t in start..signal.len() {
+        let past = signal[t - a.len()..t].iter().rev();
+        signal[t] += a.iter().zip(past).map(|(a, y)| a * y).sum::<f64>();
     }
 }
 
@@ -124,11 +295,11 @@ mod tests {
         let gains = lags.iter().map(|l| l.gain);
         let signal = |k: usize, t: usize| (t as f64 * (0.1 + 0.07 * k as f64)).sin() + k as f64;
         let lags: Vec<_> = rates.zip(gains).collect();
-        let mut filter = Filter::new(&lags, arx.a(), arx.b());
+        let mut filters = Filters::new(WIDE + NARROW + 1, &lags, arx.a(), arx.b());
         // Rows of 3 other signals, then those to filter.
-        let width = 3 + LANES;
+        let width = 3 + filters.len();
         let mut rows: Vec<f64> = (0..400).flat_map(|t| (0..width).map(move |k| signal(k, t))).collect();
-        rows.chunks_mut(64 * width).for_each(|rows| filter.pass(rows, width, 3));
+        rows.chunks_mut(64 * width).for_each(|rows| filters.pass(rows, width, 3));
         for k in 0..width {
             let input: Vec<f64> = (0..400).map(|t| signal(k, t)).collect();
             let filtered = arx.simulate(&creep.simulate(&input));
@@ -138,9 +309,15 @@ mod tests {
     }
 
     #[test]
-    fn an_all_pole_block_stores_its_outputs() {
+    fn an_all_pole_block_gives_its_outputs_and_their_differences() {
         let mut block = AllPole::new(&[0.5], 3);
-        [1.0, 0.0, 0.0].iter().for_each(|&v| block.step(v));
-        assert_eq!(block.past(), [0.25, 0.5, 1.0]);
+        block.pass(&[1.0]);
+        block.pass(&[0.0, 0.0]);
+        let mut y = [0.0; 2];
+        block.add_to(&mut y, &[1.0, 0.0, 8.0]);
+        assert_eq!(y, [0.5, 0.25 + 8.0]);
+        let mut found = Vec::new();
+        block.differences(1, 3, |order, values| found.push((order, values.to_vec())));
+        assert_eq!(found, [(0, vec![1.0, 0.5]), (1, vec![1.0, -0.5]), (2, vec![1.0, -1.5])]);
     }
 }

@@ -14,6 +14,7 @@ use super::estimate::{Estimate, of_differences};
 use super::layout::ColumnLayout;
 use nalgebra::{DMatrix, DVector};
 use piezoid_numerics::optimize::non_negative;
+use tracing::trace_span;
 
 /// Weight that keeps undetermined weights at their values.
 const WEIGHT_RIDGE: f64 = 1e-12;
@@ -33,6 +34,8 @@ pub(crate) enum FreeParameters {
     Weights,
     /// The weights and the gains of creep.
     Creep,
+    /// These, the shape of the hysteresis and the lag of the driver.
+    Shape,
     /// All.
     All,
 }
@@ -148,6 +151,7 @@ impl Prior {
         free: FreeParameters,
         positive: &mut [bool],
     ) -> Option<DVector<f64>> {
+        let _span = trace_span!("solutions").entered();
         let (layout, size) = (&self.layout, self.size(normal));
         let weights = layout.weights.len();
         let (mut h, mut g) = (normal.h.clone(), normal.g.clone());
@@ -182,6 +186,7 @@ impl Prior {
         let end = match free {
             FreeParameters::Weights => weights,
             FreeParameters::Creep => layout.gains.end,
+            FreeParameters::Shape => layout.shape.end,
             FreeParameters::All => layout.parameters(),
         };
         if free == FreeParameters::Weights {

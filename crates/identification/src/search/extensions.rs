@@ -13,6 +13,7 @@
 use super::POLICY;
 use super::fit::{Fitted, FreeParameters, Hidden, Iterate, StepCallback, TrainingRecord, refine};
 use super::mode_evidence::ModeEvidence;
+use crate::side_by_side::side_by_side;
 use libm::{cos, exp, log};
 use piezoid_models::linear::Arx;
 use piezoid_numerics::error::Error;
@@ -20,6 +21,7 @@ use piezoid_numerics::number::short;
 use piezoid_numerics::system::System;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use tracing::trace_span;
 
 /// Difference of ln(minimum) of two extensions that are the same.
 const SAME_LOG_MINIMUM: f64 = 1e-6;
@@ -39,6 +41,8 @@ pub(super) struct Extension {
 pub(super) struct PoleLimits {
     /// Frequency of the slowest lag that is not creep [Hz].
     pub(super) slowest: f64,
+    /// Frequency of the slowest mode [Hz].
+    pub(super) slowest_mode: f64,
     /// The highest order.
     pub(super) max_order: usize,
 }
@@ -52,39 +56,45 @@ pub(super) fn extensions(
     evidence: &ModeEvidence,
     watch: StepCallback,
 ) -> Result<[Vec<Extension>; 2], Error> {
+    let _stage = trace_span!(target: "stage", "extensions").entered();
     let linear = &fitted.estimate.linear;
     let hidden = Hidden::crept(fitted, runs)?;
-    let mut responses: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
+    let responses: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
     let estimate = |linear: Arx| Hidden::alone(Vec::new(), linear);
-    let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
-    let mut best_of_groups: Vec<(f64, Extension)> = Vec::new();
-    for group in groups(linear, limits, evidence, POLICY.min_mode_cycles / longest)? {
-        let score = |one: &Extension| {
-            Some(Iterate::at(estimate(one.linear.clone()).ok()?, &responses, &[], FreeParameters::All).predicted(0.0))
-        };
-        let scores: Vec<f64> = group.par_iter().map(|one| score(one).unwrap_or(f64::INFINITY)).collect();
-        best_of_groups.extend(scores.into_iter().zip(group).min_by(|p, q| p.0.total_cmp(&q.0)));
-    }
+    let score = |one: &Extension| {
+        Some(Iterate::at(estimate(one.linear.clone()).ok()?, &responses, &[], FreeParameters::All).predicted(0.0))
+    };
+    let groups = groups(linear, limits, evidence)?;
+    let scores: Vec<f64> = groups.par_iter().flatten().map(|one| score(one).unwrap_or(f64::INFINITY)).collect();
+    let mut scores = scores.into_iter();
+    let best = |group: Vec<Extension>| {
+        let scored = group.into_iter().zip(scores.by_ref()).map(|(one, score)| (score, one));
+        scored.min_by(|p, q| p.0.total_cmp(&q.0))
+    };
+    let mut best_of_groups: Vec<(f64, Extension)> = groups.into_iter().filter_map(best).collect();
     best_of_groups.sort_by(|p, q| p.0.total_cmp(&q.0));
-    let (mut shown, mut others) = (Vec::<(f64, Extension)>::new(), Vec::new());
-    for (promised, extension) in best_of_groups {
-        if shown.len() == POLICY.refined_extensions {
-            break;
+    let (mut shown, mut others) = (Vec::<(f64, Extension)>::new(), Vec::<(f64, Extension)>::new());
+    let alone = |(promised, one): (f64, Extension), watch: StepCallback| -> Result<_, Error> {
+        if one.is_in_free_decays {
+            return Ok((promised, one));
         }
-        let (minimum, linear) = match extension.is_in_free_decays {
-            true => (promised, extension.linear),
-            false => {
-                let alone = refine(estimate(extension.linear)?, &mut responses, FreeParameters::All, watch)?;
-                (alone.minimum, alone.estimate.linear)
+        let fit = refine(estimate(one.linear)?, &mut responses.clone(), FreeParameters::All, watch)?;
+        Ok((fit.minimum, Extension { linear: fit.estimate.linear, ..one }))
+    };
+    let mut best_of_groups = best_of_groups.into_iter().peekable();
+    while shown.len() < POLICY.refined_extensions && best_of_groups.peek().is_some() {
+        let next = best_of_groups.by_ref().take(POLICY.refined_extensions).collect();
+        for fit in side_by_side(next, alone, |_, _| watch(0))? {
+            let (minimum, extension) = fit?;
+            let list = if evidence.shows(&extension.linear) { &mut shown } else { &mut others };
+            if list.iter().all(|(other, _)| log(minimum / other).abs() > SAME_LOG_MINIMUM) {
+                list.push((minimum, extension));
             }
-        };
-        let list = if evidence.shows(&linear) { &mut shown } else { &mut others };
-        if list.iter().all(|(other, _)| log(minimum / other).abs() > SAME_LOG_MINIMUM) {
-            list.push((minimum, Extension { linear, ..extension }));
         }
     }
     let mut lists = [shown, others];
     lists.iter_mut().for_each(|list| list.sort_by(|p, q| p.0.total_cmp(&q.0)));
+    lists[0].truncate(POLICY.refined_extensions);
     lists[1].truncate(1);
     Ok(lists.map(|list| list.into_iter().map(|(_, extension)| extension).collect()))
 }
@@ -119,13 +129,8 @@ const KINDS: [Kind; 4] = [
     Kind { name: "a mode instead of the delay", poles: 2, replaces_delay: true, groups: |grid| vec![grid.modes()] },
 ];
 
-/// All extensions of a linear block, in groups of which the best is tried, with modes from `lowest` [Hz] on.
-fn groups(
-    linear: &Arx,
-    limits: &PoleLimits,
-    evidence: &ModeEvidence,
-    lowest: f64,
-) -> Result<Vec<Vec<Extension>>, Error> {
+/// All extensions of a linear block, in groups of which the best is tried.
+fn groups(linear: &Arx, limits: &PoleLimits, evidence: &ModeEvidence) -> Result<Vec<Vec<Extension>>, Error> {
     let (ts, delay) = (linear.ts(), linear.delay());
     let fits = |poles: usize| linear.a().len() + poles <= limits.max_order;
     let by = |name: String, factor: &[f64], b: Vec<f64>| -> Result<Extension, Error> {
@@ -133,7 +138,7 @@ fn groups(
         let linear = Arx::new(ts, a[1..].iter().map(|a| -a).collect(), b)?;
         Ok(Extension { name, linear, is_in_free_decays: false })
     };
-    let grid = Grid { ts, slowest: limits.slowest, lowest: evidence.lowest.max(lowest) };
+    let grid = Grid { ts, slowest: limits.slowest, lowest: evidence.lowest.max(limits.slowest_mode) };
     let mut groups = Vec::new();
     for kind in KINDS.iter().filter(|kind| fits(kind.poles) && (delay > 0 || !kind.replaces_delay)) {
         let extended = |factor: &Factor| {
@@ -221,11 +226,12 @@ mod tests {
         let records = records();
         let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
         let from = refine(estimate("prandtl-ishlinskii", 6), &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
-        let (limits, evidence) = (PoleLimits { slowest: 1.0, max_order: 4 }, ModeEvidence::of_all(10.0));
+        let (limits, evidence) =
+            (PoleLimits { slowest: 1.0, slowest_mode: 10.0, max_order: 4 }, ModeEvidence::of_all(10.0));
         let linear = &from.estimate.linear;
         let response = linear.simulate(records[0].u());
         let size = response.iter().fold(0.0f64, |m, y| m.max(y.abs()));
-        let same = groups(linear, &limits, &evidence, 10.0)
+        let same = groups(linear, &limits, &evidence)
             .unwrap()
             .into_iter()
             .flatten()
@@ -250,9 +256,10 @@ mod tests {
 
     #[test]
     fn a_delay_is_replaced_by_a_lag_or_a_mode_of_the_same_static_gain() {
-        let (limits, evidence) = (PoleLimits { slowest: 1.0, max_order: 4 }, ModeEvidence::of_all(10.0));
+        let (limits, evidence) =
+            (PoleLimits { slowest: 1.0, slowest_mode: 10.0, max_order: 4 }, ModeEvidence::of_all(10.0));
         let instead = |block: &Arx| -> Vec<Extension> {
-            let all = groups(block, &limits, &evidence, 10.0).unwrap().into_iter().flatten();
+            let all = groups(block, &limits, &evidence).unwrap().into_iter().flatten();
             all.filter(|one| one.name.ends_with("instead of the delay")).collect()
         };
         let delayed = Arx::new(5e-4, vec![0.6], vec![0.0, 0.0, 0.3, 0.1]).unwrap();
@@ -276,7 +283,8 @@ mod tests {
         let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
         let gain = estimate("proportional", 1).with_linear(Arx::gain(5e-4, 1.0).unwrap());
         let from = refine(gain, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
-        let (limits, evidence) = (PoleLimits { slowest: 1.0, max_order: 4 }, ModeEvidence::of_all(10.0));
+        let (limits, evidence) =
+            (PoleLimits { slowest: 1.0, slowest_mode: 10.0, max_order: 4 }, ModeEvidence::of_all(10.0));
         let [shown, _] = extensions(&from, &runs, &limits, &evidence, &mut |_| Ok(())).unwrap();
         assert_eq!(shown[0].name, "a mode");
         assert_close(shown[0].linear.a(), block.a(), 1e-3, 0.0);

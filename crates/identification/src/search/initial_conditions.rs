@@ -9,6 +9,7 @@ use super::fit::{
 use super::{Candidate, POLICY, Search};
 use piezoid_models::hammerstein::{Domain, InitialCondition, Model};
 use piezoid_numerics::error::Error;
+use tracing::trace_span;
 
 /// A fit with the initial conditions of the large-signal records that it shows. Hysteresis at rest before the records,
 /// and hysteresis after cycles over the whole range, explain the same records by different weights, so both are fitted.
@@ -26,7 +27,7 @@ pub(super) fn fit_with_initial_conditions(
     if cycled.cost() < fitted.cost() {
         fitted = cycled;
     } else {
-        fitted.apply_initial_conditions(runs, range);
+        fitted.apply_to(runs, range);
     }
     while select_initial_conditions(&fitted, runs, range)? {
         fitted = refine(start()?, runs, FreeParameters::Creep, watch)?;
@@ -52,7 +53,7 @@ pub(super) fn fit_with_other_initial_conditions(
         run.start_from(if is_likely { InitialCondition::FromBelow } else { likely(run) }, range);
     }
     let other = refine_if_better(fitted, runs, watch);
-    fitted.apply_initial_conditions(runs, range);
+    fitted.apply_to(runs, range);
     let most = POLICY.initial_condition_ratio * fitted.held_out.rms_pp();
     Ok(other?.filter(|other| other.held_out.rms_pp() < most))
 }
@@ -60,11 +61,12 @@ pub(super) fn fit_with_other_initial_conditions(
 /// The better of the fits with both initial conditions of [`fit_with_initial_conditions`], then with those that it
 /// shows.
 pub(super) fn retry_initial_conditions(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
+    let _stage = trace_span!(target: "stage", "initial conditions").entered();
     let Search { runs, design, reporter, .. } = search;
     let watch = &mut reporter.last_stage(candidate.operator_name());
     let other = fit_with_other_initial_conditions(&candidate.fitted, runs, design.range, watch)?;
     let best = other.as_ref().unwrap_or(&candidate.fitted);
-    best.apply_initial_conditions(runs, design.range);
+    best.apply_to(runs, design.range);
     if !select_initial_conditions(best, runs, design.range)? && other.is_none() {
         return Ok(None);
     }

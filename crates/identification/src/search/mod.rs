@@ -10,7 +10,7 @@ mod mode_evidence;
 mod moves;
 mod operators;
 mod policy;
-mod shape_swarm;
+mod shape_search;
 mod start;
 mod structure;
 mod structure_search;
@@ -34,6 +34,7 @@ use piezoid_records::record::Record;
 use piezoid_records::waveform::dominant_frequency;
 use policy::POLICY;
 use structure_search::StructureSearch;
+use tracing::trace_span;
 use trials::Trial;
 
 /// A search: its records, what may be selected, and what was found so far.
@@ -71,7 +72,7 @@ impl<'a> Search<'a> {
         notes: Vec<String>,
         progress: &'a mut Progress<'a>,
     ) -> Result<Self, Error> {
-        let (ts, total) = (records.ts(), 2 * operators.len() + 1);
+        let (ts, total) = (records.ts(), 3 * operators.len() + 1);
         let mut reporter = Reporter { progress, total };
         let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
         let lags = if settings.creep { creep_lags(ts, longest) } else { Vec::new() };
@@ -107,8 +108,9 @@ impl<'a> Search<'a> {
     /// # Errors
     /// [`Error::Cancelled`]; an error if no operator can be fitted.
     pub(crate) fn run(&mut self) -> Result<Candidate, Error> {
-        let mut candidate = start::first_candidate(self)?;
-        self.apply_initial_conditions(&candidate);
+        let mut candidate =
+            trace_span!(target: "stage", "first structure").in_scope(|| start::first_candidate(self))?;
+        self.apply_to(&candidate);
         for step in MOVES {
             if !(step.applies)(self) {
                 continue;
@@ -117,7 +119,7 @@ impl<'a> Search<'a> {
             if let Some(next) = (step.run)(&candidate, self)? {
                 candidate = next;
             }
-            self.apply_initial_conditions(&candidate);
+            self.apply_to(&candidate);
             self.history.push((step.name, before, candidate.error()));
         }
         Ok(candidate)
@@ -134,8 +136,8 @@ impl<'a> Search<'a> {
     }
 
     /// Sets the initial conditions of the records to those of a candidate.
-    fn apply_initial_conditions(&mut self, candidate: &Candidate) {
-        candidate.fitted.apply_initial_conditions(&mut self.runs, self.design.range);
+    fn apply_to(&mut self, candidate: &Candidate) {
+        candidate.fitted.apply_to(&mut self.runs, self.design.range);
     }
 
     /// The held-out errors before and after the last move of this name; `None` if it was not made.

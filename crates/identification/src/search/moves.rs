@@ -3,6 +3,7 @@
 //! A move takes a candidate and returns a better one, or `None`. Each begins with the records in the initial conditions
 //! of the candidate, and may leave others: the search sets those of the candidate that it keeps.
 
+use super::fit::refine_to_minimum;
 use super::{Candidate, Search, initial_conditions, operators, structure_search};
 use piezoid_numerics::error::Error;
 
@@ -13,6 +14,13 @@ pub(super) struct Move {
     pub(super) applies: fn(&Search) -> bool,
     /// Returns a better candidate, if there is one.
     pub(super) run: fn(&Candidate, &mut Search) -> Result<Option<Candidate>, Error>,
+}
+
+/// The same structure, operator and initial conditions at the minimum: a search ends its fits where they can be
+/// compared.
+fn to_minimum(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
+    let watch = &mut search.reporter.last_stage(candidate.operator_name());
+    Ok(Some(candidate.with_fit(refine_to_minimum(&candidate.fitted, &mut search.runs, watch)?)))
 }
 
 /// All moves, from the first candidate on, which has a coarse hysteresis.
@@ -32,4 +40,5 @@ pub(super) const MOVES: &[Move] = &[
         applies: |search| search.errors_of(structure_search::NAME).is_some_and(operators::is_worth_repeating),
         run: operators::compare_closest,
     },
+    Move { name: "the minimum", applies: |_| true, run: to_minimum },
 ];

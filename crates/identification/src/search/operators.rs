@@ -3,21 +3,25 @@
 
 use super::fit::{
     Estimate, Fitted, FreeParameters, Smoothness, StepCallback, TrainingRecord, free_run_residual, refine, refine_from,
+    refine_within_reach,
 };
 use super::initial_conditions::fit_with_other_initial_conditions;
-use super::shape_swarm::best_shape;
+use super::shape_search::best_shape;
 use super::structure::with_other_blocks;
 use super::trials::{OperatorTrial, Trial, select};
 use super::{Candidate, POLICY, Reporter, Search, structure_search};
+use crate::side_by_side::side_by_side;
 use piezoid_models::hysteresis::{BasisDesign, Operator};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use piezoid_numerics::progress::Stage;
 use piezoid_numerics::series::mean;
+use tracing::trace_span;
 
 /// The move: the candidate with the operator that is the simplest of those as good as the best.
 pub(super) fn compare(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
     let blocks = &candidate.fitted.estimate;
+    let _stage = trace_span!(target: "stage", "operators").entered();
     let design = search.design_for(blocks);
     let Search { settings, operators, runs, reporter, trials, .. } = search;
     *trials = comparison(operators, &design, blocks, settings.seed, runs, reporter)?;
@@ -33,6 +37,7 @@ pub(super) fn is_worth_repeating((before, after): (f64, f64)) -> bool {
 
 /// The move: the operators that were close to the selected one are fitted again with the other parts of the candidate.
 pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
+    let _stage = trace_span!(target: "stage", "operators again").entered();
     let errors = search.errors_of(structure_search::NAME);
     let design = search.design_for(&candidate.fitted.estimate);
     let Search { operators, runs, reporter, trials, notes, .. } = search;
@@ -65,37 +70,51 @@ fn comparison(
     design: &BasisDesign,
     blocks: &Estimate,
     seed: u64,
-    runs: &mut [TrainingRecord],
+    runs: &[TrainingRecord],
     reporter: &mut Reporter,
 ) -> Result<Vec<Trial>, Error> {
-    let (mut starts, mut least) = (Vec::new(), f64::INFINITY);
-    for (k, row) in operators.iter().enumerate() {
-        let (stage, most) = (1 + k, POLICY.searched_shape_ratio * least);
-        let fits = shapes(row, design, blocks, seed, most, runs, &mut reporter.stage(row.name, stage));
-        starts.push(match fits {
-            Err(why) if matches!(why, Error::Cancelled { .. }) || operators.len() == 1 => return Err(why),
-            fits => fits.map_err(|why| OperatorTrial::refused(row, why.to_string())),
-        });
-        if let Some(Ok([best, ..])) = starts.last().map(|fits| fits.as_deref()) {
-            least = least.min(best.held_out.rms_pp());
-            let figures = [("held_out_percent", 100.0 * best.held_out.rms_pp())];
-            reporter.report(Stage { figures: &figures, ..Stage::new(row.name, stage, 0) })?;
+    let own = |row: &'static Operator, watch: StepCallback| -> Result<Fitted, Error> {
+        let start = blocks.with_basis((row.basis)(design)?);
+        watch(0)?;
+        refine(start, &mut runs.to_vec(), FreeParameters::Creep, watch)
+    };
+    let done = |phase: usize, k: usize| 1 + phase * operators.len() + k;
+    let report = |k: usize, fit: Option<&Result<Fitted, Error>>| {
+        let held_out = fit.and_then(|fit| Some(100.0 * fit.as_ref().ok()?.held_out.rms_pp()));
+        let figures: Vec<_> = held_out.map(|error| ("held_out_percent", error)).into_iter().collect();
+        reporter.report(Stage { figures: &figures, ..Stage::new(operators[k].name, done(0, k), 0) })
+    };
+    let fits = side_by_side(operators.to_vec(), own, report)?;
+    let errors = fits.iter().filter_map(|fit| Some(fit.as_ref().ok()?.held_out.rms_pp()));
+    let least = errors.fold(f64::INFINITY, f64::min);
+    let most = POLICY.searched_shape_ratio * least;
+    let searched = |(row, fit): (&'static Operator, Result<Fitted, Error>), watch: StepCallback| match fit {
+        Ok(fit) if fit.held_out.rms_pp() <= most => shapes(row, fit, design, blocks, seed, &mut runs.to_vec(), watch),
+        fit => fit.map(|fit| vec![fit]),
+    };
+    let starts: Vec<_> = operators.iter().copied().zip(fits).collect();
+    let starts = side_by_side(starts, searched, |k, _| reporter.report(Stage::new(operators[k].name, done(1, k), 0)))?;
+    let errors = starts.iter().filter_map(|fits| Some(fits.as_ref().ok()?.first()?.held_out.rms_pp()));
+    let most = POLICY.refined_operator_ratio * errors.fold(f64::INFINITY, f64::min);
+    let minima = starts.iter().filter_map(|fits| Some(fits.as_ref().ok()?.first()?.minimum));
+    let reach = POLICY.reachable_operator_ratio.powi(2) * minima.fold(f64::INFINITY, f64::min);
+    let finish = |(row, start): (&'static Operator, Result<Vec<Fitted>, Error>), watch: StepCallback| match start {
+        Err(why) => Ok(Trial { result: OperatorTrial::refused(row, why.to_string()), fitted: None }),
+        Ok(shapes) => {
+            let (result, fitted) = refined(row, shapes, (most, reach), &mut runs.to_vec(), design.range, watch)?;
+            Ok(Trial { result, fitted: Some(fitted) })
         }
+    };
+    let report = |k: usize, trial: Option<&Result<Trial, Error>>| {
+        let figures = trial.and_then(|trial| Some(trial.as_ref().ok()?.result.figures()));
+        let figures = figures.as_ref().map_or(&[][..], |figures| figures);
+        reporter.report(Stage { figures, ..Stage::new(operators[k].name, done(2, k), 0) })
+    };
+    if let [Err(why)] = &starts[..] {
+        return Err(why.clone());
     }
-    let mut trials = Vec::new();
-    for (k, (row, start)) in operators.iter().zip(starts).enumerate() {
-        let (stage, most) = (1 + operators.len() + k, POLICY.refined_operator_ratio * least);
-        trials.push(match start {
-            Err(result) => Trial { result, fitted: None },
-            Ok(shapes) => {
-                let fits = refined(row, shapes, most, runs, design.range, &mut reporter.stage(row.name, stage));
-                let (result, fitted) = fits?;
-                reporter.report(Stage { figures: &result.figures(), ..Stage::new(row.name, stage, 0) })?;
-                Trial { result, fitted: Some(fitted) }
-            }
-        });
-    }
-    Ok(trials)
+    let starts: Vec<_> = operators.iter().copied().zip(starts).collect();
+    side_by_side(starts, finish, report)?.into_iter().collect()
 }
 
 /// Fits the operators that were close to the `selected` one again, with the other parts of its present fit: what they
@@ -118,7 +137,7 @@ fn refit_closest(
         let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..design.clone() });
         let start = with_other_blocks(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis);
         let smoothness = Smoothness::Near(other.held_out.lambda);
-        other.apply_initial_conditions(runs, design.range);
+        other.apply_to(runs, design.range);
         match start.and_then(|start| refine_from(start, smoothness, runs, FreeParameters::All, watch)) {
             Err(why @ Error::Cancelled { .. }) => return Err(why),
             // It keeps the fit of the comparison.
@@ -133,25 +152,22 @@ fn refit_closest(
     Ok(is_any)
 }
 
-/// Fits with the linear block held, the best first: with the operator's own shape, and, if its error is at most `most`,
-/// with the best shape of a swarm, and the better of these with other initial conditions, if that is clearly better.
-/// Not all initial conditions suit every operator.
+/// Fits with the linear block held, the best first: the one with the operator's own shape, one with the best shape that
+/// is found, and the better of these with other initial conditions, if that is clearly better. Not all initial
+/// conditions suit every operator.
 fn shapes(
     row: &Operator,
+    own: Fitted,
     design: &BasisDesign,
     blocks: &Estimate,
     seed: u64,
-    most: f64,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Vec<Fitted>, Error> {
-    let own = || Ok::<_, Error>(blocks.with_basis((row.basis)(design)?));
-    watch(0)?;
-    let mut fits = vec![refine(own()?, runs, FreeParameters::Creep, watch)?];
-    if fits[0].held_out.rms_pp() > most {
-        return Ok(fits);
-    }
-    if let Some(reshaped) = best_shape(&own()?, runs, seed)? {
+    let start = blocks.with_basis((row.basis)(design)?);
+    let mut fits = vec![own];
+    let stage = trace_span!(target: "stage", "shapes");
+    if let Some(reshaped) = stage.in_scope(|| best_shape(&start, runs, seed, watch))? {
         fits.push(refine(reshaped, runs, FreeParameters::Creep, watch)?);
     }
     fits.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
@@ -162,10 +178,11 @@ fn shapes(
 }
 
 /// The better refinement, in all parameters, of the best two of these sorted fits; none if their errors exceed `most`.
+/// A refinement ends where a cost of `reach` is out of reach.
 fn refined(
     row: &Operator,
     mut shapes: Vec<Fitted>,
-    most: f64,
+    (most, reach): (f64, f64),
     runs: &mut [TrainingRecord],
     range: (f64, f64),
     watch: StepCallback,
@@ -178,9 +195,9 @@ fn refined(
     shapes.retain(|fit| fit.held_out.rms_pp() <= near);
     shapes.truncate(POLICY.refined_shapes);
     let mut refine = |fit: Fitted| {
-        fit.apply_initial_conditions(runs, range);
+        fit.apply_to(runs, range);
         let smoothness = Smoothness::Near(fit.held_out.lambda);
-        let fit = refine_from(fit.estimate, smoothness, runs, FreeParameters::All, watch)?;
+        let fit = refine_within_reach(fit.estimate, smoothness, reach, runs, watch)?;
         Ok((trial_of(row, &fit, runs, range), fit))
     };
     let other = shapes.split_off(1).pop();
@@ -193,7 +210,7 @@ fn refined(
 
 /// The trial of a fit, with its free-run error. The runs start as in the fit.
 fn trial_of(row: &Operator, fitted: &Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> OperatorTrial {
-    fitted.apply_initial_conditions(runs, range);
+    fitted.apply_to(runs, range);
     OperatorTrial::of(row, fitted, free_run(fitted, runs))
 }
 
@@ -225,7 +242,9 @@ mod tests {
         let blocks = estimate("prandtl-ishlinskii", 20).with_linear(Arx::gain(5e-4, 1.0).unwrap());
         for initial in [InitialCondition::FromBelow, runs[0].initial] {
             runs[0].start_from(initial, design.range);
-            let fits = shapes(row, &design, &blocks, 1, f64::INFINITY, &mut runs, &mut |_| Ok(())).unwrap();
+            let start = blocks.with_basis((row.basis)(&design).unwrap());
+            let own = refine(start, &mut runs, FreeParameters::Creep, &mut |_| Ok(())).unwrap();
+            let fits = shapes(row, own, &design, &blocks, 1, &mut runs, &mut |_| Ok(())).unwrap();
             assert_ne!(fits[0].initial_conditions, [InitialCondition::FromBelow], "{initial:?}");
             assert_eq!(runs[0].initial, initial);
         }

@@ -75,6 +75,9 @@ pub(crate) struct SearchPolicy {
     /// Ratio of held-out errors below which a mode is kept that the records do not show otherwise.
     pub(crate) obvious_mode_ratio: f64,
 
+    /// Ratio of minima with few signals up to which the held-out error with all weights decides.
+    pub(crate) equal_minimum_ratio: f64,
+
     // Structure search: which modes the records show.
     /// Number of frequencies of the inputs from which small modes between them show; between fewer, a mode could be
     /// anywhere.
@@ -96,7 +99,9 @@ pub(crate) struct SearchPolicy {
     pub(crate) min_minor_loops: usize,
     /// Ratio of held-out errors, with the linear block held, up to which an operator is refined in all parameters.
     pub(crate) refined_operator_ratio: f64,
-    /// The same ratio up to which other shapes and initial conditions of an operator are searched.
+    /// Ratio of rms errors to the least before the refinement up to which a refinement goes on.
+    pub(crate) reachable_operator_ratio: f64,
+    /// The ratio of held-out errors up to which other shapes and initial conditions of an operator are searched.
     pub(crate) searched_shape_ratio: f64,
     /// Number of shapes of an operator that are refined, and ratio of held-out errors up to which the second is.
     pub(crate) refined_shapes: usize,
@@ -108,12 +113,10 @@ pub(crate) struct SearchPolicy {
     pub(crate) repeated_comparison_ratio: f64,
     /// Ratio of errors in the comparison up to which an operator takes part in its repetition.
     pub(crate) close_operator_ratio: f64,
-    /// Number of samples for the swarm over the shape, of all records together.
-    pub(crate) swarm_samples: usize,
-    /// Maximum number of shape parameters for a swarm.
-    pub(crate) swarm_parameters: usize,
-    pub(crate) swarm_particles: usize,
-    pub(crate) swarm_iterations: usize,
+    /// Number of samples for the search of the shape, of all records together.
+    pub(crate) shape_samples: usize,
+    /// Number of shapes that are tried, for each shape parameter.
+    pub(crate) shapes_per_parameter: usize,
 }
 
 /// The policy.
@@ -150,6 +153,7 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
     held_out_gain_ratio: 0.95,
     whole_record_gain_ratio: 0.9,
     obvious_mode_ratio: 0.3,
+    equal_minimum_ratio: 1.05,
 
     many_frequencies: 6,
     above_inputs_ratio: 2.0,
@@ -160,14 +164,13 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
     minor_loop_margin: 0.1,
     min_minor_loops: 8,
     refined_operator_ratio: 3.0,
+    reachable_operator_ratio: 1.5,
     searched_shape_ratio: 30.0,
     refined_shapes: 2,
     second_shape_ratio: 1.5,
     free_run_decides_ratio: 1.5,
     repeated_comparison_ratio: 0.7,
     close_operator_ratio: 1.1,
-    swarm_samples: 10_000,
-    swarm_parameters: 6,
-    swarm_particles: 12,
-    swarm_iterations: 12,
+    shape_samples: 10_000,
+    shapes_per_parameter: 8,
 };

@@ -1,12 +1,12 @@
 //! Structures of the linear block, their comparison, and the selection of the simplest that is as good as the best.
 
-use super::fit::{Estimate, Fitted};
+use super::fit::{Estimate, Fitted, MAX_MODE_DAMPING};
 use super::{POLICY, basis_ts};
 use libm::hypot;
 use piezoid_models::creep::Lag;
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hysteresis::Basis;
-use piezoid_models::linear::Arx;
+use piezoid_models::linear::{Arx, Pole};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use piezoid_numerics::system::System;
@@ -21,7 +21,7 @@ pub(super) type MakeBasis<'a> = &'a dyn Fn(f64) -> Result<Box<dyn Basis>, Error>
 /// A fit, and the last extension of its linear block; empty if there is none.
 #[derive(Debug)]
 pub(super) struct Structure {
-    extension: String,
+    pub(super) extension: String,
     pub(super) fitted: Fitted,
 }
 
@@ -50,6 +50,12 @@ impl Structure {
     /// The order of the linear block.
     pub(super) fn order(&self) -> usize {
         self.fitted.estimate.linear.a().len()
+    }
+
+    /// The number of modes that ring.
+    pub(super) fn modes(&self) -> usize {
+        let rings = |pole: &&Pole| pole.z.im > 0.0 && pole.damping < MAX_MODE_DAMPING;
+        self.fitted.estimate.linear.poles().iter().filter(rings).count()
     }
 
     /// Order and delay, and what was added last.
@@ -106,8 +112,7 @@ pub(super) fn with_other_blocks(
     linear: Arx,
     basis: MakeBasis,
 ) -> Result<Estimate, Error> {
-    let shape: Vec<f64> = estimate.basis.shape().iter().map(|shape| shape.value).collect();
-    let basis = basis(basis_ts(linear.ts(), driver.is_some()))?.reshaped(&shape)?.into();
+    let basis = basis(basis_ts(linear.ts(), driver.is_some()))?.reshaped(&estimate.shape())?.into();
     Ok(Estimate { driver, seeks_lag, basis, weights: estimate.weights.clone(), lags: lags.to_vec(), linear })
 }
 

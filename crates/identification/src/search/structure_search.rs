@@ -10,8 +10,8 @@
 use super::candidate::SelectedStructure;
 use super::extensions::{PoleLimits, extensions, product};
 use super::fit::{
-    Estimate, Fitted, FreeParameters, Hidden, Smoothness, StepCallback, TrainingRecord, creep_pole, is_lag,
-    refine_from, refine_promising, slowest_pole, without_factor,
+    Estimate, Fitted, FreeParameters, Hidden, Iterate, Reduced, Smoothness, StepCallback, TrainingRecord, creep_pole,
+    is_lag, refine_from, refine_promising, slowest_pole, without_factor,
 };
 use super::initial_conditions::select_initial_conditions;
 use super::mode_evidence::ModeEvidence;
@@ -26,6 +26,7 @@ use piezoid_numerics::progress::Stage;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use std::f64::consts::TAU;
+use tracing::trace_span;
 
 /// Name of the move that searches the structure with the selected operator.
 pub(super) const NAME: &str = "structure search with the operator";
@@ -51,7 +52,12 @@ impl StructureSearch {
         lags: &[Lag],
         range: (f64, f64),
     ) -> Self {
-        let limits = PoleLimits { slowest: slowest_pole(lags), max_order: order.unwrap_or(POLICY.max_order) };
+        let longest = records.iter().map(Record::duration).fold(0.0, f64::max);
+        let limits = PoleLimits {
+            slowest: slowest_pole(lags),
+            slowest_mode: POLICY.min_mode_cycles / longest,
+            max_order: order.unwrap_or(POLICY.max_order),
+        };
         StructureSearch { limits, evidence: ModeEvidence::of(records, order.is_some()), has_driver, order, range }
     }
 
@@ -64,12 +70,14 @@ impl StructureSearch {
         watch: StepCallback,
     ) -> Result<(), Error> {
         let mut is_lag_tried = self.has_driver;
-        while let Some(Structure { fitted: from, .. }) = tried.last() {
-            is_lag_tried |= from.estimate.driver.is_some();
+        while let Some(from) = tried.last() {
+            is_lag_tried |= from.fitted.estimate.driver.is_some();
             let Some(best) = tried.iter().min_by(Structure::by_error) else { break };
-            let mut longer = self.extended(from, best, runs, watch)?;
-            if !longer.iter().any(|t| t.gains_on(best)) && !is_lag_tried {
-                is_lag_tried = true;
+            let mut longer = self.extended(from, runs, watch)?;
+            let imitates_lag = |t: &Structure| t.order() > from.order() + 1 && t.modes() == from.modes();
+            let gains = longer.iter().find(|t| t.gains_on(best));
+            if !is_lag_tried && gains.is_none_or(imitates_lag) {
+                is_lag_tried = gains.is_none();
                 longer.extend(self.with_driver_lag(&best.fitted, basis, runs, watch)?);
             }
             longer.sort_by(|p, q| Structure::by_error(&p, &q));
@@ -93,33 +101,68 @@ impl StructureSearch {
         Ok(())
     }
 
-    /// The extensions of a fit that are possible: of those that the records show, or, if none of these gains on the
-    /// `best` structure, also of the others.
+    /// The extensions of a fit that are possible: found with few signals, and fitted with all weights until one gains;
+    /// up to the specified order, all.
     fn extended(
         &self,
-        from: &Fitted,
-        best: &Structure,
+        from: &Structure,
         runs: &mut [TrainingRecord],
         watch: StepCallback,
     ) -> Result<Vec<Structure>, Error> {
-        let is_not_creep = |linear: &Arx| creep_pole(linear, self.limits.slowest).is_none();
-        let mut longer: Vec<Structure> = Vec::new();
-        for group in extensions(from, runs, &self.limits, &self.evidence, watch)? {
-            let starts = group.into_iter().map(|one| (one.name, from.estimate.with_linear(one.linear)));
-            let ratio = POLICY.promised_minimum_ratio;
-            let fits = refine_promising(starts.collect(), from, ratio, &is_not_creep, runs, watch)?;
+        let Fitted { estimate, own, products, held_out, .. } = &from.fitted;
+        let reduced = Reduced::of(estimate, own, products, runs)?;
+        let possible = |linear: &Arx| self.is_not_creep(linear);
+        let mut found: Vec<Structure> = Vec::new();
+        for equals in self.extended_with_few(&reduced, held_out.lambda, runs, watch)? {
+            let starts = equals.into_iter().map(|(name, few)| (name, reduced.whole(&few.estimate, estimate)));
+            let fits = refine_promising(starts.collect(), &from.fitted, f64::INFINITY, &possible, runs, watch)?;
             let fits = fits.into_iter().map(|(name, fit)| Structure::new(name, fit));
-            let possible = |t: &Structure| self.evidence.allows(&t.fitted.estimate.linear, t.error(), best.error());
-            longer.extend(fits.filter(possible));
-            if longer.iter().any(|t| t.gains_on(best)) {
+            found.extend(fits.filter(|t| self.evidence.allows(&t.fitted.estimate.linear, t.error(), from.error())));
+            if self.order.is_none() && found.iter().any(|t| t.gains_on(from)) {
                 break;
             }
         }
-        Ok(longer)
+        Ok(found)
+    }
+
+    /// The extensions that lower the sum of squares with few signals, those with nearly the smallest first: of those
+    /// that the records show, or, if there are none, of the others.
+    fn extended_with_few(
+        &self,
+        reduced: &Reduced,
+        lambda: f64,
+        runs: &[TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<[Vec<(String, Fitted)>; 2], Error> {
+        let runs = &mut reduced.runs(runs)[..];
+        let smoothness = Smoothness::Fixed(reduced.smoothness(lambda));
+        let from = &refine_from(reduced.estimate.clone(), smoothness, runs, FreeParameters::All, watch)?;
+        for group in extensions(from, runs, &self.limits, &self.evidence, watch)? {
+            let starts = group.into_iter().map(|one| (one.name, from.estimate.with_linear(one.linear)));
+            let (ratio, possible) = (POLICY.promised_minimum_ratio, |linear: &Arx| self.is_not_creep(linear));
+            let mut fits = refine_promising(starts.collect(), from, ratio, &possible, runs, watch)?;
+            let is_lower = |fit: &Fitted| fit.minimum < ratio * from.minimum;
+            let is_possible =
+                |fit: &Fitted| self.evidence.allows(&fit.estimate.linear, fit.minimum.sqrt(), from.minimum.sqrt());
+            fits.retain(|(_, fit)| self.order.is_some() || is_lower(fit) && is_possible(fit));
+            if fits.is_empty() {
+                continue;
+            }
+            let minima = fits.iter().map(|(_, fit)| fit.minimum);
+            let most = POLICY.equal_minimum_ratio * minima.fold(f64::INFINITY, f64::min);
+            let (equal, others) = fits.into_iter().partition(|(_, fit)| fit.minimum <= most);
+            return Ok([equal, others]);
+        }
+        Ok([Vec::new(), Vec::new()])
+    }
+
+    /// True if no pole of a linear block counts as creep.
+    fn is_not_creep(&self, linear: &Arx) -> bool {
+        creep_pole(linear, self.limits.slowest).is_none()
     }
 
     /// The best of a fit with a lag before the hysteresis: a new one, or one that was behind it, as a lag or as a
-    /// delay.
+    /// delay; `None` if none gains.
     fn with_driver_lag(
         &self,
         best: &Fitted,
@@ -142,8 +185,15 @@ impl StructureSearch {
             Ok((name, with_other_blocks(&best.estimate, driver, &best.estimate.lags, linear?, basis)?))
         };
         let starts = moved.chain([(POLICY.new_driver_lag * ts, Ok(linear.clone()))]).chain(instead).map(start);
-        let starts = starts.collect::<Result<_, Error>>()?;
-        let found = refine_promising(starts, best, POLICY.promised_minimum_ratio, &|_| true, runs, watch)?;
+        let (ratio, promises) = (POLICY.promised_minimum_ratio, Promises::of(best, runs)?);
+        let mut promising = Vec::new();
+        for start in starts {
+            let (name, start) = start?;
+            if promises.is_less(&start, ratio, runs)? {
+                promising.push((name, start));
+            }
+        }
+        let found = refine_promising(promising, best, ratio, &|_| true, runs, watch)?;
         let found = found.into_iter().filter(|(_, fit)| self.evidence.shows(&fit.estimate.linear));
         Ok(found.map(|(name, fit)| Structure::new(name, fit)).min_by(|p, q| Structure::by_error(&p, &q)))
     }
@@ -152,10 +202,11 @@ impl StructureSearch {
     /// may keep the search from its end.
     fn of_lower_order(
         &self,
-        fitted: &Fitted,
+        promises: &Promises,
         runs: &mut [TrainingRecord],
         watch: StepCallback,
     ) -> Result<Option<Structure>, Error> {
+        let fitted = promises.fit;
         let linear = &fitted.estimate.linear;
         let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
         for n in 1..linear.a().len() {
@@ -164,7 +215,11 @@ impl StructureSearch {
                 continue;
             };
             let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
-            let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_lower_order_ratio);
+            let ratio = POLICY.promised_lower_order_ratio;
+            if !promises.is_less(&start, ratio, runs)? {
+                continue;
+            }
+            let starts = vec![(String::new(), start)];
             if let Some((name, fit)) = refine_promising(starts, fitted, ratio, &|_| true, runs, watch)?.pop() {
                 return Ok(Some(Structure::new(name, fit)));
             }
@@ -198,20 +253,25 @@ impl StructureSearch {
 /// The move: the simplest structure with the operator that is as good as the best: of those simpler than its own, its
 /// own, and extensions.
 pub(super) fn search_with_operator(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
+    let _stage = trace_span!(target: "stage", "structure").entered();
     let Search { runs, design, structures, reporter, .. } = search;
     let Some(operator) = candidate.operator else { return Ok(None) };
     let watch = &mut reporter.last_stage(operator.name);
     let basis = |ts: f64| (operator.basis)(&BasisDesign { ts, ..design.clone() });
     let fitted = &candidate.fitted;
-    let mut tried = Vec::new();
+    let (mut tried, promises) = (Vec::new(), Promises::of(fitted, runs)?);
     for Estimate { driver, seeks_lag, lags, linear, .. } in &candidate.structure.simpler {
         let start = with_other_blocks(&fitted.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
-        let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_simpler_ratio);
+        let ratio = POLICY.promised_simpler_ratio;
+        if !promises.is_less(&start, ratio, runs)? {
+            continue;
+        }
+        let starts = vec![(String::new(), start)];
         let found = refine_promising(starts, fitted, ratio, &|_| true, runs, watch)?;
         tried.extend(found.into_iter().map(|(name, fit)| Structure::new(name, fit)));
     }
     if structures.order.is_none() {
-        tried.extend(structures.of_lower_order(fitted, runs, watch)?);
+        tried.extend(structures.of_lower_order(&promises, runs, watch)?);
     }
     tried.push(Structure::new(String::new(), fitted.clone()));
     structures.extend(&mut tried, &basis, runs, watch)?;
@@ -219,6 +279,39 @@ pub(super) fn search_with_operator(candidate: &Candidate, search: &mut Search) -
     let reason = if selected.of_several { selected.reason } else { candidate.structure.reason.clone() };
     let structure = SelectedStructure { reason, simpler: selected.simpler };
     Ok(Some(Candidate { structure, operator: candidate.operator, fitted: selected.fitted }))
+}
+
+/// What the linearised equations of few signals promise.
+struct Promises<'f> {
+    fit: &'f Fitted,
+    reduced: Reduced,
+    /// The sum of squares that they promise for the fit itself, and one that is next to nothing.
+    least: f64,
+    negligible: f64,
+}
+
+impl<'f> Promises<'f> {
+    fn of(fit: &'f Fitted, runs: &[TrainingRecord]) -> Result<Self, Error> {
+        let reduced = Reduced::of(&fit.estimate, &fit.own, &fit.products, runs)?;
+        let point = Iterate::at(reduced.estimate.clone(), &reduced.runs(runs), &[], FreeParameters::All);
+        let (least, negligible) = (point.predicted(reduced.smoothness(fit.held_out.lambda)), point.negligible());
+        Ok(Promises { fit, reduced, least, negligible })
+    }
+
+    /// True if a start promises less than `ratio` times the minimum of the fit.
+    fn is_less(&self, start: &Estimate, ratio: f64, runs: &[TrainingRecord]) -> Result<bool, Error> {
+        let promised = |reduced: &Reduced, estimate: Estimate| {
+            let lambda = reduced.smoothness(self.fit.held_out.lambda);
+            Iterate::at(estimate, &reduced.runs(runs), &[], FreeParameters::All).predicted(lambda)
+        };
+        let sum = if start.driver == self.fit.estimate.driver {
+            promised(&self.reduced, self.reduced.estimate.with_linear(start.linear.clone()))
+        } else {
+            let other = Reduced::of(start, &self.fit.own, &self.fit.products, runs)?;
+            promised(&other, other.estimate.clone())
+        };
+        Ok(sum < (ratio * self.least).max(self.negligible))
+    }
 }
 
 /// The same response with a linear block of a higher order: further poles cancel further zeros.

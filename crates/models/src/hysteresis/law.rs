@@ -5,7 +5,7 @@
 
 use super::basis::{Basis, ShapeParameter, counted, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials, with_scratch};
-use super::real::{Dual, Real};
+use super::real::{Dual, Real, Several, Slope};
 use super::{Hysteresis, Operator, document, parse, thresholds};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, finite, positive};
@@ -232,6 +232,24 @@ impl<L: Law> Weighted<L> {
         x[0] = u.into();
     }
 
+    /// [`Basis::slopes`] by at most `N` shape parameters at once.
+    fn slopes_by<const N: usize>(&self, weights: &[f64], u: &[f64]) -> Vec<Vec<f64>> {
+        let of = |from: usize| {
+            let by = |k: usize| Several(std::array::from_fn(|j| f64::from(u8::from(from + j == k))));
+            let seeded = |(k, &value): (usize, &f64)| Dual { value, slope: by(k) };
+            let shape: Vec<Dual<Several<N>>> = self.shape.iter().enumerate().map(seeded).collect();
+            let mut x = vec![Dual::from(0.0); System::order(self)];
+            let mut slopes = vec![vec![0.0; u.len()]; N.min(self.shape.len() - from)];
+            for (t, &u) in u.iter().enumerate() {
+                let mut slope = Several::<N>::ZERO;
+                self.advance(&shape, &mut x, u, |k, phi| slope = slope + phi.slope * weights[k]);
+                slopes.iter_mut().zip(slope.0).for_each(|(slopes, slope)| slopes[t] = slope);
+            }
+            slopes
+        };
+        (0..self.shape.len()).step_by(N).flat_map(of).collect()
+    }
+
     fn run(&self, x: &mut [f64], last: Input, signal: &mut [f64]) {
         let Some(&end) = signal.last() else { return };
         self.params.law.run(&self.params.weights, &self.shape, &mut x[1..], last, signal);
@@ -339,16 +357,13 @@ impl<L: Law> Basis for Weighted<L> {
         Self::basis(self.ts, self.params.range, self.params.law.reshaped(shape)?)
     }
 
-    fn slope(&self, j: usize, weights: &[f64], u: &[f64]) -> Vec<f64> {
-        let seeded = |(i, &value): (usize, &f64)| Dual { value, slope: f64::from(u8::from(i == j)) };
-        let shape: Vec<Dual> = self.shape.iter().enumerate().map(seeded).collect();
-        let mut x = vec![Dual::from(0.0); System::order(self)];
-        let slope_at = |&u: &f64| {
-            let mut slope = 0.0;
-            self.advance(&shape, &mut x, u, |k, phi| slope += weights[k] * phi.slope);
-            slope
-        };
-        u.iter().map(slope_at).collect()
+    fn slopes(&self, weights: &[f64], u: &[f64]) -> Vec<Vec<f64>> {
+        match self.shape.len() {
+            0 => Vec::new(),
+            1..=2 => self.slopes_by::<2>(weights, u),
+            3..=4 => self.slopes_by::<4>(weights, u),
+            _ => self.slopes_by::<8>(weights, u),
+        }
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {

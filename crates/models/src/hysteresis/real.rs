@@ -61,67 +61,127 @@ impl Real for f64 {
     }
 }
 
-/// A value and its derivative.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Dual {
-    pub(super) value: f64,
-    pub(super) slope: f64,
+/// A derivative, or several at once.
+pub(super) trait Slope:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
+{
+    const ZERO: Self;
 }
 
-impl From<f64> for Dual {
+impl Slope for f64 {
+    const ZERO: f64 = 0.0;
+}
+
+/// A value and its derivative.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Dual<S = f64> {
+    pub(super) value: f64,
+    pub(super) slope: S,
+}
+
+impl<S: Slope> From<f64> for Dual<S> {
     fn from(value: f64) -> Self {
-        Dual { value, slope: 0.0 }
+        Dual { value, slope: S::ZERO }
     }
 }
 
-impl PartialOrd for Dual {
+impl<S: PartialEq> PartialOrd for Dual<S> {
     fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
         self.value.partial_cmp(&other.value)
     }
 }
 
-impl Neg for Dual {
+impl<S: Slope> Neg for Dual<S> {
     type Output = Self;
     fn neg(self) -> Self {
         Dual { value: -self.value, slope: -self.slope }
     }
 }
 
-impl Add for Dual {
+impl<S: Slope> Add for Dual<S> {
     type Output = Self;
     fn add(self, y: Self) -> Self {
         Dual { value: self.value + y.value, slope: self.slope + y.slope }
     }
 }
 
-impl Sub for Dual {
+impl<S: Slope> Sub for Dual<S> {
     type Output = Self;
     fn sub(self, y: Self) -> Self {
-        self + -y
+        Dual { value: self.value - y.value, slope: self.slope - y.slope }
     }
 }
 
-impl Mul for Dual {
+impl<S: Slope> Mul for Dual<S> {
     type Output = Self;
     fn mul(self, y: Self) -> Self {
-        Dual { value: self.value * y.value, slope: self.slope * y.value + self.value * y.slope }
+        Dual { value: self.value * y.value, slope: self.slope * y.value + y.slope * self.value }
     }
 }
 
-impl Div for Dual {
+impl<S: Slope> Div for Dual<S> {
     type Output = Self;
     fn div(self, y: Self) -> Self {
         let value = self.value / y.value;
-        Dual { value, slope: (self.slope - value * y.slope) / y.value }
+        Dual { value, slope: (self.slope - y.slope * value) / y.value }
     }
 }
 
-impl Real for Dual {
+impl<S: Slope + PartialEq> Real for Dual<S> {
     fn value(self) -> f64 {
         self.value
     }
     fn map(self, f: f64, slope: impl FnOnce() -> f64) -> Self {
-        Dual { value: f, slope: slope() * self.slope }
+        Dual { value: f, slope: self.slope * slope() }
+    }
+}
+
+/// The derivatives by several parameters.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Several<const N: usize>(pub(super) [f64; N]);
+
+impl<const N: usize> Several<N> {
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        Several(std::array::from_fn(|k| f(self.0[k], other.0[k])))
+    }
+}
+
+impl<const N: usize> Slope for Several<N> {
+    const ZERO: Self = Several([0.0; N]);
+}
+
+impl<const N: usize> Add for Several<N> {
+    type Output = Self;
+    fn add(self, other: Self) -> Self {
+        self.zip(other, |x, y| x + y)
+    }
+}
+
+impl<const N: usize> Sub for Several<N> {
+    type Output = Self;
+    fn sub(self, other: Self) -> Self {
+        self.zip(other, |x, y| x - y)
+    }
+}
+
+impl<const N: usize> Neg for Several<N> {
+    type Output = Self;
+    fn neg(self) -> Self {
+        Several(self.0.map(|x| -x))
+    }
+}
+
+impl<const N: usize> Mul<f64> for Several<N> {
+    type Output = Self;
+    fn mul(self, by: f64) -> Self {
+        Several(self.0.map(|x| x * by))
+    }
+}
+
+impl<const N: usize> Div<f64> for Several<N> {
+    type Output = Self;
+    fn div(self, by: f64) -> Self {
+        Several(self.0.map(|x| x / by))
     }
 }
 
@@ -139,6 +199,20 @@ mod tests {
         let known = [(2.0 * 0.7 * 2.7 - 0.49) / (2.7 * 2.7), -(-0.7f64).exp(), 1.4, 2f64.powf(0.7) * 2f64.ln()];
         assert_close(&found, &known, 1e-14, 0.0);
         assert_eq!(x.clamp(Dual::from(0.8), two).slope, 0.0, "outside the limits the derivative is 0");
+    }
+
+    #[test]
+    fn several_derivatives_at_once_are_the_same_as_one_by_one() {
+        let f = |x: f64, slopes: [f64; 2], y: f64, others: [f64; 2]| {
+            let (x, y) = (Dual { value: x, slope: Several(slopes) }, Dual { value: y, slope: Several(others) });
+            let one = |k: usize| {
+                let (x, y) = (Dual { value: x.value, slope: slopes[k] }, Dual { value: y.value, slope: others[k] });
+                (((x * y - x) / (y + x)).exp() * (-y).growth()).slope
+            };
+            (((x * y - x) / (y + x)).exp() * (-y).growth(), [one(0), one(1)])
+        };
+        let (at_once, one_by_one) = f(0.7, [1.0, 0.0], 1.9, [0.3, 1.0]);
+        assert_eq!(at_once.slope, Several(one_by_one));
     }
 
     #[test]

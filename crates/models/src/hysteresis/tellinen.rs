@@ -288,6 +288,27 @@ impl TellinenBasis {
         let operator = Tellinen::new(ts, branches(&nodes, &bends, &widths, 1.0)?)?;
         Ok(TellinenBasis { nodes, bends, widths, operator })
     }
+
+    /// dz/dp_j.
+    fn slope(&self, j: usize, weight: f64, u: &[f64]) -> Vec<f64> {
+        let (n, half) = (self.bends.len(), half(self.nodes.knots()));
+        let curves = |u: f64| {
+            let (m, v) = curves(&self.operator.branches, u);
+            let (bend, width) = match j.checked_sub(n) {
+                None => (half * self.nodes.middle(j + 1, u), 0.0),
+                Some(k) => (0.0, half * self.nodes.side(k + 1, u)),
+            };
+            (Dual { value: m, slope: bend }, Dual { value: v, slope: width })
+        };
+        let decay = Decay::of(self.operator.branches.range(), curves);
+        let (mut before, mut side) = (0.0, Dual::from(0.0));
+        let slope_at = |&u: &f64| {
+            side = decay.side(side, before, u);
+            before = u;
+            weight * between(curves(u), side).slope
+        };
+        u.iter().map(slope_at).collect()
+    }
 }
 
 /// Half the range of the knots.
@@ -334,24 +355,8 @@ impl Basis for TellinenBasis {
         Ok(Box::new(TellinenBasis::new(self.operator.ts, self.nodes.clone(), bends, widths)?))
     }
 
-    fn slope(&self, j: usize, weights: &[f64], u: &[f64]) -> Vec<f64> {
-        let (n, half) = (self.bends.len(), half(self.nodes.knots()));
-        let curves = |u: f64| {
-            let (m, v) = curves(&self.operator.branches, u);
-            let (bend, width) = match j.checked_sub(n) {
-                None => (half * self.nodes.middle(j + 1, u), 0.0),
-                Some(k) => (0.0, half * self.nodes.side(k + 1, u)),
-            };
-            (Dual { value: m, slope: bend }, Dual { value: v, slope: width })
-        };
-        let decay = Decay::of(self.operator.branches.range(), curves);
-        let (mut before, mut side) = (0.0, Dual::from(0.0));
-        let slope_at = |&u: &f64| {
-            side = decay.side(side, before, u);
-            before = u;
-            weights[0] * between(curves(u), side).slope
-        };
-        u.iter().map(slope_at).collect()
+    fn slopes(&self, weights: &[f64], u: &[f64]) -> Vec<Vec<f64>> {
+        (0..2 * self.bends.len()).map(|j| self.slope(j, weights[0], u)).collect()
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {

@@ -1,0 +1,96 @@
+//! Search of the shape of the operator, where the problem is not convex, on part of the data.
+//!
+//! Shapes are spread evenly over their domain, each with its optimal weights. The best of them are refined by
+//! Gauss-Newton in weights, creep and shape. The result is only a start for the whole data.
+
+use super::POLICY;
+use super::fit::{Estimate, FreeParameters, Iterate, StepCallback, TrainingRecord, refine_from_unknown};
+use crate::side_by_side::side_by_side;
+use libm::pow;
+use piezoid_models::hammerstein::InitialCondition;
+use piezoid_models::hysteresis::ShapeParameter;
+use piezoid_numerics::error::Error;
+use piezoid_records::record::Record;
+use rayon::prelude::*;
+
+/// Smoothness weight of the fits: only the order of the shapes matters.
+const SMOOTHNESS_WEIGHT: f64 = 1e-6;
+
+/// The bases of the sequences, one for each shape parameter.
+const PRIMES: [usize; 6] = [2, 3, 5, 7, 11, 13];
+
+/// Number of seeds with sequences of their own.
+const MAX_SEED: usize = 1000;
+
+/// The estimate with the best shape that is found, and unknown weights; `None` if there is nothing to search.
+pub(super) fn best_shape(
+    estimate: &Estimate,
+    runs: &[TrainingRecord],
+    seed: u64,
+    watch: StepCallback,
+) -> Result<Option<Estimate>, Error> {
+    let shape = estimate.basis.shape();
+    if shape.is_empty() || shape.len() > PRIMES.len() {
+        return Ok(None);
+    }
+    let large_signal: Vec<&TrainingRecord> = runs.iter().filter(|run| run.large_signal).collect();
+    let each = POLICY.shape_samples / large_signal.len().max(1);
+    // The ends, where rising amplitudes are largest.
+    let from = |run: &TrainingRecord| run.record.len().saturating_sub(each);
+    let end = |run: &&TrainingRecord| run.record.slice(from(run)..run.record.len());
+    let parts: Vec<Record> = large_signal.iter().map(end).collect::<Result<_, _>>()?;
+    let part = |(part, run): (_, &&TrainingRecord)| {
+        let end = TrainingRecord::new(part, &run.name, true, run.usable[from(run)..].to_vec())?;
+        // The largest of rising amplitudes wipe out the memory of the inputs long before.
+        let before = [&run.before, &run.record.u()[..from(run)]].concat();
+        let before = before[before.len().saturating_sub(each.max(1))..].to_vec();
+        let initial = if from(run) > 0 { InitialCondition::Motion } else { run.initial };
+        Some(TrainingRecord { drifts: run.drifts, initial, before, ..end })
+    };
+    let parts: Vec<TrainingRecord> = parts.iter().zip(&large_signal).filter_map(part).collect();
+
+    let at = |x: &[f64]| -> Option<Estimate> {
+        let p: Vec<f64> = shape.iter().zip(x).map(|(shape, x)| from_unit(shape, *x)).collect();
+        let basis = estimate.basis.reshaped(&p).ok()?;
+        Some(estimate.with_basis(basis))
+    };
+    let cost = |estimate: Estimate| -> (f64, Estimate) {
+        let point = Iterate::at(estimate.clone(), &parts, &[], FreeParameters::Weights);
+        (point.predicted(SMOOTHNESS_WEIGHT), estimate)
+    };
+    // Spread evenly over all shapes, and the operator's own.
+    let count = POLICY.shapes_per_parameter * shape.len();
+    let first = 1 + seed as usize % MAX_SEED * count;
+    let spread = |k: usize| -> Vec<f64> { PRIMES[..shape.len()].iter().map(|&base| halton(k, base)).collect() };
+    let starts: Vec<Estimate> = (first..first + count).filter_map(|k| at(&spread(k))).collect();
+    let mut costs: Vec<_> = starts.into_par_iter().chain([estimate.clone()]).map(cost).collect();
+    costs.sort_by(|p, q| p.0.total_cmp(&q.0));
+    costs.truncate(POLICY.refined_shapes);
+    let refined = |(_, start): (f64, Estimate), watch: StepCallback| {
+        refine_from_unknown(start, SMOOTHNESS_WEIGHT, &mut parts.clone(), FreeParameters::Shape, watch)
+    };
+    let fits = side_by_side(costs, refined, |_, _| watch(0))?.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let best = fits.into_iter().min_by(|p, q| p.minimum.total_cmp(&q.minimum));
+    best.map(|fit| Ok(estimate.with_basis(fit.estimate.basis.reshaped(&fit.estimate.shape())?))).transpose()
+}
+
+/// Element `k` of the Van der Corput sequence of a base, from 0 to 1; those of several primes are spread evenly.
+/// J. H. Halton, Numer. Math. 2, 84 (1960), DOI 10.1007/BF01386213.
+fn halton(mut k: usize, base: usize) -> f64 {
+    let (mut x, mut digit) = (0.0, 1.0);
+    while k > 0 {
+        digit /= base as f64;
+        x += digit * (k % base) as f64;
+        k /= base;
+    }
+    x
+}
+
+/// The shape parameter at a share of its domain, on a logarithmic scale if that is positive.
+fn from_unit(shape: &ShapeParameter, share: f64) -> f64 {
+    if shape.low > 0.0 {
+        shape.low * pow(shape.high / shape.low, share)
+    } else {
+        shape.low + share * (shape.high - shape.low)
+    }
+}
