@@ -5,5 +5,6 @@ pub mod control;
 pub mod operators;
 pub mod page;
 pub mod paper;
+pub mod profile;
 pub mod twin;
 pub mod vectors;

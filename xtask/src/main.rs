@@ -31,7 +31,7 @@ const VERBS: [(&str, &str, Work); 7] = [
         "the page and its modules in web/dist, the plots of reports, and their tests (Node.js, Chromium)",
         web::web,
     ),
-    ("bench", "criterion benches, then all beside other tools (Python, makes its own environment)", bench),
+    ("bench", "all benches, then beside other tools (Python, its own environment); `-- NAME`: one bench", bench),
     ("fuzz", "damaged files of every format, and models, for a minute each (cargo-fuzz)", fuzz),
     ("generate", "write what is generated: bindings, vectors; by name page, golden, docs; --check", generate::generate),
 ];
@@ -185,7 +185,12 @@ fn python_tests(skipped: &mut Skipped) -> Result<(), String> {
     skipped.step(inside().args(["-m", "pytest", "-rs", "--config-file"]).arg(settings).arg(package.join("tests")))
 }
 
+/// All benches and the comparison with other tools, or the bench that is named after `--`, with its arguments.
 fn bench() -> Result<(), String> {
+    let words: Vec<String> = std::env::args().skip(2).filter(|word| word != "--").collect();
+    if let Some((name, words)) = words.split_first() {
+        return step(cargo(&["bench", "--package", "piezoid-bench", "--bench", name, "--"]).args(words));
+    }
     step(&mut cargo(&["bench", "--package", "piezoid-bench"]))?;
     step(python().arg(root().join("bench/side_by_side.py")))
 }
