@@ -63,8 +63,7 @@ impl<'a> RunColumns<'a> {
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let creep = creep(estimate);
         let level = Responses::level(estimate, run);
-        let mut responses = Responses::from_rest(estimate, run);
-        run.before[1..run.before.len() - run.moving()].iter().for_each(|&u| _ = responses.next(u));
+        let responses = Responses::before_moving(estimate, run);
         let slopes = match free {
             FreeParameters::All | FreeParameters::Shape => slopes(estimate, run),
             _ => vec![Vec::new(); layout.shape.len()],

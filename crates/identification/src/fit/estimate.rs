@@ -143,6 +143,13 @@ impl<'a> Responses<'a> {
         Responses { is_first, ..Responses::settled(estimate, run.before[0]) }
     }
 
+    /// The responses before the first input that passes creep and linear block.
+    pub(crate) fn before_moving(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
+        let mut responses = Responses::from_rest(estimate, run);
+        run.before[1..run.before.len() - run.moving()].iter().for_each(|&u| _ = responses.next(u));
+        responses
+    }
+
     /// The responses from rest, settled at `u`.
     fn settled(estimate: &'a Estimate, u: f64) -> Self {
         let basis = &*estimate.basis;

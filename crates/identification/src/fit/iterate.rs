@@ -38,11 +38,14 @@ impl Iterate {
         Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each, free }
     }
 
+    /// The solution of the linearised equations.
+    fn solution(&self, lambda: f64) -> Option<DVector<f64>> {
+        self.prior.solve(&self.normal, lambda, INITIAL_DAMPING, self.free, &mut self.prior.positive())
+    }
+
     /// The estimate at the solution of the linearised equations; the same one if there is none.
     pub(super) fn solved(self, lambda: f64) -> Estimate {
-        let mut positive = self.prior.positive();
-        let x = self.prior.solve(&self.normal, lambda, INITIAL_DAMPING, self.free, &mut positive);
-        x.and_then(|x| self.estimate.moved(x.as_slice())).unwrap_or(self.estimate)
+        self.solution(lambda).and_then(|x| self.estimate.moved(x.as_slice())).unwrap_or(self.estimate)
     }
 
     /// The current parameters as the unknowns of the equations.
@@ -91,9 +94,7 @@ impl Iterate {
 
     /// The sum of squares and penalties at the solution of the linearised equations.
     pub(crate) fn predicted(&self, lambda: f64) -> f64 {
-        let mut positive = self.prior.positive();
-        let x = self.prior.solve(&self.normal, lambda, INITIAL_DAMPING, self.free, &mut positive);
-        x.map_or(f64::INFINITY, |x| self.cost_at(&x, lambda))
+        self.solution(lambda).map_or(f64::INFINITY, |x| self.cost_at(&x, lambda))
     }
 
     pub(super) fn cost_at(&self, x: &DVector<f64>, lambda: f64) -> f64 {

@@ -72,7 +72,7 @@ impl Reduced {
         };
         let signals: Vec<Vec<f64>> = runs.par_iter().enumerate().map(of_run).collect();
         coefficients.resize(directions.ncols() + ColumnLayout::of(estimate).shape.len(), 0.0);
-        coefficients.extend((!is_whole).then_some(1.0));
+        coefficients.extend((!lags.is_empty()).then_some(1.0));
         let n = coefficients.len();
         // Row 0 is rest.
         let rows: Vec<f64> = std::iter::repeat_n(0.0, n).chain(signals.into_iter().flatten()).collect();
@@ -159,11 +159,8 @@ fn signals(
         shares
     };
     let shares: Vec<[f64; LANES]> = (0..directions.nrows()).map(of_weight).collect();
-    let level = Responses::level(estimate, run);
-    let mut responses = Responses::from_rest(estimate, run);
-    let moving = run.moving();
-    let (earlier, later) = run.before[1..].split_at(run.before.len() - 1 - moving);
-    earlier.iter().for_each(|&u| _ = responses.next(u));
+    let (level, mut responses) = (Responses::level(estimate, run), Responses::before_moving(estimate, run));
+    let (moving, later) = (run.moving(), &run.before[run.before.len() - run.moving()..]);
     let slopes = slopes(estimate, run);
     let mut filters = Filters::new(n + slopes.len(), lags, &[], &[1.0]);
     let width = filters.len();
@@ -261,10 +258,12 @@ impl Basis for Recorded {
 mod tests {
     use super::super::fitted::Fitted;
     use super::super::held_out::Smoothness;
+    use super::super::iterate::Iterate;
     use super::super::refine::{refine, refine_from};
     use super::super::solve::FreeParameters;
     use super::super::{runs::training_records, testing::estimate};
     use super::*;
+    use piezoid_models::creep::Lag;
     use piezoid_models::hammerstein::InitialCondition;
     use piezoid_models::linear::Arx;
     use piezoid_numerics::system::System;
@@ -288,7 +287,7 @@ mod tests {
                 refine_from(estimate, Smoothness::Fixed(lambda), runs, FreeParameters::All, &mut |_| Ok(())).unwrap()
             };
             // The same free run before the fit.
-            let same = super::super::iterate::Iterate::at(reduced.estimate.clone(), &few, &[], FreeParameters::All);
+            let same = Iterate::at(reduced.estimate.clone(), &few, &[], FreeParameters::All);
             let residual = same.residuals(&few)[0];
             assert!(
                 (residual / from.residuals[0] - 1.0).abs() < 0.2,
@@ -301,6 +300,28 @@ mod tests {
             let pole = |fit: &Fitted| fit.estimate.linear.a()[0];
             assert!((pole(&fit) - pole(&direct)).abs() < 0.02, "{} {}", pole(&fit), pole(&direct));
             assert!((whole.minimum / direct.minimum - 1.0).abs() < 0.02, "{} {}", whole.minimum, direct.minimum);
+        }
+    }
+
+    #[test]
+    fn windows_of_a_long_record_have_the_free_run_of_the_whole_with_creep_and_without() {
+        let u: Vec<f64> =
+            (0..24_000).map(|t| 28.0 * (1e-3 * f64::from(t)).sin() * (0.013 * f64::from(t)).sin()).collect();
+        for lags in [Vec::new(), vec![Lag { tau_s: 0.02, gain: 0.05 }, Lag { tau_s: 3.0, gain: 0.03 }]] {
+            let start = Estimate { lags, ..estimate("prandtl-ishlinskii", 6) };
+            let weights: Vec<f64> = (0..start.weights.len()).map(|k| 1.0 + 0.5 * (1.7 * k as f64).sin()).collect();
+            let model = Estimate { weights: weights.clone(), ..start.clone() }.model(0.0).unwrap();
+            let records = [Record::new(5e-4, u.clone(), model.simulate(&u)).unwrap()];
+            let runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+            let exact = Estimate { weights, ..start };
+            let own = [vec![0.0; ColumnLayout::of(&exact).own()]];
+            let n = exact.weights.len();
+            let reduced = Reduced::of(&exact, &own, &DMatrix::identity(n, n), &runs).unwrap();
+            let few = reduced.runs(&runs);
+            assert!(few.len() > 1);
+            let point = Iterate::at(reduced.estimate.clone(), &few, &[], FreeParameters::All);
+            let worst = point.residuals(&few).into_iter().fold(0.0, f64::max);
+            assert!(worst < 1e-8, "{worst:e}");
         }
     }
 }

@@ -185,15 +185,8 @@ impl StructureSearch {
             Ok((name, with_other_blocks(&best.estimate, driver, &best.estimate.lags, linear?, basis)?))
         };
         let starts = moved.chain([(POLICY.new_driver_lag * ts, Ok(linear.clone()))]).chain(instead).map(start);
-        let (ratio, promises) = (POLICY.promised_minimum_ratio, Promises::of(best, runs)?);
-        let mut promising = Vec::new();
-        for start in starts {
-            let (name, start) = start?;
-            if promises.is_less(&start, ratio, runs)? {
-                promising.push((name, start));
-            }
-        }
-        let found = refine_promising(promising, best, ratio, &|_| true, runs, watch)?;
+        let starts = starts.collect::<Result<_, Error>>()?;
+        let found = Promises::of(best, runs)?.refine(starts, POLICY.promised_minimum_ratio, runs, watch)?;
         let found = found.into_iter().filter(|(_, fit)| self.evidence.shows(&fit.estimate.linear));
         Ok(found.map(|(name, fit)| Structure::new(name, fit)).min_by(|p, q| Structure::by_error(&p, &q)))
     }
@@ -215,12 +208,8 @@ impl StructureSearch {
                 continue;
             };
             let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
-            let ratio = POLICY.promised_lower_order_ratio;
-            if !promises.is_less(&start, ratio, runs)? {
-                continue;
-            }
-            let starts = vec![(String::new(), start)];
-            if let Some((name, fit)) = refine_promising(starts, fitted, ratio, &|_| true, runs, watch)?.pop() {
+            let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_lower_order_ratio);
+            if let Some((name, fit)) = promises.refine(starts, ratio, runs, watch)?.pop() {
                 return Ok(Some(Structure::new(name, fit)));
             }
         }
@@ -262,12 +251,8 @@ pub(super) fn search_with_operator(candidate: &Candidate, search: &mut Search) -
     let (mut tried, promises) = (Vec::new(), Promises::of(fitted, runs)?);
     for Estimate { driver, seeks_lag, lags, linear, .. } in &candidate.structure.simpler {
         let start = with_other_blocks(&fitted.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
-        let ratio = POLICY.promised_simpler_ratio;
-        if !promises.is_less(&start, ratio, runs)? {
-            continue;
-        }
-        let starts = vec![(String::new(), start)];
-        let found = refine_promising(starts, fitted, ratio, &|_| true, runs, watch)?;
+        let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_simpler_ratio);
+        let found = promises.refine(starts, ratio, runs, watch)?;
         tried.extend(found.into_iter().map(|(name, fit)| Structure::new(name, fit)));
     }
     if structures.order.is_none() {
@@ -298,19 +283,36 @@ impl<'f> Promises<'f> {
         Ok(Promises { fit, reduced, least, negligible })
     }
 
-    /// True if a start promises less than `ratio` times the minimum of the fit.
-    fn is_less(&self, start: &Estimate, ratio: f64, runs: &[TrainingRecord]) -> Result<bool, Error> {
+    /// Fits all parameters from each start that promises less than `ratio` times the minimum of the fit, first with few
+    /// signals, then with all weights.
+    fn refine(
+        &self,
+        starts: Vec<(String, Estimate)>,
+        ratio: f64,
+        runs: &[TrainingRecord],
+        watch: StepCallback,
+    ) -> Result<Vec<(String, Fitted)>, Error> {
+        let most = (ratio * self.least).max(self.negligible);
+        let mut promising = Vec::new();
+        for (name, start) in starts {
+            if self.sum(&start, runs)? < most {
+                promising.push((name, start));
+            }
+        }
+        refine_promising(promising, self.fit, ratio, &|_| true, runs, watch)
+    }
+
+    /// The sum of squares that a start promises.
+    fn sum(&self, start: &Estimate, runs: &[TrainingRecord]) -> Result<f64, Error> {
         let promised = |reduced: &Reduced, estimate: Estimate| {
             let lambda = reduced.smoothness(self.fit.held_out.lambda);
             Iterate::at(estimate, &reduced.runs(runs), &[], FreeParameters::All).predicted(lambda)
         };
-        let sum = if start.driver == self.fit.estimate.driver {
-            promised(&self.reduced, self.reduced.estimate.with_linear(start.linear.clone()))
-        } else {
-            let other = Reduced::of(start, &self.fit.own, &self.fit.products, runs)?;
-            promised(&other, other.estimate.clone())
-        };
-        Ok(sum < (ratio * self.least).max(self.negligible))
+        if start.driver == self.fit.estimate.driver {
+            return Ok(promised(&self.reduced, self.reduced.estimate.with_linear(start.linear.clone())));
+        }
+        let other = Reduced::of(start, &self.fit.own, &self.fit.products, runs)?;
+        Ok(promised(&other, other.estimate.clone()))
     }
 }
 
