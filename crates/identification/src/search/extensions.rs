@@ -39,7 +39,7 @@ pub(super) struct Extension {
 
 /// Limits of the poles of the linear block.
 pub(super) struct PoleLimits {
-    /// Frequency of the slowest lag that is not creep [Hz].
+    /// Frequency of the slowest lag that is neither creep nor longer than the records [Hz]; not 0.
     pub(super) slowest: f64,
     /// Frequency of the slowest mode [Hz].
     pub(super) slowest_mode: f64,

@@ -11,7 +11,7 @@ use super::candidate::SelectedStructure;
 use super::extensions::{PoleLimits, extensions, product};
 use super::fit::{
     Estimate, Fitted, FreeParameters, Hidden, Iterate, Reduced, Smoothness, StepCallback, TrainingRecord, creep_pole,
-    is_lag, refine_from, refine_promising, slowest_pole, without_factor,
+    is_lag, refine_from, refine_promising, slowest_observable, slowest_pole, without_factor,
 };
 use super::initial_conditions::select_initial_conditions;
 use super::mode_evidence::ModeEvidence;
@@ -54,7 +54,7 @@ impl StructureSearch {
     ) -> Self {
         let longest = records.iter().map(Record::duration).fold(0.0, f64::max);
         let limits = PoleLimits {
-            slowest: slowest_pole(lags),
+            slowest: slowest_pole(lags).max(slowest_observable(records.iter())),
             slowest_mode: POLICY.min_mode_cycles / longest,
             max_order: order.unwrap_or(POLICY.max_order),
         };
@@ -324,4 +324,20 @@ fn of_order(order: usize, linear: &Arx) -> Result<Arx, Error> {
         (a, b) = (product(&a, &factor), product(&b, &factor));
     }
     Arx::new(linear.ts(), a[1..].iter().map(|a| -a).collect(), b)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_creep_no_lag_is_longer_than_the_longest_record() {
+        let of = |n: usize| Record::new(0.01, vec![0.0; n], vec![0.0; n]).unwrap();
+        let records = [of(300), of(500)];
+        let longest = records[1].duration();
+        let search = StructureSearch::new(&records, false, None, &[], (-1.0, 1.0));
+        assert_eq!(search.limits.slowest, 1.0 / (TAU * longest));
+        let creep = StructureSearch::new(&records, false, None, &[Lag { tau_s: 0.1, gain: 0.0 }], (-1.0, 1.0));
+        assert_eq!(creep.limits.slowest, 1.0 / (TAU * 0.1));
+    }
 }
