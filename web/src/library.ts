@@ -14,11 +14,17 @@ export interface Library {
   lists(): Promise<any>;
   /** Loads what these verbs need, where something is loaded. */
   load?(...calls: string[]): Promise<void>;
-  /** The answer to a request with these files. A signal ends the work: the call is then refused with `Cancelled`. */
-  call(request: Request, files: File[], progress?: Progress, signal?: AbortSignal): Promise<Answer>;
+  /**
+   * The answer to a request with these files. A signal ends the work: the call is then refused with `Cancelled`. A call
+   * `beside` others does not wait for them.
+   */
+  call(request: Request, files: File[], progress?: Progress, signal?: AbortSignal, beside?: boolean): Promise<Answer>;
 }
 
-/** The library in workers of this browser, one for each module: calls of one module wait for each other. */
+/**
+ * The library in workers of this browser, one for each module: calls of one module wait for each other, unless they are
+ * beside others.
+ */
 export class LocalLibrary implements Library {
   readonly readsAll = false;
   #base: URL;
@@ -48,8 +54,9 @@ export class LocalLibrary implements Library {
     files: File[],
     progress: Progress = () => {},
     signal?: AbortSignal,
+    beside = false,
   ): Promise<Answer> {
-    const thread = await this.#thread(request.call);
+    const thread = await this.#thread(request.call, beside);
     return unpacked(await thread.answer(packed(request, files), progress, signal));
   }
 
@@ -58,14 +65,15 @@ export class LocalLibrary implements Library {
     for (const call of calls) await (await this.#thread(call)).load();
   }
 
-  async #thread(verb: string): Promise<Thread> {
+  async #thread(verb: string, beside = false): Promise<Thread> {
     const { operations } = await this.lists();
     const name = operations.find((operation: { name: string }) => operation.name === verb)?.module;
     if (name === undefined) throw new Refused(`there is no call called \`${verb}\``);
-    let thread = this.#threads.get(name);
+    const key = beside ? `${name} beside` : name;
+    let thread = this.#threads.get(key);
     if (!thread) {
       thread = new Thread(() => compiled(new URL(`${name}.wasm`, this.#base)), this.#spawn);
-      this.#threads.set(name, thread);
+      this.#threads.set(key, thread);
     }
     return thread;
   }

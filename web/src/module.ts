@@ -7,6 +7,8 @@ export interface Stage {
   total: number;
   /** What was found last, by name; null for what is no number. */
   figures: Record<string, number | null>;
+  /** The text of the file of a model that is better than those before. */
+  model?: string;
 }
 
 /** Progress of long work. */

@@ -27,9 +27,11 @@ export interface Task {
   request: Request;
   files: File[];
   /** Called after each step. */
-  onStage?(what: string, figures: Record<string, number>): void;
+  onStage?(what: string, figures: Record<string, number>, model?: string): void;
   /** Short work is not shown among the jobs. */
   quiet?: boolean;
+  /** It does not wait for long work. */
+  beside?: boolean;
 }
 
 /** How long the project may differ from what is stored [ms]. */
@@ -287,18 +289,19 @@ export class Workspace {
   // Work.
 
   /** The answer to a task, with its progress among the jobs. */
-  async run({ name, request, files, onStage, quiet }: Task): Promise<Answer> {
+  async run({ name, request, files, onStage, quiet, beside }: Task): Promise<Answer> {
     const stop = new AbortController();
     const job: Job = { name, what: "", done: 0, total: 0, cancel: () => stop.abort() };
     if (!quiet) this.jobs = [...this.jobs, job];
     this.changed();
     try {
-      const progress = ({ what, done, total, figures }: Stage) => {
+      const progress = ({ what, done, total, figures, model }: Stage) => {
         Object.assign(job, { what, done, total });
-        onStage?.(what, Object.fromEntries(Object.entries(figures).filter(([, value]) => value !== null)) as Record<string, number>);
+        const known = Object.fromEntries(Object.entries(figures).filter(([, value]) => value !== null));
+        onStage?.(what, known as Record<string, number>, model);
         if (!quiet) this.changed();
       };
-      return await this.library.call(request, files, progress, stop.signal);
+      return await this.library.call(request, files, progress, stop.signal, beside);
     } finally {
       this.jobs = this.jobs.filter((other) => other !== job);
       this.changed();

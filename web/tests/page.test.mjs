@@ -122,17 +122,19 @@ test("a second tab with the same project is told, a reload is not", { skip }, as
   await context.close();
 });
 
-test("work is cancelled, and the next work is done", { skip }, async () => {
+test("a search is drawn while it runs, cancelled with its best model so far, and the next work is done", { skip }, async () => {
   const { page, faults, context } = await opened(browser, server.url);
   await page.getByRole("button", { name: "Open the example" }).click();
   await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
   await view(page, "Identify");
   await page.getByRole("button", { name: "Identify", exact: true }).click();
-  await page.getByRole("button", { name: "Cancel" }).waitFor();
-  await page.waitForTimeout(1500);
+  await page.getByRole("heading", { name: "The search" }).waitFor();
+  await page.getByText("best so far").first().waitFor({ timeout: 60_000 });
   await page.getByRole("button", { name: "Cancel" }).click();
   await page.getByRole("button", { name: "Cancel" }).waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "cancelled.json", exact: true }).waitFor();
   await identify(page, "bouc-wen");
+  await page.getByRole("button", { name: "bouc-wen.json", exact: true }).waitFor({ timeout: 120_000 });
   assert.deepEqual(faults, []);
   await context.close();
 });

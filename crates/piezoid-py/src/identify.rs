@@ -3,7 +3,8 @@
 use crate::json::options;
 use crate::model::Model;
 use crate::record::Record;
-use crate::watch::watched;
+use crate::watch::{watched, watched_until};
+use piezoid::progress::Progress;
 use piezoid::{IdentifyOptions, Records};
 use piezoid_verbs::{File, identify_again};
 use pyo3::prelude::*;
@@ -12,7 +13,8 @@ use pyo3::types::PyDict;
 /// The name of the front end in the files of models.
 const FRONT_END: &str = "piezoid.identify";
 
-/// Identifies a model. Its `provenance` contains how it was identified, and the results on the way.
+/// Identifies a model. Its `provenance` contains how it was identified, and the results on the way. The best model
+/// until an exception stops the work is the attribute `model` of the exception.
 #[pyfunction]
 pub(crate) fn identify(
     py: Python<'_>,
@@ -26,8 +28,8 @@ pub(crate) fn identify(
     let own = |records: &[Py<Record>]| records.iter().map(|r| r.get().record.clone()).collect::<Vec<_>>();
     let (small, large) = (own(&records.0), own(&records.1));
     let records = Records { small_signal: &small, large_signal: &large };
-    let identified =
-        watched(py, progress, |progress| options.identify_and_validate(records, &[], (FRONT_END, &origins), progress))?;
+    let work = |progress: &mut Progress| options.identify_and_validate(records, &[], (FRONT_END, &origins), progress);
+    let identified = watched_until(py, progress, work, |best| Some(best.found.model.into()))?;
     Ok(identified.found.model.into())
 }
 

@@ -1,10 +1,12 @@
 //! Long work: Python receives its progress, and Ctrl-C stops it.
 
 use crate::error::raised;
+use crate::model::Model;
 use piezoid::Error;
 use piezoid::progress::{Progress, Stage};
 use pyo3::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuilder};
+use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::sync::OnceLock;
 use std::time::{Duration, Instant};
@@ -32,6 +34,11 @@ pub(crate) fn in_pieces(
     Ok(y)
 }
 
+/// True if a stage says what was found.
+fn found(stage: &Stage) -> bool {
+    !stage.figures.is_empty() || stage.model.is_some()
+}
+
 /// Does `work` in this process. A forked process has none of the threads of its parent's pool, and would wait for them
 /// forever. In a forked process each thread therefore works alone.
 fn within_this_process<T: Send>(work: impl FnOnce() -> T + Send) -> T {
@@ -49,12 +56,25 @@ fn within_this_process<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 }
 
 /// Does `work` without the interpreter's lock. `progress`, if given, is called with the kind of work, the number of
-/// steps done, and the total. An exception that it raises stops the work, as Ctrl-C does.
+/// steps done, and the total; its method `found`, if it has one, with the kind of work, the figures that were found by
+/// name, and a better model or None. An exception that it raises stops the work, as Ctrl-C does.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
     work: impl FnOnce(&mut Progress) -> Result<T, Error> + Send,
 ) -> PyResult<T> {
+    watched_until(py, progress, work, |_| None)
+}
+
+/// The same for work that may have a result when an exception stops it: `kept` makes the attribute `model` of the
+/// exception from it.
+pub(crate) fn watched_until<T: Send>(
+    py: Python<'_>,
+    progress: Option<Py<PyAny>>,
+    work: impl FnOnce(&mut Progress) -> Result<T, Error> + Send,
+    kept: impl FnOnce(T) -> Option<Model>,
+) -> PyResult<T> {
+    let results = progress.as_ref().and_then(|progress| progress.getattr(py, "found").ok());
     let (mut raised_within, mut last) = (None, None);
     let mut heard = Instant::now();
     let outcome = py.detach(|| {
@@ -68,7 +88,11 @@ pub(crate) fn watched<T: Send>(
                 py.check_signals()?;
                 let Some(progress) = &progress else { return Ok(()) };
                 last = Some((stage.what.to_string(), stage.done, stage.total));
-                progress.call1(py, (stage.what, stage.done, stage.total)).map(drop)
+                progress.call1(py, (stage.what, stage.done, stage.total))?;
+                let Some(results) = results.as_ref().filter(|_| found(&stage)) else { return Ok(()) };
+                let figures = stage.figures.iter().copied().collect::<HashMap<_, _>>();
+                let model = stage.model.map(piezoid::Model::from_json).transpose().map_err(raised)?;
+                results.call1(py, (stage.what, figures, model.map(Model::from))).map(drop)
             });
             match message {
                 Ok(()) => ControlFlow::Continue(()),
@@ -81,6 +105,10 @@ pub(crate) fn watched<T: Send>(
         within_this_process(|| work(&mut tell))
     });
     if let Some(error) = raised_within {
+        if let Some(model) = outcome.ok().and_then(kept) {
+            // Not every exception takes an attribute.
+            let _ = error.value(py).setattr("model", model);
+        }
         return Err(error);
     }
     let result = outcome.map_err(raised)?;

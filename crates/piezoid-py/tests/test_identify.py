@@ -106,14 +106,24 @@ def test_a_lag_that_outlasts_the_records_is_no_part_of_a_model(rich: pz.Record) 
 def test_who_watches_is_told_and_may_stop(rich: pz.Record) -> None:
     message: list[tuple[str, int, int]] = []
     pz.identify(data=rich, operator="stop", order=2, progress=lambda *stage: message.append(stage))
-    assert message[-1] == ("stop", 3, 3), "the end is reported too"
+    assert message[-1] == ("stop", 4, 4), "the end is reported too"
     assert {what for what, _, _ in message} >= {"linear block", "stop"} and all(done <= total for _, done, total in message)
 
     def stop(what: str, done: int, total: int) -> None:
         raise KeyError("enough")
 
-    with pytest.raises(KeyError, match="enough"):
+    with pytest.raises(KeyError, match="enough") as stopped:
         pz.identify(data=rich, operator="stop", order=2, progress=stop)
+    assert not hasattr(stopped.value, "model"), "there was none yet"
+
+    def stop_late(what: str, done: int, total: int) -> None:
+        if what == "stop":
+            raise KeyError("enough")
+
+    with pytest.raises(KeyError, match="enough") as stopped:
+        pz.identify(data=rich, operator="stop", order=2, progress=stop_late)
+    best = stopped.value.model
+    assert best.provenance["verdict"]["cancelled_in"] == "stop" and best.validate(rich).nrmse_percent < 20
 
 
 def test_progress_may_be_a_bar(rich: pz.Record, capsys: pytest.CaptureFixture[str]) -> None:
@@ -124,7 +134,7 @@ def test_progress_may_be_a_bar(rich: pz.Record, capsys: pytest.CaptureFixture[st
 
     with tqdm(disable=False) as mine:
         pz.identify(data=rich, operator="stop", order=2, progress=mine)
-        assert mine.n == mine.total == 3
+        assert mine.n == mine.total == 4
     pz.identify(data=rich, operator="stop", order=2, progress=tqdm)
     assert "stop" in capsys.readouterr().err
     with pytest.raises(pz.PiezoidError, match="progress = 5"):

@@ -263,6 +263,16 @@ def test_colours_differ_in_grey():
     assert all(abs(lightness(a) - lightness(b)) > 8 for a, b in combinations(pz.plot.EQUALS, 2))
 
 
+def test_a_search_is_drawn_while_it_runs(record):
+    figure = pz.plot.search(record)
+    model = pz.identify(record, operator="stop,bouc-wen", order=2, progress=figure)
+    loop, ranking, residual = figure.axes
+    assert sorted(figure.errors) == ["bouc-wen", "stop"] == sorted(text.get_text() for text in ranking.get_yticklabels())
+    assert figure.model.validate(record, offset="free").nrmse_percent < 2 * model.validate(record).nrmse_percent + 1
+    assert len(loop.lines) == 2 and len(residual.lines) == 2 and residual.get_xlabel() == "time [s]"
+    plt.close("all")
+
+
 def python(code):
     return subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
 

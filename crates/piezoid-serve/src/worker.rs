@@ -9,7 +9,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Progress is reported so often at most, unless a new task begins or there are figures.
+/// Progress is reported so often at most, unless a new task begins or something was found.
 const PAUSE: Duration = Duration::from_millis(50);
 
 /// Once nobody waits for the answer any more, work that moves an instrument has so long to stop it.
@@ -19,7 +19,7 @@ static LEFT: AtomicBool = AtomicBool::new(false);
 
 /// Answers one request. On stdin are its length (8 bytes, little-endian) and the request; when stdin ends, nobody waits
 /// for the answer any more, and the process ends. On stdout are lines `{"what": ..., "done": ..., "total": ...,
-/// "figures": {...}}`, an empty line, and the packed answer.
+/// "figures": {...}, "model": "..."}`, an empty line, and the packed answer.
 ///
 /// # Errors
 /// Returns the error of stdin or stdout.
@@ -46,7 +46,7 @@ pub fn answer() -> Result<(), Error> {
             return ControlFlow::Break(());
         }
         let soon = |(last, at): &(String, Instant)| last == stage.what && at.elapsed() < PAUSE;
-        if stage.figures.is_empty() && message.as_ref().is_some_and(soon) {
+        if stage.figures.is_empty() && stage.model.is_none() && message.as_ref().is_some_and(soon) {
             return ControlFlow::Continue(());
         }
         message = Some((stage.what.to_string(), Instant::now()));

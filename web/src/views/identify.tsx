@@ -8,8 +8,10 @@ import { download } from "../plot/download.ts";
 import { prose, short } from "../plot/ticks.ts";
 import { Outdated } from "../models.tsx";
 import { type ModelEntry, type RecordEntry, withSettings } from "../project.ts";
-import { Chart, Fault, Missing, Notes, Section, Table, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";
+import { Cancelled } from "../packet.ts";
+import { Chart, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, useWork, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
+import { loopsFigure, type Run, timeFigure } from "./validate.tsx";
 
 /** What is known of an operator while it is fitted. */
 interface Trial {
@@ -22,10 +24,11 @@ interface Trial {
   verdict?: string;
 }
 
-/** A step of the search: its figures. */
+/** A step of the search: its figures, and the text of the file of a better model. */
 interface SearchStep {
   what: string;
   figures: Record<string, number>;
+  model?: string;
 }
 
 export function IdentifyView() {
@@ -55,7 +58,7 @@ export function IdentifyView() {
           values={values}
           change={(next) => workspace.change((project) => withSettings(project, "identify", next))}
           names={{ operator: [{ name: "auto", summary: "all that suit the records" }, ...lists.operators] }}
-          first={["operator", "method", "order", "creep"]}
+          first={["operator", "effort", "method", "order", "creep"]}
         />
         <div class="row">
           <button type="button" class="main" disabled={!ready || work.busy} onClick={start}>Identify</button>
@@ -63,7 +66,7 @@ export function IdentifyView() {
         </div>
         <Fault text={work.error} />
       </Section>
-      {(work.busy || work.error) && steps.length > 0 && <Search steps={steps} />}
+      {(work.busy || work.error) && steps.length > 0 && <Search steps={steps} records={large.length > 0 ? large : small} />}
       {models.length > 0 && <Models />}
     </>
   );
@@ -76,12 +79,23 @@ async function identify(workspace: Workspace, small: RecordEntry[], large: Recor
   const { files, records } = await workspace.sources([...small, ...large]);
   const options = workspace.project.settings["identify"] ?? {};
   const names = (entries: RecordEntry[]) => entries.map((entry) => entry.file);
+  let best: string | undefined;
+  const cancelled = async (error: unknown) => {
+    if (!(error instanceof Cancelled) || best === undefined) throw error;
+    await workspace.addModel({ name: "cancelled.json", bytes: new TextEncoder().encode(best) }, {
+      summary: "", verdict: "The search was cancelled: this is the best model until then.", notes: [], from: [...small, ...large],
+    });
+    throw error;
+  };
   const answer = await workspace.run({
     name: "identify",
     request: { call: "identify", options, records, files: { small_signal: names(small), large_signal: names(large) } },
     files,
-    onStage: (what, figures) => Object.keys(figures).length > 0 && report({ what, figures }),
-  });
+    onStage: (what, figures, model) => {
+      best = model ?? best;
+      if (model !== undefined || Object.keys(figures).length > 0) report({ what, figures, ...(model !== undefined && { model }) });
+    },
+  }).catch(cancelled);
   const [file] = answer.files;
   if (!file) return;
   const { model, sentence, notes, reasons } = answer.result;
@@ -91,8 +105,8 @@ async function identify(workspace: Workspace, small: RecordEntry[], large: Recor
   });
 }
 
-/** The search while it runs: what each operator has reached, and the errors in the order of the fits. */
-function Search({ steps }: { steps: SearchStep[] }) {
+/** The search while it runs: the best model so far, what each operator has reached, and the errors in the order of the fits. */
+function Search({ steps, records }: { steps: SearchStep[]; records: RecordEntry[] }) {
   const trials = useMemo(() => {
     const found = new Map<string, Trial>();
     for (const { what, figures } of steps) {
@@ -103,10 +117,32 @@ function Search({ steps }: { steps: SearchStep[] }) {
   const figure = useMemo(() => convergence(steps), [steps]);
   return (
     <Section title="The search" wide>
+      <BestSoFar model={steps.filter(({ model }) => model !== undefined).at(-1)?.model} records={records} />
       {trials.length > 0 && <Ranking trials={trials} />}
       {figure && <Chart figure={figure} height={220} />}
     </Section>
   );
+}
+
+/** Loop and errors of the best model so far, on the first record. */
+function BestSoFar({ model, records }: { model: string | undefined; records: RecordEntry[] }) {
+  const { workspace } = useShared();
+  const drawn = useLatest(model, async (): Promise<Run> => {
+    const { files, records: origins } = await workspace.sources(records.slice(0, 1));
+    const file = { name: "best so far.json", bytes: new TextEncoder().encode(model) };
+    const answer = await workspace.run({
+      name: "best so far",
+      request: {
+        call: "validate", options: { offset: "free" }, records: origins,
+        files: { model: [file.name], data: records.slice(0, 1).map((entry) => entry.file) },
+      },
+      files: [file, ...files], quiet: true, beside: true,
+    });
+    return { entry: { file: file.name, summary: "", verdict: "", notes: [] }, answer };
+  });
+  const figures = useMemo(() => drawn.value && [loopsFigure([drawn.value], 0), timeFigure([drawn.value], 0)], [drawn.value]);
+  if (!figures) return null;
+  return <>{figures.map((figure) => <Chart key={figure.title} figure={figure} height={320} />)}</>;
 }
 
 /** The costs of a swarm, or the errors of the operators, in the order in which they were found. */

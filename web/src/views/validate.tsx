@@ -13,7 +13,7 @@ import { Chart, Fault, Missing, Notes, Section, Table, useOutcome, useShared, Ve
 import type { Workspace } from "../workspace.ts";
 
 /** A model with its answer. */
-interface Run {
+export interface Run {
   entry: ModelEntry;
   answer: Answer;
 }
@@ -203,7 +203,7 @@ function TrainingRecords({ entry, records }: { entry: ModelEntry; records: Recor
 const series = (run: Run, name: string, k: number) => run.answer.series.get(`${name}/${k}`) ?? new Float64Array();
 
 /** Input, output and error of a record against time. */
-function timeFigure(runs: Run[], k: number): Figure {
+export function timeFigure(runs: Run[], k: number): Figure {
   const first = runs[0]!;
   const { ts, units, file } = first.answer.result.files[k];
   const errors = runs.map((run, i): Series => {
@@ -227,7 +227,7 @@ function timeFigure(runs: Run[], k: number): Figure {
   };
 }
 
-function loopsFigure(runs: Run[], k: number): Figure {
+export function loopsFigure(runs: Run[], k: number): Figure {
   const first = runs[0]!;
   const { units, file } = first.answer.result.files[k];
   return {

@@ -160,6 +160,7 @@ class IdentifyOptions(TypedDict, total=False):
 
     Joint method:
 
+    effort: How much the search tries ["quick" or "usual" or "thorough"]; default: usual
     elements: Number of thresholds, levels or knots of the operator; default: default of the operator
     creep: Identify creep; default: true
     driver: The driver used for the records; give it if its current or slew limit was reached (see `pz.drivers`)
@@ -182,6 +183,7 @@ class IdentifyOptions(TypedDict, total=False):
 
     method: Literal["joint", "paper"]
     operator: str
+    effort: Literal["quick", "usual", "thorough"]
     order: int | None
     seed: int
     elements: int | None
@@ -390,6 +392,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     "IdentifyOptions": {
         "method": "joint",
         "operator": "auto",
+        "effort": "usual",
         "order": None,
         "seed": 1,
         "elements": None,

@@ -50,7 +50,9 @@ def identify(
     for every source that is not yet a `Record`, as for `read`
     target: the export target (`pz.targets`) that the model is for: only operators that it serves are tried
     progress: True shows a tqdm bar; your own bar is updated; a function is called as f(what, done, total). An exception
-    that it raises stops the work, as Ctrl-C does.
+    that it raises stops the work, as Ctrl-C does: the best model until then is the attribute `model` of the exception.
+    `pz.plot.search` draws the search; any object with a method found(what, figures, model) gets what is found, and
+    `model` if it is better than those before
 
     Options:
 

@@ -24,6 +24,7 @@ except ImportError:
 from ._errors import frequencies, tracking
 from ._models import blocks, branches, response
 from ._records import loops, residuals, series
+from ._search import search
 from ._style import COLOURS, EQUALS, style
 
 __all__ = [
@@ -35,6 +36,7 @@ __all__ = [
     "loops",
     "residuals",
     "response",
+    "search",
     "series",
     "style",
     "tracking",

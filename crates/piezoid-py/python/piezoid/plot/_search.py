@@ -1,0 +1,85 @@
+"""A search while it runs: loops, errors over time, and the ranking of the operators."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from .._progress import watched
+from ..model import Model
+from ..records import Record
+from ._panels import Panels, panels, several
+from ._records import left, loops
+from ._style import COLOURS
+
+if TYPE_CHECKING:
+    from .._types import Progress
+
+
+class Search:
+    """The figure of a search, redrawn whenever it finds something."""
+
+    def __init__(self, record: Record, ax: Any, progress: Progress) -> None:
+        self.record = record
+        self.model: Model | None = None
+        """The best model so far."""
+        self.errors: dict[str, float] = {}
+        """Error of each operator so far [% of stroke]: the larger of the held-out and the free-run error."""
+        self.axes: Panels = several(panels(ax, [[0, 1], [2, 2]], 1.1, shared=(False, False)))
+        self._bars = watched(progress)
+        self._bar = self._bars.__enter__()
+
+    def __call__(self, what: str, done: int, total: int) -> None:
+        if self._bar is not None:
+            self._bar(what, done, total)
+        if done >= total:
+            self._bars.__exit__(None, None, None)
+
+    def found(self, what: str, figures: dict[str, float], core: Any) -> None:
+        """Redraws. The library calls this with the operator, its errors, and a better model or None."""
+        error = figures.get("error_percent", figures.get("held_out_percent"))
+        if error is not None and np.isfinite(error):
+            self.errors[what] = error
+        if core is not None:
+            self.model = Model._of(core)
+        self._draw()
+        canvas = self.axes[0].figure.canvas
+        canvas.draw_idle()
+        canvas.flush_events()
+
+    def _draw(self) -> None:
+        loop, ranking, error = self.axes
+        for axes in self.axes:
+            axes.clear()
+        if self.model is None:
+            loops(self.record, ax=loop)
+        else:
+            run = self.model.validate(self.record, offset="free")
+            loops(run, ax=loop)
+            left(error, run)
+        names = sorted(self.errors, key=lambda name: -self.errors[name])
+        ranking.barh(names, [self.errors[name] for name in names], color=COLOURS["muted"])
+        ranking.set_xscale("log" if names else "linear")
+        ranking.set_xlabel("error [% of stroke]")
+
+
+def search(record: Record, *, ax: Any = None, progress: Progress = None) -> Search:
+    """The figure of a search, for `pz.identify(..., progress=pz.plot.search(record))`.
+
+    record: what is drawn of the records: its loop with that of the best model so far, and the error of the model over
+    time; beside them are the errors of the operators
+    ax: three Axes: the loop, the ranking, the error
+    progress: a bar beside the figure, as for `pz.identify`
+
+    Returns what `pz.identify` takes as `progress`. Its `model` is the best so far, `errors` are those of the operators
+    [% of stroke], and `axes` the Axes. In a notebook use a backend that redraws (`%matplotlib widget`).
+
+    >>> import piezoid as pz
+    >>> record = pz.plants["pl140"].measure(pz.excite.rising_sine(ts=1e-3, duration=2, amplitude=28, frequency=4), ts=1e-3)
+    >>> figure = pz.plot.search(record)
+    >>> model = pz.identify(record, operator="pi,preisach", order=2, progress=figure)
+    >>> sorted(figure.errors)
+    ['prandtl-ishlinskii', 'preisach']
+    """
+    return Search(record, ax, progress)
