@@ -130,8 +130,8 @@ test("a search is drawn while it runs, cancelled with its best model so far, and
   await page.getByRole("button", { name: "Identify", exact: true }).click();
   await page.getByRole("heading", { name: "The search" }).waitFor();
   await page.getByText("best so far").first().waitFor({ timeout: 60_000 });
-  await page.getByRole("button", { name: "Cancel" }).click();
-  await page.getByRole("button", { name: "Cancel" }).waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "Cancel", exact: true }).click();
+  await page.getByRole("button", { name: "Cancel", exact: true }).waitFor({ state: "detached" });
   await page.getByRole("button", { name: "cancelled.json", exact: true }).waitFor();
   await identify(page, "bouc-wen");
   await page.getByRole("button", { name: "bouc-wen.json", exact: true }).waitFor({ timeout: 120_000 });

@@ -38,6 +38,8 @@ pub struct Identified {
     /// Predicted decrease of the sum of squared errors by another step of the search, if the fit is not at its minimum
     /// [%]; only the joint method knows it.
     pub left_percent: Option<f64>,
+    /// The [`Error::Cancelled`] that ended the search, if it was cancelled: the model is the best until then.
+    pub cancelled: Option<Error>,
     /// Why this linear block and this operator, and how the search ended.
     pub reasons: Vec<String>,
     /// Remarks for the user.
@@ -48,6 +50,25 @@ impl Identified {
     /// The reasons, then the notes.
     pub fn remarks(&self) -> Vec<String> {
         [&self.reasons[..], &self.notes].concat()
+    }
+
+    /// The stage in which the search was cancelled, if it was.
+    pub fn cancelled_in(&self) -> Option<&str> {
+        match &self.cancelled {
+            Some(Error::Cancelled { what, .. }) => Some(what),
+            _ => None,
+        }
+    }
+
+    /// The same, for work that has no use for the best model of a search that was cancelled.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`] if it was.
+    pub fn finished(self) -> Result<Self, Error> {
+        match self.cancelled {
+            Some(cancelled) => Err(cancelled),
+            None => Ok(self),
+        }
     }
 }
 

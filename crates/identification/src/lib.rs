@@ -45,9 +45,27 @@ use piezoid_numerics::progress::Progress;
 use piezoid_records::record::Record;
 use records::Records;
 use search::Search;
+use serde::{Deserialize, Serialize};
+
+/// Number of samples of a quick search, of all records together, and number from which another search begins with it.
+const QUICK_SAMPLES: usize = 20_000;
+const LONG_RECORDS: usize = 100_000;
 
 /// Maximum number of thresholds, levels or knots.
 const MAX_ELEMENTS: usize = 1000;
+
+/// How much a search tries.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Effort {
+    /// A gain, its delay, and a lag or a mode, with a coarse hysteresis, from the last part of each record.
+    Quick,
+    /// All operators that may be the best, each with the best of some shapes.
+    #[default]
+    Usual,
+    /// More shapes, more structures, and every operator to its minimum.
+    Thorough,
+}
 
 /// Options of the joint method.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,11 +83,21 @@ pub struct JointOptions {
     pub driver: Option<DriverModel>,
     /// Seed of the search of the shape of operators.
     pub seed: u64,
+    /// How much the search tries.
+    pub effort: Effort,
 }
 
 impl Default for JointOptions {
     fn default() -> Self {
-        JointOptions { operator: "auto".into(), order: None, elements: None, creep: true, driver: None, seed: 0 }
+        JointOptions {
+            operator: "auto".into(),
+            order: None,
+            elements: None,
+            creep: true,
+            driver: None,
+            seed: 0,
+            effort: Effort::Usual,
+        }
     }
 }
 
@@ -85,7 +113,8 @@ impl JointOptions {
 }
 
 /// Identifies all parts together. `small` are small-signal records (a PRBS) and may be empty; `large_signal` exercise
-/// the hysteresis.
+/// the hysteresis. A search that `progress` cancels returns the best model until then, if there is one; of long
+/// records, the first is that of a quick search.
 ///
 /// # Errors
 /// Returns an error if sampling periods differ, units cannot be converted, there is no usable record, or an operator is
@@ -98,10 +127,36 @@ pub fn identify_joint(
 ) -> Result<Identified, Error> {
     settings.check()?;
     let records = Records::of(small, large_signal)?;
+    let quick = JointOptions { effort: Effort::Quick, ..settings.clone() };
+    if settings.effort == Effort::Quick {
+        return identified(&records, &records.ends(QUICK_SAMPLES)?, &quick, progress);
+    }
+    let is_long = records.iter().map(Record::len).sum::<usize>() > LONG_RECORDS;
+    let first = is_long.then(|| identified(&records, &records.ends(QUICK_SAMPLES)?, &quick, progress));
+    let first = match first {
+        Some(Err(why @ Error::Cancelled { .. })) => return Err(why),
+        Some(Ok(first)) if first.cancelled.is_some() => return Ok(first),
+        first => first.and_then(Result::ok),
+    };
+    match (identified(&records, &records, settings, progress), first) {
+        (Err(cancelled @ Error::Cancelled { .. }), Some(first)) => {
+            Ok(Identified { cancelled: Some(cancelled), ..first })
+        }
+        (found, _) => found,
+    }
+}
+
+/// The model of `records` that a search in `parts` of them finds.
+fn identified(
+    records: &Records,
+    parts: &Records,
+    settings: &JointOptions,
+    progress: &mut Progress,
+) -> Result<Identified, Error> {
     let mut notes = Vec::new();
-    let operators = search::suitable_operators(&settings.operator, &records, &mut notes)?;
-    let runs = fit::training_records(records.beside(), &records.large_signal, &mut notes)?;
-    let mut search = Search::new(settings, &records, runs, operators, notes, progress)?;
+    let operators = search::suitable_operators(&settings.operator, records, &mut notes)?;
+    let runs = fit::training_records(parts.beside(), &parts.large_signal, &mut notes)?;
+    let mut search = Search::new(settings, parts, runs, operators, notes, progress)?;
     let candidate = search.run()?;
-    result::identified(candidate, search, &records, settings)
+    result::identified(candidate, search, records, settings)
 }

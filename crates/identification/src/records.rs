@@ -3,7 +3,12 @@
 use super::fit::TrainingRecord;
 use crate::common_units;
 use piezoid_numerics::error::Error;
+use piezoid_numerics::series::ends;
 use piezoid_records::record::{Record, Units};
+
+/// Share of the range of the input that the end of a record must have, and its least length.
+const MOST_OF_RANGE: f64 = 0.8;
+const LEAST_END: usize = 1000;
 
 /// Records in the same units.
 pub(super) struct Records {
@@ -30,6 +35,27 @@ impl Records {
             true => Records { large_signal: small.clone(), beside: 0, small, units },
             false => Records { beside: small.len(), small, large_signal, units },
         })
+    }
+
+    /// The ends of the records, of about so many samples together, each with most of the range of its input.
+    pub(super) fn ends(&self, samples: usize) -> Result<Self, Error> {
+        let total: usize = self.iter().map(Record::len).sum();
+        let end = |record: &Record| {
+            let n = record.len();
+            let least = (n * samples).div_ceil(total.max(samples)).max(LEAST_END);
+            let (low, high) = ends(record.u().iter().copied());
+            let is_most = |from: usize| {
+                let (lowest, highest) = ends(record.u()[from..].iter().copied());
+                highest - lowest >= MOST_OF_RANGE * (high - low)
+            };
+            // Each is twice as long as the one before.
+            let lengths = std::iter::successors(Some(least), |length| Some(2 * length));
+            let length = lengths.take_while(|length| *length < n).find(|length| is_most(n - length)).unwrap_or(n);
+            record.slice(n - length..n)
+        };
+        let [small, large_signal] =
+            [&self.small, &self.large_signal].map(|records| records.iter().map(end).collect::<Result<Vec<_>, _>>());
+        Ok(Records { small: small?, large_signal: large_signal?, beside: self.beside, units: self.units.clone() })
     }
 
     /// Sampling period [s].
@@ -60,5 +86,24 @@ impl Records {
             }
             false => Ok(run.record.clone()),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_end_of_a_record_has_most_of_the_range_of_its_input() {
+        let record = |u: Vec<f64>| Record::new(1e-3, u.clone(), u).unwrap();
+        let sine = |n: u32, period: f64| {
+            record((0..n).map(|t| (std::f64::consts::TAU * f64::from(t) / period).sin()).collect())
+        };
+        // The second is half a period; the third is short.
+        let records = [sine(20_000, 100.0), sine(20_000, 40_000.0), sine(300, 100.0)];
+        let ends = Records::of(&[], &records).unwrap().ends(8000).unwrap();
+        let lengths: Vec<usize> = ends.large_signal.iter().map(Record::len).collect();
+        assert_eq!(lengths, [3971, 7942, 300]);
+        assert_eq!(ends.large_signal[0].u(), &records[0].u()[20_000 - 3971..]);
     }
 }

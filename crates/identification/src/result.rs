@@ -28,8 +28,17 @@ pub(super) fn identified(
     // Of a specified order it says if it is too low.
     let of_block = if settings.order.is_some() { &mut notes } else { &mut reasons };
     of_block.push(format!("linear block: {}", structure.reason));
-    let end = optimality(&fitted, runs);
-    if end.left_percent.is_none() { &mut reasons } else { &mut notes }.push(end.note);
+    let left_percent = match &search.cancelled {
+        Some(Error::Cancelled { what: stage, .. }) => {
+            notes.push(format!("search: it was cancelled in the stage \"{stage}\": the model is the best until then"));
+            None
+        }
+        _ => {
+            let end = optimality(&fitted, runs);
+            if end.left_percent.is_none() { &mut reasons } else { &mut notes }.push(end.note);
+            end.left_percent
+        }
+    };
     notes.extend(check::check_fit(&fitted, runs)?);
     reasons.extend(reason_for_operator(&trials).map(|why| format!("operator: {why}")));
     let offset = offset(&fitted, runs, &mut notes, &records.units.y);
@@ -45,8 +54,17 @@ pub(super) fn identified(
     let is_in_free_decays = model.linear().resonance().is_some_and(|mode| search.is_in_free_decays(mode.hz));
     notes.extend(unexcited_resonance(model.linear(), records.iter()).filter(|_| !is_in_free_decays));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason: structure.reason };
-    let left_percent = end.left_percent;
-    Ok(Identified { model, linear, loops: Vec::new(), trials, parameters, left_percent, reasons, notes })
+    Ok(Identified {
+        model,
+        linear,
+        loops: Vec::new(),
+        trials,
+        parameters,
+        left_percent,
+        cancelled: search.cancelled,
+        reasons,
+        notes,
+    })
 }
 
 /// The note on parameters that the records do not determine.

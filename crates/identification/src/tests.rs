@@ -162,7 +162,7 @@ fn the_result_does_not_depend_on_the_sampling_period() {
 }
 
 #[test]
-fn a_cancelled_identification_ends_at_every_stage() {
+fn a_cancelled_identification_ends_at_every_stage_with_the_best_model_until_then() {
     let plant = plant(5e-4, 1);
     let (small, large_signal) = ([prbs(&plant)], large_signal(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]));
     for small in [&small[..], &[]] {
@@ -173,18 +173,38 @@ fn a_cancelled_identification_ends_at_every_stage() {
                 if calls > last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
             };
             let found = identify_joint(small, &large_signal, &named("dahl"), &mut count);
-            (found.map(|_| ()), calls)
+            (found, calls)
         };
         let (whole, all) = calls(usize::MAX);
-        assert!(whole.is_ok() && all > 5, "{all}");
-        for last in [0, 1, all / 2, all - 1] {
-            let (stopped, observed) = calls(last);
-            assert!(
-                matches!(stopped, Err(Error::Cancelled { .. })) && observed == last + 1,
-                "{last} of {all}: {stopped:?}"
-            );
+        let whole = whole.unwrap();
+        assert!(whole.cancelled.is_none() && all > 5, "{all}");
+        assert!(matches!(calls(0), (Err(Error::Cancelled { .. }), 1)));
+        for last in [all / 2, all - 1] {
+            let (best, observed) = calls(last);
+            let best = best.unwrap();
+            assert_eq!((observed, best.trials.len()), (last + 1, 1));
+            assert!(best.trials[0].error_percent >= 0.99 * whole.trials[0].error_percent, "{:?}", best.trials);
+            let stage = best.cancelled_in().unwrap();
+            assert!(best.notes.iter().any(|note| note.contains("cancelled in the stage") && note.contains(stage)));
         }
     }
+}
+
+#[test]
+fn a_quick_search_finds_a_coarse_model_in_the_ends_of_long_records() {
+    let plant = plant(5e-4, 1);
+    let large_signal = large_signal(&plant, 8.0, &[(3.0, 0.0), (7.0, 0.0), (17.0, 0.0)]);
+    let quick = JointOptions { effort: Effort::Quick, ..JointOptions::default() };
+    let found = identified(&[], &large_signal, &quick);
+    assert_eq!(found.trials.iter().map(|trial| trial.verdict).collect::<Vec<_>>(), ["taken"]);
+    assert!(found.model.linear().a().len() <= 2 && error(&found.model, &plant) < 0.05, "{:?}", found.linear);
+    // Another search reports a model long before its end.
+    let mut count = 0;
+    let found = identify_joint(&[], &large_signal, &named("pi"), &mut |stage| {
+        count += usize::from(stage.model.is_some());
+        if count > 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    });
+    assert!(found.unwrap().cancelled.is_some());
 }
 
 #[test]

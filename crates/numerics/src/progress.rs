@@ -15,6 +15,9 @@ pub struct Stage<'a> {
     /// The latest results by name, such as the errors of an operator or the cost of a search; often empty.
     #[serde(serialize_with = "by_name")]
     pub figures: &'a [(&'a str, f64)],
+    /// The text of the file of a model, when one is found that is better than those before.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub model: Option<&'a str>,
 }
 
 /// A callback for progress; [`ControlFlow::Break`] cancels the task.
@@ -23,7 +26,7 @@ pub type Progress<'a> = dyn FnMut(Stage) -> ControlFlow<()> + 'a;
 impl<'a> Stage<'a> {
     /// A stage that has found nothing yet.
     pub const fn new(what: &'a str, done: usize, total: usize) -> Self {
-        Stage { what, done, total, figures: &[] }
+        Stage { what, done, total, figures: &[], model: None }
     }
 
     /// A callback that ignores progress.

@@ -133,6 +133,7 @@ pub fn identify_paper(
         parameters: Vec::new(),
         reasons: Vec::new(),
         left_percent: None,
+        cancelled: None,
         notes,
     })
 }

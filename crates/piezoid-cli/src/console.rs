@@ -80,6 +80,18 @@ impl Console {
     /// Does work of the library. Its progress is a bar if stderr is a terminal. A signal ends the work in an orderly
     /// way; one that comes later ends the process.
     pub(crate) fn work<T>(&self, work: impl FnOnce(&mut Progress) -> Result<T, piezoid::Error>) -> Result<T> {
+        let (result, is_cancelled) = self.work_until_cancelled(work)?;
+        match is_cancelled {
+            true => Err(Ended::Cancelled("cancelled at the end of the work: nothing was written".into()).into()),
+            false => Ok(result),
+        }
+    }
+
+    /// The same for work that may have a result when a signal ends it; true if one came.
+    pub(crate) fn work_until_cancelled<T>(
+        &self,
+        work: impl FnOnce(&mut Progress) -> Result<T, piezoid::Error>,
+    ) -> Result<(T, bool)> {
         WATCHED.store(true, Ordering::SeqCst);
         let outcome = work(&mut |stage: Stage| {
             if self.shows_progress {
@@ -89,13 +101,11 @@ impl Console {
         });
         WATCHED.store(false, Ordering::SeqCst);
         self.bar.borrow().finish_and_clear();
-        if outcome.is_ok() && INTERRUPTED.load(Ordering::SeqCst) {
-            return Err(Ended::Cancelled("cancelled at the end of the work: nothing was written".into()).into());
-        }
-        outcome.map_err(|error| match error {
+        let result = outcome.map_err(|error| match error {
             piezoid::Error::Cancelled { .. } => Ended::Cancelled(format!("{error}: nothing was written")).into(),
             other => failed(other),
-        })
+        })?;
+        Ok((result, INTERRUPTED.load(Ordering::SeqCst)))
     }
 
     fn show(&self, stage: Stage) {

@@ -131,6 +131,7 @@ pub use compensation::Compensate;
 pub use error::Error;
 #[doc(no_inline)]
 pub use hammerstein::{Identified, Model};
+pub use piezoid_identification::Effort;
 pub use piezoid_records::preparation::{PrepareOptions, Trend};
 pub use piezoid_verbs::{Identification, IdentifyOptions, Method, Records, StatedVerdict, Verdict, identify};
 #[doc(no_inline)]

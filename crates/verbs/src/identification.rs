@@ -1,6 +1,6 @@
 //! Identification of a model from records: the entry point.
 
-use piezoid_identification::{Identified, JointOptions, identify_joint};
+use piezoid_identification::{Effort, Identified, JointOptions, identify_joint};
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hysteresis::{HeldInput, Split};
 use piezoid_models::linear;
@@ -45,6 +45,15 @@ const BESTS: OptionKind = OptionKind::Choice(&[
     ("current", "the best of the current positions: equation (4) as printed"),
 ]);
 
+const EFFORTS: OptionKind = OptionKind::Choice(&[
+    (
+        "quick",
+        "in about a second: a coarse hysteresis and a linear block of order 2, from the last part of each record",
+    ),
+    ("usual", "all operators that may be the best, each with the best of some shapes"),
+    ("thorough", "more shapes and structures, and every operator to its minimum; several times as long"),
+]);
+
 const NAME: OptionKind = OptionKind::Text("NAME");
 const COUNT: OptionKind = OptionKind::Integer(1, u64::MAX);
 const JOINT: &str = "Joint method";
@@ -65,6 +74,8 @@ options! {
         /// auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With
         /// the paper's method, auto selects two-branch or rate-scheduled.
         operator: String = "auto".into(), OptionRow::new(NAME).list("operators");
+        /// How much the search tries.
+        effort: Effort = Effort::Usual, OptionRow::new(EFFORTS).group(JOINT);
         /// Order of the linear block.
         order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");
         /// Seed of the swarm.
@@ -208,6 +219,7 @@ impl IdentifyOptions {
             creep: self.creep,
             driver: self.driver()?,
             seed: self.seed,
+            effort: self.effort,
         })
     }
 

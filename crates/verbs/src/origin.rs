@@ -141,6 +141,7 @@ pub fn identify_again(model: &Model, files: &[File], progress: &mut Progress) ->
     let sources = sources(&origins, files)?;
     let [small, large] = [Role::SmallSignal, Role::LargeSignal].map(|role| of(role, &sources));
     let mut again = options.run((&small, &large), &command, progress)?;
+    again.found = again.found.finished()?;
     if again.found.model != *model {
         let mut apart = sources.iter().map(|source| apart(model, &again.found.model, &source.record()?));
         let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;

@@ -76,6 +76,10 @@ pub struct Verdict {
     /// minimum, or if that is not known. With a number, the verdict says *only* good to its error.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_percent: Option<f64>,
+    /// The stage in which the search was cancelled: the model is the best until then. `None` if it was not; else the
+    /// verdict says *only* too.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cancelled_in: Option<String>,
 }
 
 impl Verdict {
@@ -132,6 +136,7 @@ impl Verdict {
             unproven.push(format!("creep beyond {} s", rough(longest)));
         }
         (verdict.unproven, verdict.left_percent) = (unproven, found.left_percent);
+        verdict.cancelled_in = found.cancelled_in().map(str::to_string);
         Some(verdict)
     }
 
@@ -145,7 +150,9 @@ impl Verdict {
         };
         let measured = format!("free run on {on}{}", before.unwrap_or_default());
         let mut verdict = Verdict::of(validated, validated.total().rms_pp_percent, measured)?;
-        verdict.left_percent = model.verdict().and_then(|verdict| verdict.left_percent);
+        if let Some(identified) = model.verdict() {
+            (verdict.left_percent, verdict.cancelled_in) = (identified.left_percent, identified.cancelled_in);
+        }
         // A small signal has a large error over its own peak-to-peak, most of it noise.
         let whole = verdict.u;
         let large = validated.files.iter().filter(|c| validated.files.len() == 1 || is_large(&c.record, whole));
@@ -164,6 +171,11 @@ impl Verdict {
             verdict.unproven.push(format!("inputs outside {}", range(verdict.u, &verdict.unit)));
         }
         Some(verdict)
+    }
+
+    /// True if a longer search would have found a better fit.
+    fn is_unfinished(&self) -> bool {
+        self.left_percent.is_some() || self.cancelled_in.is_some()
     }
 
     /// The figures of free runs; `None` if there are none, or the error is not finite.
@@ -226,7 +238,7 @@ impl std::fmt::Display for Verdict {
         let (error, measured) = (rough(self.error_percent), &self.measured);
         match self.times_worse {
             Some(times) => write!(f, "{} times worse than at identification: ", rough(times))?,
-            None if self.worst_percent.unwrap_or(self.error_percent) > POOR || self.left_percent.is_some() => {
+            None if self.worst_percent.unwrap_or(self.error_percent) > POOR || self.is_unfinished() => {
                 f.write_str("only good to ")?;
             }
             None => f.write_str("good to ")?,
@@ -244,6 +256,9 @@ impl std::fmt::Display for Verdict {
             None => {}
         }
         f.write_str(&range(self.u, &self.unit))?;
+        if let Some(stage) = &self.cancelled_in {
+            write!(f, "; the search was cancelled in the stage \"{stage}\": the model is the best until then")?;
+        }
         if let Some(left) = self.left_percent {
             let left = rough(left);
             write!(

@@ -17,8 +17,8 @@ const SMOOTHNESS_WEIGHTS: [f64; 10] = [0.0, 1e-12, 1e-9, 1e-7, 1e-6, 1e-5, 1e-4,
 /// Number of fits in a row, each worse than the best, after which no rougher one is tried.
 const MAX_WORSE_FITS: usize = 2;
 
-/// Ratio of rms up to which a simpler model is accepted, even if the difference is uncertain.
-pub(crate) const ACCEPTED_RMS_RATIO: f64 = 1.05;
+/// Ratio of rms up to which a smoother fit is accepted, even if the difference is uncertain.
+const ACCEPTED_RMS_RATIO: f64 = 1.05;
 
 /// Mean squared error over squared peak-to-peak that is rounding, for records without noise.
 pub(crate) const ROUNDING_ERROR: f64 = 1e-14;
@@ -44,14 +44,14 @@ impl HeldOut {
     }
 
     /// True if this is as good as `best`: equal, or worse by at most one standard error over the folds, as a ratio, and
-    /// by at most the factor accepted for a simpler model.
-    pub(crate) fn is_as_good_as(&self, best: &HeldOut) -> bool {
+    /// by at most the ratio `accepted`.
+    pub(crate) fn is_as_good_as(&self, best: &HeldOut, accepted: f64) -> bool {
         let ratio = |(e, best): (&f64, &f64)| 0.5 * log((e + ROUNDING_ERROR) / (best + ROUNDING_ERROR));
         let ratios: Vec<f64> = self.folds.iter().zip(&best.folds).map(ratio).collect();
         let n = ratios.len() as f64;
         let error = (scatter(&ratios) / (n * (n - 1.0).max(1.0))).sqrt();
         let ratio = ((self.rms_pp().powi(2) + ROUNDING_ERROR) / (best.rms_pp().powi(2) + ROUNDING_ERROR)).sqrt();
-        mean(&ratios) <= error.max(EQUAL_LOG_RMS) && ratio <= ACCEPTED_RMS_RATIO
+        mean(&ratios) <= error.max(EQUAL_LOG_RMS) && ratio <= accepted
     }
 }
 
@@ -126,7 +126,8 @@ pub(crate) fn cross_validate(
         }
     }
     let best = tried.iter().min_by(|p, q| p.rms_pp().total_cmp(&q.rms_pp()));
-    let smoothest = tried.iter().find(|one| best.is_none_or(|best| one.is_as_good_as(best))).or(best);
+    let smoothest =
+        tried.iter().find(|one| best.is_none_or(|best| one.is_as_good_as(best, ACCEPTED_RMS_RATIO))).or(best);
     smoothest.cloned().unwrap_or(HeldOut { lambda: SMOOTHNESS_WEIGHTS[0], folds: Vec::new(), without: Vec::new() })
 }
 
@@ -242,10 +243,10 @@ mod tests {
     fn as_good_means_within_one_standard_error_and_five_percent() {
         let of = |folds: &[f64]| HeldOut { lambda: 0.0, folds: folds.to_vec(), without: Vec::new() };
         let best = of(&[1.0, 1.0, 1.0]);
-        assert!(of(&[1.08, 0.97, 1.02]).is_as_good_as(&best), "better and worse by turns");
-        assert!(!of(&[1.03, 1.03, 1.03]).is_as_good_as(&best), "worse every time");
+        assert!(of(&[1.08, 0.97, 1.02]).is_as_good_as(&best, 1.05), "better and worse by turns");
+        assert!(!of(&[1.03, 1.03, 1.03]).is_as_good_as(&best, 1.05), "worse every time");
         let (some, half) = (of(&[4e-17, 4e-17, 4e-17]), of(&[1e-17, 1e-17, 1e-17]));
-        assert!(some.is_as_good_as(&half), "both are rounding");
-        assert!(!of(&[2.0, 0.6, 1.0]).is_as_good_as(&best), "worse by more than the limit");
+        assert!(some.is_as_good_as(&half, 1.05), "both are rounding");
+        assert!(!of(&[2.0, 0.6, 1.0]).is_as_good_as(&best, 1.05), "worse by more than the limit");
     }
 }

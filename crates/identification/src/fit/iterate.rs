@@ -39,7 +39,7 @@ impl Iterate {
     }
 
     /// The solution of the linearised equations.
-    fn solution(&self, lambda: f64) -> Option<DVector<f64>> {
+    pub(super) fn solution(&self, lambda: f64) -> Option<DVector<f64>> {
         self.prior.solve(&self.normal, lambda, INITIAL_DAMPING, self.free, &mut self.prior.positive())
     }
 
@@ -112,12 +112,27 @@ impl Iterate {
         self.each.iter().map(|run| run.own(&steps)).collect()
     }
 
-    /// For each run, the mean squared error over the squared peak-to-peak.
-    pub(super) fn residuals(&self, runs: &[TrainingRecord]) -> Vec<f64> {
-        let unknowns = self.unknowns();
+    /// For each run, the mean squared error over the squared peak-to-peak at `x`.
+    pub(super) fn residuals(&self, x: &DVector<f64>, runs: &[TrainingRecord]) -> Vec<f64> {
+        let unknowns = self.prior.steps(x);
         let of =
             |run: &RecordEquations| run.normal.residual(&unknowns) / run.normal.samples / runs[run.run].heavier.powi(2);
         self.each.iter().map(of).collect()
+    }
+
+    /// The fit that ends at `x`, which may differ from this point in its weights.
+    pub(super) fn fitted(&self, x: &DVector<f64>, held_out: HeldOut, runs: &[TrainingRecord]) -> Fitted {
+        let n = self.estimate.weights.len();
+        Fitted {
+            estimate: self.estimate.moved(x.as_slice()).unwrap_or_else(|| self.estimate.clone()),
+            initial_conditions: runs.iter().map(|run| run.initial).collect(),
+            heavier: runs.iter().map(|run| run.heavier).collect(),
+            own: self.own(x),
+            residuals: self.residuals(x, runs),
+            products: self.normal.h.view((0, 0), (n, n)).into_owned(),
+            minimum: self.cost_at(x, held_out.lambda),
+            held_out,
+        }
     }
 }
 

@@ -40,7 +40,7 @@ pub(super) use dynamics::{
 pub(super) use estimate::Estimate;
 pub(super) use fitted::Fitted;
 pub(super) use free_run::{free_run_residual, free_run_squares};
-pub(super) use held_out::{ACCEPTED_RMS_RATIO, Smoothness};
+pub(super) use held_out::Smoothness;
 pub(super) use hidden::Hidden;
 pub(super) use iterate::Iterate;
 pub(super) use offset::offset;

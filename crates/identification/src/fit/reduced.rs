@@ -44,6 +44,8 @@ pub(crate) struct Reduced {
     pub(crate) estimate: Estimate,
     /// d: for each weight, its share of each signal.
     directions: DMatrix<f64>,
+    /// True if the gains of creep are held.
+    pub(crate) holds_creep: bool,
     /// True if each weight has its own signal; then signs and smoothness are those of the weights.
     is_exact: bool,
 }
@@ -95,7 +97,8 @@ impl Reduced {
         signed.resize(n, false);
         let basis: Box<dyn Basis> = Box::new(Recorded { rows: rows.into(), signed, roughness });
         let few = Estimate::new(None, basis, free_lags, estimate.linear.clone());
-        Ok(Reduced { windows, estimate: Estimate { weights: coefficients, ..few }, directions, is_exact })
+        let holds_creep = !lags.is_empty();
+        Ok(Reduced { windows, estimate: Estimate { weights: coefficients, ..few }, directions, holds_creep, is_exact })
     }
 
     /// The smoothness of a fit with these signals, from that of the weights.
@@ -288,7 +291,7 @@ mod tests {
             };
             // The same free run before the fit.
             let same = Iterate::at(reduced.estimate.clone(), &few, &[], FreeParameters::All);
-            let residual = same.residuals(&few)[0];
+            let residual = same.residuals(same.prior.current(), &few)[0];
             assert!(
                 (residual / from.residuals[0] - 1.0).abs() < 0.2,
                 "{initial:?} {residual:e} {:e}",
@@ -320,7 +323,7 @@ mod tests {
             let few = reduced.runs(&runs);
             assert!(few.len() > 1);
             let point = Iterate::at(reduced.estimate.clone(), &few, &[], FreeParameters::All);
-            let worst = point.residuals(&few).into_iter().fold(0.0, f64::max);
+            let worst = point.residuals(point.prior.current(), &few).into_iter().fold(0.0, f64::max);
             assert!(worst < 1e-8, "{worst:e}");
         }
     }

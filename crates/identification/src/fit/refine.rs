@@ -164,7 +164,7 @@ fn descend(
         if !(goal.possible)(&point.estimate.linear) || !is_within_reach {
             break;
         }
-        if is_start && step + 1 < RECORD_WEIGHT_STEPS && weigh(runs, &point.residuals(runs)) {
+        if is_start && step + 1 < RECORD_WEIGHT_STEPS && weigh(runs, &point.residuals(point.prior.current(), runs)) {
             let own = point.own(point.prior.current());
             point = Iterate::at(point.estimate, runs, &own, free);
         }
@@ -183,14 +183,8 @@ fn descend(
             (lambda, damping, changes) = (best, INITIAL_DAMPING, changes - 1);
         }
     }
-    let own = point.own(point.prior.current());
-    let (held_out, residuals) = (point.held_out(free, Smoothness::Fixed(lambda)), point.residuals(runs));
-    let minimum = point.cost(lambda);
-    let initial_conditions = runs.iter().map(|run| run.initial).collect();
-    let heavier = runs.iter().map(|run| run.heavier).collect();
-    let (n, estimate) = (point.estimate.weights.len(), point.estimate);
-    let products = point.normal.h.view((0, 0), (n, n)).into_owned();
-    Ok(Fitted { estimate, initial_conditions, heavier, own, held_out, residuals, products, minimum })
+    let held_out = point.held_out(free, Smoothness::Fixed(lambda));
+    Ok(point.fitted(point.prior.current(), held_out, runs))
 }
 
 /// Fits all parameters from each start that promises less than `ratio` times the minimum of `from`, or next to nothing,

@@ -8,8 +8,8 @@ use piezoid_models::hysteresis::Operator;
 pub(crate) struct Candidate {
     /// The structure of the linear block.
     pub(crate) structure: SelectedStructure,
-    /// The operator; `None` before the operators are compared.
-    pub(crate) operator: Option<&'static Operator>,
+    /// The operator: before the operators are compared, the coarse one.
+    pub(crate) operator: &'static Operator,
     /// The parameters, with the initial condition of each record, and the errors.
     pub(crate) fitted: Fitted,
 }
@@ -32,10 +32,5 @@ impl Candidate {
     /// The held-out error: rms over peak-to-peak.
     pub(super) fn error(&self) -> f64 {
         self.fitted.held_out.rms_pp()
-    }
-
-    /// The name of the operator.
-    pub(super) fn operator_name(&self) -> &'static str {
-        self.operator.map_or("", |operator| operator.name)
     }
 }

@@ -47,13 +47,14 @@ pub(super) struct PoleLimits {
     pub(super) max_order: usize,
 }
 
-/// The extensions of the linear block of `fitted` that leave least, with z held: those that the records show, and the
-/// best of the others.
+/// The extensions of the linear block of `fitted` that leave least, with z held: the best `count` of those that the
+/// records show, and the best of the others.
 pub(super) fn extensions(
     fitted: &Fitted,
     runs: &[TrainingRecord],
     limits: &PoleLimits,
     evidence: &ModeEvidence,
+    count: usize,
     watch: StepCallback,
 ) -> Result<[Vec<Extension>; 2], Error> {
     let _stage = trace_span!(target: "stage", "extensions").entered();
@@ -82,8 +83,8 @@ pub(super) fn extensions(
         Ok((fit.minimum, Extension { linear: fit.estimate.linear, ..one }))
     };
     let mut best_of_groups = best_of_groups.into_iter().peekable();
-    while shown.len() < POLICY.refined_extensions && best_of_groups.peek().is_some() {
-        let next = best_of_groups.by_ref().take(POLICY.refined_extensions).collect();
+    while shown.len() < count && best_of_groups.peek().is_some() {
+        let next = best_of_groups.by_ref().take(count).collect();
         for fit in side_by_side(next, alone, |_, _| watch(0))? {
             let (minimum, extension) = fit?;
             let list = if evidence.shows(&extension.linear) { &mut shown } else { &mut others };
@@ -94,7 +95,7 @@ pub(super) fn extensions(
     }
     let mut lists = [shown, others];
     lists.iter_mut().for_each(|list| list.sort_by(|p, q| p.0.total_cmp(&q.0)));
-    lists[0].truncate(POLICY.refined_extensions);
+    lists[0].truncate(count);
     lists[1].truncate(1);
     Ok(lists.map(|list| list.into_iter().map(|(_, extension)| extension).collect()))
 }
@@ -285,7 +286,7 @@ mod tests {
         let from = refine(gain, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
         let (limits, evidence) =
             (PoleLimits { slowest: 1.0, slowest_mode: 10.0, max_order: 4 }, ModeEvidence::of_all(10.0));
-        let [shown, _] = extensions(&from, &runs, &limits, &evidence, &mut |_| Ok(())).unwrap();
+        let [shown, _] = extensions(&from, &runs, &limits, &evidence, 3, &mut |_| Ok(())).unwrap();
         assert_eq!(shown[0].name, "a mode");
         assert_close(shown[0].linear.a(), block.a(), 1e-3, 0.0);
     }

@@ -63,7 +63,7 @@ pub(super) fn fit_with_other_initial_conditions(
 pub(super) fn retry_initial_conditions(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
     let _stage = trace_span!(target: "stage", "initial conditions").entered();
     let Search { runs, design, reporter, .. } = search;
-    let watch = &mut reporter.last_stage(candidate.operator_name());
+    let watch = &mut reporter.last_stage(candidate.operator.name);
     let other = fit_with_other_initial_conditions(&candidate.fitted, runs, design.range, watch)?;
     let best = other.as_ref().unwrap_or(&candidate.fitted);
     best.apply_to(runs, design.range);

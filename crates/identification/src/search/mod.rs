@@ -10,6 +10,7 @@ mod mode_evidence;
 mod moves;
 mod operators;
 mod policy;
+mod promises;
 mod shape_search;
 mod start;
 mod structure;
@@ -21,16 +22,16 @@ pub use trials::OperatorTrial;
 pub(super) use trials::{reason_for_operator, suitable_operators};
 
 use super::records::Records;
-use super::{JointOptions, fit};
-use fit::{Estimate, TrainingRecord};
+use super::{Effort, JointOptions, fit};
+use fit::{Estimate, Fitted, TrainingRecord};
 use moves::MOVES;
 use piezoid_models::creep::Lag;
 use piezoid_models::driver::DriverModel;
-use piezoid_models::hysteresis::{BasisDesign, Operator};
+use piezoid_models::hysteresis::{BasisDesign, Operator, is_auto};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::progress::{Progress, Stage};
 use piezoid_numerics::series::ends;
-use piezoid_records::record::Record;
+use piezoid_records::record::{Record, Units};
 use piezoid_records::waveform::dominant_frequency;
 use policy::POLICY;
 use structure_search::StructureSearch;
@@ -56,6 +57,8 @@ pub(super) struct Search<'a> {
     history: Vec<(&'static str, f64, f64)>,
     /// What the user should know.
     pub(super) notes: Vec<String>,
+    /// The error with which the search was cancelled.
+    pub(super) cancelled: Option<Error>,
     reporter: Reporter<'a>,
 }
 
@@ -73,19 +76,21 @@ impl<'a> Search<'a> {
         progress: &'a mut Progress<'a>,
     ) -> Result<Self, Error> {
         let (ts, total) = (records.ts(), 3 * operators.len() + 1);
-        let mut reporter = Reporter { progress, total };
+        let range = ends(runs.iter().flat_map(|run| run.record.u()).copied());
+        let mut reporter =
+            Reporter { progress, total, last: (LINEAR_BLOCK.into(), 0), best: None, range, units: &records.units };
         let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
         let lags = if settings.creep { creep_lags(ts, longest) } else { Vec::new() };
         let large_signal = records.large_signal.iter();
         let design = BasisDesign {
             ts: basis_ts(ts, settings.driver.is_some()),
-            range: ends(runs.iter().flat_map(|run| run.record.u()).copied()),
+            range,
             elements: settings.elements,
             frequencies: large_signal.filter_map(|record| dominant_frequency(record.u(), ts)).collect(),
         };
         reporter.report(Stage::new(LINEAR_BLOCK, 0, total))?;
         let bridged = runs.iter().map(|run| records.bridged(run)).collect::<Result<Vec<_>, _>>()?;
-        let structures = StructureSearch::new(&bridged, settings.driver.is_some(), settings.order, &lags, design.range);
+        let structures = StructureSearch::new(&bridged, settings, &lags, design.range);
         let (trials, history) = (Vec::new(), Vec::new());
         Ok(Search {
             settings,
@@ -99,30 +104,52 @@ impl<'a> Search<'a> {
             trials,
             history,
             notes,
+            cancelled: None,
             reporter,
         })
     }
 
-    /// The best candidate that the moves find.
+    /// The best candidate that the moves find; if the search is cancelled, the best until then.
     ///
     /// # Errors
-    /// [`Error::Cancelled`]; an error if no operator can be fitted.
+    /// [`Error::Cancelled`] if there is none; an error if no operator can be fitted.
     pub(crate) fn run(&mut self) -> Result<Candidate, Error> {
+        match (self.moves(), self.reporter.best.take()) {
+            (Err(cancelled @ Error::Cancelled { .. }), Some(best)) => {
+                self.cancelled = Some(cancelled);
+                Ok(self.end_with(best))
+            }
+            (found, _) => found.map(|found| self.end_with(found)),
+        }
+    }
+
+    fn moves(&mut self) -> Result<Candidate, Error> {
         let mut candidate =
             trace_span!(target: "stage", "first structure").in_scope(|| start::first_candidate(self))?;
-        self.apply_to(&candidate);
+        self.reporter.keep(candidate.clone(), &self.runs)?;
         for step in MOVES {
+            self.apply_to(&candidate);
             if !(step.applies)(self) {
                 continue;
             }
             let before = candidate.error();
             if let Some(next) = (step.run)(&candidate, self)? {
                 candidate = next;
+                self.reporter.keep(candidate.clone(), &self.runs)?;
             }
-            self.apply_to(&candidate);
             self.history.push((step.name, before, candidate.error()));
         }
         Ok(candidate)
+    }
+
+    /// True if the search is not a quick one.
+    fn is_not_quick(&self) -> bool {
+        self.settings.effort != Effort::Quick
+    }
+
+    /// True if the operators are compared: a quick search of the best of all has only the coarse one.
+    fn compares_operators(&self) -> bool {
+        self.is_not_quick() || !is_auto(&self.settings.operator)
     }
 
     /// The operators that were compared, with their errors.
@@ -133,6 +160,19 @@ impl<'a> Search<'a> {
     /// True if free decays in the records show a mode of this frequency [Hz].
     pub(super) fn is_in_free_decays(&self, hz: f64) -> bool {
         self.structures.evidence.is_in_free_decays(hz)
+    }
+
+    /// Sets the trial of the operator of the candidate that the search ends with: later moves may have lowered its
+    /// error, or the operators were not compared.
+    fn end_with(&mut self, best: Candidate) -> Candidate {
+        let result = operators::trial_of(best.operator, &best.fitted, &mut self.runs, self.design.range);
+        let trial = Trial::selected(result, best.fitted.clone());
+        match self.trials.iter_mut().find(|trial| trial.result.is_selected()) {
+            Some(selected) => *selected = trial,
+            None => self.trials = vec![trial],
+        }
+        self.apply_to(&best);
+        best
     }
 
     /// Sets the initial conditions of the records to those of a candidate.
@@ -159,11 +199,17 @@ fn basis_ts(ts: f64, has_driver: bool) -> f64 {
 /// Name of the first stage in progress.
 const LINEAR_BLOCK: &str = "linear block";
 
-/// Reports progress; the caller may cancel.
+/// Reports progress; the caller may cancel. It keeps the best candidate so far.
 struct Reporter<'a> {
     progress: &'a mut Progress<'a>,
     /// Number of stages.
     total: usize,
+    /// The last stage, and the number of those before it.
+    last: (String, usize),
+    best: Option<Candidate>,
+    /// The lowest and the highest input.
+    range: (f64, f64),
+    units: &'a Units,
 }
 
 impl Reporter<'_> {
@@ -171,9 +217,39 @@ impl Reporter<'_> {
     /// [`Error::Cancelled`].
     fn report(&mut self, stage: Stage) -> Result<(), Error> {
         let Stage { what, done, .. } = stage;
+        self.last = (what.into(), done);
         match (self.progress)(Stage { total: self.total, ..stage }).is_break() {
             true => Err(Error::Cancelled { what: what.into(), done, total: self.total }),
             false => Ok(()),
+        }
+    }
+
+    /// Keeps a candidate as the best so far, and reports its model.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`]; an error if the candidate is no model.
+    fn keep(&mut self, candidate: Candidate, runs: &[TrainingRecord]) -> Result<(), Error> {
+        let runs = &mut runs.to_vec();
+        candidate.fitted.apply_to(runs, self.range);
+        let offset = fit::offset(&candidate.fitted, runs, &mut Vec::new(), &self.units.y);
+        let model = candidate.fitted.estimate.model(offset)?.with_units(self.units.clone()).to_json();
+        self.best = Some(candidate);
+        let (what, done) = self.last.clone();
+        self.report(Stage { model: Some(&model), ..Stage::new(&what, done, 0) })
+    }
+
+    /// The same for a fit with this operator, if its held-out error is less than that of the best.
+    fn keep_better(
+        &mut self,
+        operator: &'static Operator,
+        fitted: Option<&Fitted>,
+        runs: &[TrainingRecord],
+    ) -> Result<(), Error> {
+        match (fitted, &self.best) {
+            (Some(fitted), Some(best)) if fitted.held_out.rms_pp() < best.error() => {
+                self.keep(Candidate { operator, ..best.with_fit(fitted.clone()) }, runs)
+            }
+            _ => Ok(()),
         }
     }
 

@@ -19,19 +19,29 @@ pub(super) struct Move {
 /// The same structure, operator and initial conditions at the minimum: a search ends its fits where they can be
 /// compared.
 fn to_minimum(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
-    let watch = &mut search.reporter.last_stage(candidate.operator_name());
+    let watch = &mut search.reporter.last_stage(candidate.operator.name);
     Ok(Some(candidate.with_fit(refine_to_minimum(&candidate.fitted, &mut search.runs, watch)?)))
 }
 
 /// All moves, from the first candidate on, which has a coarse hysteresis.
 pub(super) const MOVES: &[Move] = &[
-    Move { name: "comparison of the operators", applies: |_| true, run: operators::compare },
+    Move {
+        name: "comparison of the operators",
+        applies: |search| search.compares_operators(),
+        run: operators::compare,
+    },
     // A coarse hysteresis may not show which initial conditions are right.
-    Move { name: "other initial conditions", applies: |_| true, run: initial_conditions::retry_initial_conditions },
+    Move {
+        name: "other initial conditions",
+        applies: |search| search.is_not_quick(),
+        run: initial_conditions::retry_initial_conditions,
+    },
     // Small-signal records show the specified order best.
     Move {
         name: structure_search::NAME,
-        applies: |search| search.settings.order.is_none() || search.records.is_large_signal_alone(),
+        applies: |search| {
+            search.is_not_quick() && (search.settings.order.is_none() || search.records.is_large_signal_alone())
+        },
         run: structure_search::search_with_operator,
     },
     // What the linear block lacked may have hidden how the operators differ.
@@ -40,5 +50,5 @@ pub(super) const MOVES: &[Move] = &[
         applies: |search| search.errors_of(structure_search::NAME).is_some_and(operators::is_worth_repeating),
         run: operators::compare_closest,
     },
-    Move { name: "the minimum", applies: |_| true, run: to_minimum },
+    Move { name: "the minimum", applies: |search| search.is_not_quick(), run: to_minimum },
 ];

@@ -9,7 +9,8 @@ use super::initial_conditions::fit_with_other_initial_conditions;
 use super::shape_search::best_shape;
 use super::structure::with_other_blocks;
 use super::trials::{OperatorTrial, Trial, select};
-use super::{Candidate, POLICY, Reporter, Search, structure_search};
+use super::{Candidate, JointOptions, POLICY, Reporter, Search, structure_search};
+use crate::Effort;
 use crate::side_by_side::side_by_side;
 use piezoid_models::hysteresis::{BasisDesign, Operator};
 use piezoid_numerics::error::Error;
@@ -24,9 +25,9 @@ pub(super) fn compare(candidate: &Candidate, search: &mut Search) -> Result<Opti
     let _stage = trace_span!(target: "stage", "operators").entered();
     let design = search.design_for(blocks);
     let Search { settings, operators, runs, reporter, trials, .. } = search;
-    *trials = comparison(operators, &design, blocks, settings.seed, runs, reporter)?;
+    *trials = comparison(operators, &design, blocks, settings, runs, reporter)?;
     let (selected, fitted) = select(trials)?;
-    Ok(Some(Candidate { operator: Some(operators[selected]), ..candidate.with_fit(fitted) }))
+    Ok(Some(Candidate { operator: operators[selected], ..candidate.with_fit(fitted) }))
 }
 
 /// True if the structure search has lowered the held-out error of the selected operator so much, from the first value
@@ -41,14 +42,14 @@ pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Res
     let errors = search.errors_of(structure_search::NAME);
     let design = search.design_for(&candidate.fitted.estimate);
     let Search { operators, runs, reporter, trials, notes, .. } = search;
-    let (Some(operator), Some((before, after))) = (candidate.operator, errors) else { return Ok(None) };
+    let (operator, Some((before, after))) = (candidate.operator, errors) else { return Ok(None) };
     let Some(previous) = trials.iter().position(|trial| trial.result.is_selected()) else { return Ok(None) };
     let watch = &mut reporter.last_stage(operator.name);
     if !refit_closest(trials, previous, &candidate.fitted, &design, runs, watch)? {
         return Ok(None);
     }
     let result = trial_of(operator, &candidate.fitted, runs, design.range);
-    trials[previous] = Trial { result, fitted: Some(candidate.fitted.clone()) };
+    trials[previous] = Trial::of(result, candidate.fitted.clone());
     let (selected, fitted) = select(trials)?;
     notes.push(format!(
         "operators: a better linear block lowered the held-out error of {} from {} to {} % rms/pp, so the \
@@ -57,7 +58,7 @@ pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Res
         short(100.0 * before),
         short(100.0 * after)
     ));
-    Ok(Some(Candidate { operator: Some(operators[selected]), ..candidate.with_fit(fitted) }))
+    Ok(Some(Candidate { operator: operators[selected], ..candidate.with_fit(fitted) }))
 }
 
 /// The trials of the operators, each with its fit. `blocks` are the other parts of the model.
@@ -69,7 +70,7 @@ fn comparison(
     operators: &[&'static Operator],
     design: &BasisDesign,
     blocks: &Estimate,
-    seed: u64,
+    settings: &JointOptions,
     runs: &[TrainingRecord],
     reporter: &mut Reporter,
 ) -> Result<Vec<Trial>, Error> {
@@ -82,33 +83,42 @@ fn comparison(
     let report = |k: usize, fit: Option<&Result<Fitted, Error>>| {
         let held_out = fit.and_then(|fit| Some(100.0 * fit.as_ref().ok()?.held_out.rms_pp()));
         let figures: Vec<_> = held_out.map(|error| ("held_out_percent", error)).into_iter().collect();
-        reporter.report(Stage { figures: &figures, ..Stage::new(operators[k].name, done(0, k), 0) })
+        reporter.report(Stage { figures: &figures, ..Stage::new(operators[k].name, done(0, k), 0) })?;
+        reporter.keep_better(operators[k], fit.and_then(|fit| fit.as_ref().ok()), runs)
     };
     let fits = side_by_side(operators.to_vec(), own, report)?;
     let errors = fits.iter().filter_map(|fit| Some(fit.as_ref().ok()?.held_out.rms_pp()));
     let least = errors.fold(f64::INFINITY, f64::min);
     let most = POLICY.searched_shape_ratio * least;
     let searched = |(row, fit): (&'static Operator, Result<Fitted, Error>), watch: StepCallback| match fit {
-        Ok(fit) if fit.held_out.rms_pp() <= most => shapes(row, fit, design, blocks, seed, &mut runs.to_vec(), watch),
+        Ok(fit) if settings.effort != Effort::Quick && fit.held_out.rms_pp() <= most => {
+            shapes(row, fit, design, blocks, settings, &mut runs.to_vec(), watch)
+        }
         fit => fit.map(|fit| vec![fit]),
     };
     let starts: Vec<_> = operators.iter().copied().zip(fits).collect();
-    let starts = side_by_side(starts, searched, |k, _| reporter.report(Stage::new(operators[k].name, done(1, k), 0)))?;
+    let report = |k: usize, fits: Option<&Result<Vec<Fitted>, Error>>| {
+        reporter.report(Stage::new(operators[k].name, done(1, k), 0))?;
+        reporter.keep_better(operators[k], fits.and_then(|fits| fits.as_ref().ok()?.first()), runs)
+    };
+    let starts = side_by_side(starts, searched, report)?;
     let errors = starts.iter().filter_map(|fits| Some(fits.as_ref().ok()?.first()?.held_out.rms_pp()));
     let most = POLICY.refined_operator_ratio * errors.fold(f64::INFINITY, f64::min);
     let minima = starts.iter().filter_map(|fits| Some(fits.as_ref().ok()?.first()?.minimum));
-    let reach = POLICY.reachable_operator_ratio.powi(2) * minima.fold(f64::INFINITY, f64::min);
+    let reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * minima.fold(f64::INFINITY, f64::min);
     let finish = |(row, start): (&'static Operator, Result<Vec<Fitted>, Error>), watch: StepCallback| match start {
         Err(why) => Ok(Trial { result: OperatorTrial::refused(row, why.to_string()), fitted: None }),
         Ok(shapes) => {
             let (result, fitted) = refined(row, shapes, (most, reach), &mut runs.to_vec(), design.range, watch)?;
-            Ok(Trial { result, fitted: Some(fitted) })
+            Ok(Trial::of(result, fitted))
         }
     };
     let report = |k: usize, trial: Option<&Result<Trial, Error>>| {
-        let figures = trial.and_then(|trial| Some(trial.as_ref().ok()?.result.figures()));
+        let trial = trial.and_then(|trial| trial.as_ref().ok());
+        let figures = trial.map(|trial| trial.result.figures());
         let figures = figures.as_ref().map_or(&[][..], |figures| figures);
-        reporter.report(Stage { figures, ..Stage::new(operators[k].name, done(2, k), 0) })
+        reporter.report(Stage { figures, ..Stage::new(operators[k].name, done(2, k), 0) })?;
+        reporter.keep_better(operators[k], trial.and_then(|trial| trial.fitted.as_ref()), runs)
     };
     if let [Err(why)] = &starts[..] {
         return Err(why.clone());
@@ -144,7 +154,7 @@ fn refit_closest(
             Err(_) => {}
             Ok(fit) => {
                 let result = trial_of(row, &fit, runs, design.range);
-                *trial = Trial { result, fitted: Some(fit) };
+                *trial = Trial::of(result, fit);
                 is_any = true;
             }
         }
@@ -160,14 +170,14 @@ fn shapes(
     own: Fitted,
     design: &BasisDesign,
     blocks: &Estimate,
-    seed: u64,
+    settings: &JointOptions,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Vec<Fitted>, Error> {
     let start = blocks.with_basis((row.basis)(design)?);
     let mut fits = vec![own];
     let stage = trace_span!(target: "stage", "shapes");
-    if let Some(reshaped) = stage.in_scope(|| best_shape(&start, runs, seed, watch))? {
+    if let Some(reshaped) = stage.in_scope(|| best_shape(&start, runs, settings, watch))? {
         fits.push(refine(reshaped, runs, FreeParameters::Creep, watch)?);
     }
     fits.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
@@ -209,7 +219,12 @@ fn refined(
 }
 
 /// The trial of a fit, with its free-run error. The runs start as in the fit.
-fn trial_of(row: &Operator, fitted: &Fitted, runs: &mut [TrainingRecord], range: (f64, f64)) -> OperatorTrial {
+pub(super) fn trial_of(
+    row: &Operator,
+    fitted: &Fitted,
+    runs: &mut [TrainingRecord],
+    range: (f64, f64),
+) -> OperatorTrial {
     fitted.apply_to(runs, range);
     OperatorTrial::of(row, fitted, free_run(fitted, runs))
 }
@@ -244,7 +259,8 @@ mod tests {
             runs[0].start_from(initial, design.range);
             let start = blocks.with_basis((row.basis)(&design).unwrap());
             let own = refine(start, &mut runs, FreeParameters::Creep, &mut |_| Ok(())).unwrap();
-            let fits = shapes(row, own, &design, &blocks, 1, &mut runs, &mut |_| Ok(())).unwrap();
+            let fits =
+                shapes(row, own, &design, &blocks, &JointOptions::default(), &mut runs, &mut |_| Ok(())).unwrap();
             assert_ne!(fits[0].initial_conditions, [InitialCondition::FromBelow], "{initial:?}");
             assert_eq!(runs[0].initial, initial);
         }
@@ -264,7 +280,7 @@ mod tests {
         };
         let mut trials: Vec<_> = ["stop", "proportional", "prandtl-ishlinskii"]
             .map(|name| (Operator::find(name).unwrap(), fit(name, &gain)))
-            .map(|(row, fit)| Trial { result: OperatorTrial::of(row, &fit, 0.0), fitted: Some(fit) })
+            .map(|(row, fit)| Trial::of(OperatorTrial::of(row, &fit, 0.0), fit))
             .into();
         let with_mode = fit("prandtl-ishlinskii", &mode);
         let [stop, none] = [0, 1].map(|k| trials[k].result.held_out_percent);
@@ -292,7 +308,7 @@ mod tests {
         let mut trial = |name: &str, free_run: f64| {
             let start = estimate(name, 20).with_linear(gain.clone());
             let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
-            Trial { result: OperatorTrial::of(Operator::find(name).unwrap(), &fit, free_run), fitted: Some(fit) }
+            Trial::of(OperatorTrial::of(Operator::find(name).unwrap(), &fit, free_run), fit)
         };
         // Both are the same law; the proportional one is far from it, whatever its free run.
         for (pi, stop, best) in [(0.01, 0.1, 1), (0.1, 0.01, 2)] {

@@ -5,6 +5,8 @@
 //!
 //! Why: docs/decisions/structure-and-operator-selection.md, "A grown block has limits, a specified order has none".
 
+use crate::Effort;
+
 /// The constants of the search.
 #[derive(Debug)]
 pub(crate) struct SearchPolicy {
@@ -37,8 +39,6 @@ pub(crate) struct SearchPolicy {
     pub(crate) initial_condition_ratio: f64,
 
     // Structure search: what is tried.
-    /// Highest order of the linear block, unless the order is specified.
-    pub(crate) max_order: usize,
     /// Ratio of neighbouring time constants of new lags, and the shortest [samples].
     pub(crate) lag_grid_ratio: f64,
     pub(crate) shortest_lag: f64,
@@ -51,9 +51,6 @@ pub(crate) struct SearchPolicy {
     pub(crate) min_mode_cycles: f64,
     /// Number of neighbouring frequencies of new modes of which the best is one extension.
     pub(crate) mode_band: usize,
-    /// Number of extensions that are refined with all other parts. The linearised promise of a single one, with z held,
-    /// is often wrong.
-    pub(crate) refined_extensions: usize,
     /// Ratio of minima that the linearised equations must promise before an extension is refined.
     pub(crate) promised_minimum_ratio: f64,
     /// The same for a structure that was simpler with another operator, and for one of lower order with the same.
@@ -74,9 +71,6 @@ pub(crate) struct SearchPolicy {
     pub(crate) whole_record_gain_ratio: f64,
     /// Ratio of held-out errors below which a mode is kept that the records do not show otherwise.
     pub(crate) obvious_mode_ratio: f64,
-
-    /// Ratio of minima with few signals up to which the held-out error with all weights decides.
-    pub(crate) equal_minimum_ratio: f64,
 
     // Structure search: which modes the records show.
     /// Number of frequencies of the inputs from which small modes between them show; between fewer, a mode could be
@@ -99,13 +93,13 @@ pub(crate) struct SearchPolicy {
     pub(crate) min_minor_loops: usize,
     /// Ratio of held-out errors, with the linear block held, up to which an operator is refined in all parameters.
     pub(crate) refined_operator_ratio: f64,
-    /// Ratio of rms errors to the least before the refinement up to which a refinement goes on.
-    pub(crate) reachable_operator_ratio: f64,
     /// The ratio of held-out errors up to which other shapes and initial conditions of an operator are searched.
     pub(crate) searched_shape_ratio: f64,
     /// Number of shapes of an operator that are refined, and ratio of held-out errors up to which the second is.
     pub(crate) refined_shapes: usize,
     pub(crate) second_shape_ratio: f64,
+    /// Ratio of errors up to which a simpler operator is as good, even if the difference is uncertain.
+    pub(crate) as_good_operator_ratio: f64,
     /// Ratio of held-out errors up to which free runs decide between two operators. A fault that all operators share,
     /// as a linear block that is not settled yet, would hide in the free run how they differ.
     pub(crate) free_run_decides_ratio: f64,
@@ -113,11 +107,67 @@ pub(crate) struct SearchPolicy {
     pub(crate) repeated_comparison_ratio: f64,
     /// Ratio of errors in the comparison up to which an operator takes part in its repetition.
     pub(crate) close_operator_ratio: f64,
+}
+
+/// How much a search tries.
+#[derive(Debug)]
+pub(crate) struct Breadth {
+    /// Highest order of the linear block, unless the order is specified.
+    pub(crate) max_order: usize,
+    /// Maximum number of extensions of the first linear block, one after the other.
+    pub(crate) extensions: usize,
+    /// Number of extensions that are refined with all other parts. The linearised promise of a single one, with z held,
+    /// is often wrong.
+    pub(crate) refined_extensions: usize,
+    /// Ratio of minima with few signals up to which the held-out error with all weights decides.
+    pub(crate) equal_minimum_ratio: f64,
     /// Number of samples for the search of the shape, of all records together.
     pub(crate) shape_samples: usize,
-    /// Number of shapes that are tried, for each shape parameter.
+    /// Number of shapes that are tried, and number more for each shape parameter.
+    pub(crate) shapes: usize,
     pub(crate) shapes_per_parameter: usize,
+    /// Number of them, the best, from which the search of the shape goes on.
+    pub(crate) shape_starts: usize,
+    /// Ratio of rms errors to the least before the refinement up to which a refinement goes on.
+    pub(crate) reachable_operator_ratio: f64,
 }
+
+impl Effort {
+    /// How much a search tries.
+    pub(crate) fn breadth(self) -> &'static Breadth {
+        match self {
+            Effort::Quick => &QUICK,
+            Effort::Usual => &USUAL,
+            Effort::Thorough => &THOROUGH,
+        }
+    }
+}
+
+const QUICK: Breadth = Breadth { max_order: 2, extensions: 1, ..USUAL };
+
+const USUAL: Breadth = Breadth {
+    max_order: 8,
+    extensions: usize::MAX,
+    refined_extensions: 3,
+    equal_minimum_ratio: 1.05,
+    shape_samples: 10_000,
+    shapes: 16,
+    shapes_per_parameter: 8,
+    shape_starts: 2,
+    reachable_operator_ratio: 1.5,
+};
+
+const THOROUGH: Breadth = Breadth {
+    max_order: 8,
+    extensions: usize::MAX,
+    refined_extensions: 6,
+    equal_minimum_ratio: 1.2,
+    shape_samples: 40_000,
+    shapes: 64,
+    shapes_per_parameter: 32,
+    shape_starts: 4,
+    reachable_operator_ratio: f64::INFINITY,
+};
 
 /// The policy.
 pub(crate) const POLICY: SearchPolicy = SearchPolicy {
@@ -134,7 +184,6 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
 
     initial_condition_ratio: 0.9,
 
-    max_order: 8,
     lag_grid_ratio: 2.0,
     shortest_lag: 0.5,
     mode_grid_ratio: 1.3,
@@ -142,7 +191,6 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
     mode_damping: [0.03, 0.2],
     min_mode_cycles: 10.0,
     mode_band: 4,
-    refined_extensions: 3,
     promised_minimum_ratio: 0.95,
     promised_simpler_ratio: 1.2,
     promised_lower_order_ratio: 1.0,
@@ -153,7 +201,6 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
     held_out_gain_ratio: 0.95,
     whole_record_gain_ratio: 0.9,
     obvious_mode_ratio: 0.3,
-    equal_minimum_ratio: 1.05,
 
     many_frequencies: 6,
     above_inputs_ratio: 2.0,
@@ -164,13 +211,11 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
     minor_loop_margin: 0.1,
     min_minor_loops: 8,
     refined_operator_ratio: 3.0,
-    reachable_operator_ratio: 1.5,
     searched_shape_ratio: 30.0,
     refined_shapes: 2,
     second_shape_ratio: 1.5,
+    as_good_operator_ratio: 1.02,
     free_run_decides_ratio: 1.5,
     repeated_comparison_ratio: 0.7,
     close_operator_ratio: 1.1,
-    shape_samples: 10_000,
-    shapes_per_parameter: 8,
 };

@@ -3,7 +3,7 @@
 //! Shapes are spread evenly over their domain, each with its optimal weights. The best of them are refined by
 //! Gauss-Newton in weights, creep and shape. The result is only a start for the whole data.
 
-use super::POLICY;
+use super::JointOptions;
 use super::fit::{Estimate, FreeParameters, Iterate, StepCallback, TrainingRecord, refine_from_unknown};
 use crate::side_by_side::side_by_side;
 use libm::pow;
@@ -26,7 +26,7 @@ const MAX_SEED: usize = 1000;
 pub(super) fn best_shape(
     estimate: &Estimate,
     runs: &[TrainingRecord],
-    seed: u64,
+    settings: &JointOptions,
     watch: StepCallback,
 ) -> Result<Option<Estimate>, Error> {
     let shape = estimate.basis.shape();
@@ -34,7 +34,8 @@ pub(super) fn best_shape(
         return Ok(None);
     }
     let large_signal: Vec<&TrainingRecord> = runs.iter().filter(|run| run.large_signal).collect();
-    let each = POLICY.shape_samples / large_signal.len().max(1);
+    let breadth = settings.effort.breadth();
+    let each = breadth.shape_samples / large_signal.len().max(1);
     // The ends, where rising amplitudes are largest.
     let from = |run: &TrainingRecord| run.record.len().saturating_sub(each);
     let end = |run: &&TrainingRecord| run.record.slice(from(run)..run.record.len());
@@ -59,13 +60,13 @@ pub(super) fn best_shape(
         (point.predicted(SMOOTHNESS_WEIGHT), estimate)
     };
     // Spread evenly over all shapes, and the operator's own.
-    let count = POLICY.shapes_per_parameter * shape.len();
-    let first = 1 + seed as usize % MAX_SEED * count;
+    let count = breadth.shapes + breadth.shapes_per_parameter * shape.len();
+    let first = 1 + settings.seed as usize % MAX_SEED * count;
     let spread = |k: usize| -> Vec<f64> { PRIMES[..shape.len()].iter().map(|&base| halton(k, base)).collect() };
     let starts: Vec<Estimate> = (first..first + count).filter_map(|k| at(&spread(k))).collect();
     let mut costs: Vec<_> = starts.into_par_iter().chain([estimate.clone()]).map(cost).collect();
     costs.sort_by(|p, q| p.0.total_cmp(&q.0));
-    costs.truncate(POLICY.refined_shapes);
+    costs.truncate(breadth.shape_starts);
     let refined = |(_, start): (f64, Estimate), watch: StepCallback| {
         refine_from_unknown(start, SMOOTHNESS_WEIGHT, &mut parts.clone(), FreeParameters::Shape, watch)
     };

@@ -9,10 +9,11 @@
 
 use super::candidate::SelectedStructure;
 use super::fit::{
-    Estimate, FreeParameters, Hidden, creep_pole, refine, slowest_observable, slowest_pole, with_slow_lags_limited,
+    Estimate, FreeParameters, Hidden, creep_pole, is_lag, refine, slowest_observable, slowest_pole,
+    with_slow_lags_limited, without_factor,
 };
 use super::initial_conditions::fit_with_initial_conditions;
-use super::structure::{Structure, rescaled, select};
+use super::structure::{Selected, Structure, rescaled, select};
 use super::{Candidate, JointOptions, LINEAR_BLOCK, POLICY, Search};
 use crate::large_signal::{affine, lines, proportional, require_excitation};
 use piezoid_models::creep::Lag;
@@ -32,6 +33,9 @@ use piezoid_records::waveform::dominant_frequency;
 use std::cmp::Reverse;
 use std::sync::Arc;
 
+/// The operator that represents the hysteresis until the operators are compared.
+const COARSE: &str = "preisach";
+
 /// The first candidate.
 ///
 /// # Errors
@@ -43,7 +47,7 @@ pub(super) fn first_candidate(search: &mut Search) -> Result<Candidate, Error> {
 /// An estimate with a coarse hysteresis and this linear block.
 fn coarse(linear: Arx, settings: &JointOptions, design: &BasisDesign, lags: &[Lag]) -> Result<Estimate, Error> {
     let design = BasisDesign { elements: Some(POLICY.coarse_rows), ..design.clone() };
-    let basis = (Operator::find("preisach")?.basis)(&design)?;
+    let basis = (Operator::find(COARSE)?.basis)(&design)?;
     Ok(Estimate::new(settings.driver, basis, lags.to_vec(), linear))
 }
 
@@ -59,7 +63,8 @@ fn from_small_signal(search: &mut Search) -> Result<Candidate, Error> {
     let start = || coarse(linear.clone(), settings, design, lags);
     let watch = &mut reporter.stage(LINEAR_BLOCK, 0);
     let fitted = fit_with_initial_conditions(&start, runs, design.range, watch)?;
-    Ok(Candidate { structure: SelectedStructure { reason, simpler: Vec::new() }, operator: None, fitted })
+    let structure = SelectedStructure { reason, simpler: Vec::new() };
+    Ok(Candidate { structure, operator: Operator::find(COARSE)?, fitted })
 }
 
 fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag]) -> Result<(Arx, String), Error> {
@@ -67,7 +72,7 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
     require_excitation(small, 1)?;
     let with_driver: Vec<Record> =
         small.iter().map(|record| behind_driver(record, settings)).collect::<Result<_, _>>()?;
-    let max_order = lines(small).len().saturating_sub(1).clamp(1, POLICY.max_order);
+    let max_order = lines(small).len().saturating_sub(1).clamp(1, settings.effort.breadth().max_order);
     if let Some(n) = settings.order {
         require_excitation(small, n)?;
         return of_order(&with_driver, n);
@@ -81,14 +86,22 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
     // A slow lag of the linear block is creep, which has its own block.
     let most = POLICY.block_without_creep_ratio * found.candidates[found.chosen].held_out;
     let near = found.candidates.iter().filter(|c| !creeps(&c.arx) && c.held_out <= most);
-    let Some(near) = near.min_by_key(|c| (c.orders.na, Reverse(c.orders.delay))) else {
-        return Ok((found.fit.arx, found.reason));
+    let start = match near.min_by_key(|c| (c.orders.na, Reverse(c.orders.delay))) {
+        Some(near) => near.arx.clone(),
+        None => without_creep(&found.fit.arx, slowest)?,
     };
-    let fit = refine_alone(&with_driver, &near.arx, &Refinement::default(), &mut Stage::ignore)?;
-    let (n, delay) = (near.orders.na, near.orders.delay);
+    let fit = refine_alone(&with_driver, &start, &Refinement::default(), &mut Stage::ignore)?;
+    let (n, delay) = (start.a().len(), start.delay());
     let reason =
         format!("order {n} with delay {delay}, because the better block has a lag as slow as creep ({})", found.reason);
     Ok((fit.arx, reason))
+}
+
+/// The block without its lags below the frequency `slowest` [Hz], with the same response at high frequencies.
+fn without_creep(arx: &Arx, slowest: f64) -> Result<Arx, Error> {
+    let slow = arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.hz < slowest);
+    let a = slow.fold(arx.denominator(), |a, pole| without_factor(&a, pole.z.re));
+    Arx::new(arx.ts(), a[1..].iter().map(|a| -a).collect(), arx.b().to_vec())
 }
 
 /// The block of order `n`, with the best delay.
@@ -130,14 +143,21 @@ fn from_large_signal(search: &mut Search) -> Result<Candidate, Error> {
     let Search { settings, runs, bridged, lags, design, structures, reporter, .. } = search;
     let large_signal = &bridged[..];
     let ts = large_signal[0].ts();
-    let watch = &mut reporter.stage(LINEAR_BLOCK, 0);
     let start = |linear: Arx| coarse(linear, settings, design, lags);
     let (gain, first) = start_gain(large_signal)?;
     let delayed_gain = |d: usize, next: f64| {
         let b = [vec![0.0; d], vec![(1.0 - next) * gain], vec![next * gain; usize::from(next > 0.0)]].concat();
         Arx::new(ts, Vec::new(), b)
     };
-    let plain = fit_with_initial_conditions(&|| start(delayed_gain(first, 0.0)?), runs, design.range, watch)?;
+    let plain = || start(delayed_gain(first, 0.0)?);
+    let plain = fit_with_initial_conditions(&plain, runs, design.range, &mut reporter.stage(LINEAR_BLOCK, 0))?;
+    let operator = Operator::find(COARSE)?;
+    let candidate = |selected: Selected| {
+        let structure = SelectedStructure { reason: selected.reason, simpler: selected.simpler };
+        Candidate { structure, operator, fitted: selected.fitted }
+    };
+    reporter.keep(candidate(select(vec![Structure::new(String::new(), plain.clone())], None)), runs)?;
+    let watch = &mut reporter.stage(LINEAR_BLOCK, 0);
     let hidden: Vec<Record> = Hidden::crept(&plain, runs)?.into_iter().map(|z| z.record).collect();
     let best_delay = delay(&hidden);
     let mut tried = vec![Structure::new(String::new(), plain)];
@@ -156,12 +176,9 @@ fn from_large_signal(search: &mut Search) -> Result<Candidate, Error> {
     // The best of these is the last.
     let best = tried.iter().enumerate().min_by(|p, q| Structure::by_error(&p.1, &q.1)).map_or(0, |(k, _)| k);
     tried.truncate(best + 1);
-    let preisach = Operator::find("preisach")?;
-    let basis = |ts: f64| (preisach.basis)(&BasisDesign { ts, elements: Some(POLICY.coarse_rows), ..design.clone() });
+    let basis = |ts: f64| (operator.basis)(&BasisDesign { ts, elements: Some(POLICY.coarse_rows), ..design.clone() });
     structures.extend(&mut tried, &basis, runs, watch)?;
-    let selected = select(tried, settings.order);
-    let structure = SelectedStructure { reason: selected.reason, simpler: selected.simpler };
-    Ok(Candidate { structure, operator: None, fitted: selected.fitted })
+    Ok(candidate(select(tried, settings.order)))
 }
 
 /// The initial gain and its delay [samples]. The sign is that of the slowest record, because near a resonance the

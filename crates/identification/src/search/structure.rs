@@ -1,16 +1,20 @@
 //! Structures of the linear block, their comparison, and the selection of the simplest that is as good as the best.
 
-use super::fit::{Estimate, Fitted, MAX_MODE_DAMPING};
+use super::fit::{Estimate, Fitted, MAX_MODE_DAMPING, TrainingRecord};
+use super::promises::Promises;
 use super::{POLICY, basis_ts};
 use libm::hypot;
 use piezoid_models::creep::Lag;
 use piezoid_models::driver::DriverModel;
+use piezoid_models::hammerstein::InitialCondition;
 use piezoid_models::hysteresis::Basis;
 use piezoid_models::linear::{Arx, Pole};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use piezoid_numerics::system::System;
+use std::cell::RefCell;
 use std::cmp::Ordering;
+use std::rc::Rc;
 
 /// Held-out error, rms over peak-to-peak, that is rounding.
 const ROUNDING_RMS_PP: f64 = 1e-6;
@@ -19,15 +23,31 @@ const ROUNDING_RMS_PP: f64 = 1e-6;
 pub(super) type MakeBasis<'a> = &'a dyn Fn(f64) -> Result<Box<dyn Basis>, Error>;
 
 /// A fit, and the last extension of its linear block; empty if there is none.
-#[derive(Debug)]
 pub(super) struct Structure {
     pub(super) extension: String,
     pub(super) fitted: Fitted,
+    /// The promises that were computed last, and the initial conditions of the runs then.
+    promises: RefCell<Option<(Vec<InitialCondition>, Rc<Promises>)>>,
 }
 
 impl Structure {
     pub(super) fn new(extension: String, fitted: Fitted) -> Self {
-        Structure { extension, fitted }
+        Structure { extension, fitted, promises: RefCell::new(None) }
+    }
+
+    /// What the linearised equations promise for changes of the fit; `slowest` is the frequency of the slowest lag that
+    /// is not creep [Hz].
+    pub(super) fn promises(&self, runs: &[TrainingRecord], slowest: f64) -> Result<Rc<Promises>, Error> {
+        let initial_conditions: Vec<_> = runs.iter().map(|run| run.initial).collect();
+        let mut last = self.promises.borrow_mut();
+        match last.as_ref().filter(|(of, _)| *of == initial_conditions) {
+            Some((_, promises)) => Ok(promises.clone()),
+            None => {
+                let promises = Rc::new(Promises::of(&self.fitted, runs, slowest)?);
+                *last = Some((initial_conditions, promises.clone()));
+                Ok(promises)
+            }
+        }
     }
 
     /// Orders by the held-out error, the smallest first.

@@ -10,13 +10,14 @@
 use super::candidate::SelectedStructure;
 use super::extensions::{PoleLimits, extensions, product};
 use super::fit::{
-    Estimate, Fitted, FreeParameters, Hidden, Iterate, Reduced, Smoothness, StepCallback, TrainingRecord, creep_pole,
-    is_lag, refine_from, refine_promising, slowest_observable, slowest_pole, without_factor,
+    Estimate, Fitted, FreeParameters, Hidden, Reduced, Smoothness, StepCallback, TrainingRecord, creep_pole, is_lag,
+    refine_from, refine_promising, slowest_observable, slowest_pole, without_factor,
 };
 use super::initial_conditions::select_initial_conditions;
 use super::mode_evidence::ModeEvidence;
+use super::policy::Breadth;
 use super::structure::{MakeBasis, Structure, rescaled, select, with_other_blocks};
-use super::{Candidate, POLICY, Search};
+use super::{Candidate, JointOptions, POLICY, Search};
 use piezoid_models::creep::Lag;
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hysteresis::BasisDesign;
@@ -41,24 +42,27 @@ pub(super) struct StructureSearch {
     order: Option<usize>,
     /// The lowest and the highest input.
     range: (f64, f64),
+    breadth: &'static Breadth,
 }
 
 impl StructureSearch {
     /// The search in these records, small-signal ones included.
-    pub(super) fn new(
-        records: &[Record],
-        has_driver: bool,
-        order: Option<usize>,
-        lags: &[Lag],
-        range: (f64, f64),
-    ) -> Self {
+    pub(super) fn new(records: &[Record], settings: &JointOptions, lags: &[Lag], range: (f64, f64)) -> Self {
+        let (has_driver, order, breadth) = (settings.driver.is_some(), settings.order, settings.effort.breadth());
         let longest = records.iter().map(Record::duration).fold(0.0, f64::max);
         let limits = PoleLimits {
             slowest: slowest_pole(lags).max(slowest_observable(records.iter())),
             slowest_mode: POLICY.min_mode_cycles / longest,
-            max_order: order.unwrap_or(POLICY.max_order),
+            max_order: order.unwrap_or(breadth.max_order),
         };
-        StructureSearch { limits, evidence: ModeEvidence::of(records, order.is_some()), has_driver, order, range }
+        StructureSearch {
+            limits,
+            evidence: ModeEvidence::of(records, order.is_some()),
+            has_driver,
+            order,
+            range,
+            breadth,
+        }
     }
 
     /// Extends the last structure of `tried`, and its extensions, until that gains nothing.
@@ -70,7 +74,8 @@ impl StructureSearch {
         watch: StepCallback,
     ) -> Result<(), Error> {
         let mut is_lag_tried = self.has_driver;
-        while let Some(from) = tried.last() {
+        for _ in 0..self.breadth.extensions {
+            let Some(from) = tried.last() else { break };
             is_lag_tried |= from.fitted.estimate.driver.is_some();
             let Some(best) = tried.iter().min_by(Structure::by_error) else { break };
             let mut longer = self.extended(from, runs, watch)?;
@@ -78,7 +83,7 @@ impl StructureSearch {
             let gains = longer.iter().find(|t| t.gains_on(best));
             if !is_lag_tried && gains.is_none_or(imitates_lag) {
                 is_lag_tried = gains.is_none();
-                longer.extend(self.with_driver_lag(&best.fitted, basis, runs, watch)?);
+                longer.extend(self.with_driver_lag(best, basis, runs, watch)?);
             }
             longer.sort_by(|p, q| Structure::by_error(&p, &q));
             let mut longer = longer.into_iter();
@@ -109,11 +114,12 @@ impl StructureSearch {
         runs: &mut [TrainingRecord],
         watch: StepCallback,
     ) -> Result<Vec<Structure>, Error> {
-        let Fitted { estimate, own, products, held_out, .. } = &from.fitted;
-        let reduced = Reduced::of(estimate, own, products, runs)?;
+        let Fitted { estimate, held_out, .. } = &from.fitted;
+        let promises = from.promises(runs, self.limits.slowest)?;
+        let reduced = &promises.reduced;
         let possible = |linear: &Arx| self.is_not_creep(linear);
         let mut found: Vec<Structure> = Vec::new();
-        for equals in self.extended_with_few(&reduced, held_out.lambda, runs, watch)? {
+        for equals in self.extended_with_few(reduced, held_out.lambda, runs, watch)? {
             let starts = equals.into_iter().map(|(name, few)| (name, reduced.whole(&few.estimate, estimate)));
             let fits = refine_promising(starts.collect(), &from.fitted, f64::INFINITY, &possible, runs, watch)?;
             let fits = fits.into_iter().map(|(name, fit)| Structure::new(name, fit));
@@ -137,7 +143,7 @@ impl StructureSearch {
         let runs = &mut reduced.runs(runs)[..];
         let smoothness = Smoothness::Fixed(reduced.smoothness(lambda));
         let from = &refine_from(reduced.estimate.clone(), smoothness, runs, FreeParameters::All, watch)?;
-        for group in extensions(from, runs, &self.limits, &self.evidence, watch)? {
+        for group in extensions(from, runs, &self.limits, &self.evidence, self.breadth.refined_extensions, watch)? {
             let starts = group.into_iter().map(|one| (one.name, from.estimate.with_linear(one.linear)));
             let (ratio, possible) = (POLICY.promised_minimum_ratio, |linear: &Arx| self.is_not_creep(linear));
             let mut fits = refine_promising(starts.collect(), from, ratio, &possible, runs, watch)?;
@@ -149,7 +155,7 @@ impl StructureSearch {
                 continue;
             }
             let minima = fits.iter().map(|(_, fit)| fit.minimum);
-            let most = POLICY.equal_minimum_ratio * minima.fold(f64::INFINITY, f64::min);
+            let most = self.breadth.equal_minimum_ratio * minima.fold(f64::INFINITY, f64::min);
             let (equal, others) = fits.into_iter().partition(|(_, fit)| fit.minimum <= most);
             return Ok([equal, others]);
         }
@@ -165,12 +171,13 @@ impl StructureSearch {
     /// delay; `None` if none gains.
     fn with_driver_lag(
         &self,
-        best: &Fitted,
+        best: &Structure,
         basis: MakeBasis,
         runs: &mut [TrainingRecord],
         watch: StepCallback,
     ) -> Result<Option<Structure>, Error> {
-        let linear = &best.estimate.linear;
+        let fit = &best.fitted;
+        let linear = &fit.estimate.linear;
         let (ts, delay) = (linear.ts(), linear.delay());
         let moved = linear.poles().into_iter().filter(is_lag).map(|pole| {
             let a = without_factor(&linear.denominator(), pole.z.re);
@@ -182,11 +189,12 @@ impl StructureSearch {
         let start = |(lag_s, linear): (f64, Result<Arx, Error>)| {
             let driver = (Some(DriverModel::new(lag_s, None)?), true);
             let name = "a lag before the hysteresis".to_string();
-            Ok((name, with_other_blocks(&best.estimate, driver, &best.estimate.lags, linear?, basis)?))
+            Ok((name, with_other_blocks(&fit.estimate, driver, &fit.estimate.lags, linear?, basis)?))
         };
         let starts = moved.chain([(POLICY.new_driver_lag * ts, Ok(linear.clone()))]).chain(instead).map(start);
         let starts = starts.collect::<Result<_, Error>>()?;
-        let found = Promises::of(best, runs)?.refine(starts, POLICY.promised_minimum_ratio, runs, watch)?;
+        let promises = best.promises(runs, self.limits.slowest)?;
+        let found = promises.refine(fit, starts, POLICY.promised_minimum_ratio, runs, watch)?;
         let found = found.into_iter().filter(|(_, fit)| self.evidence.shows(&fit.estimate.linear));
         Ok(found.map(|(name, fit)| Structure::new(name, fit)).min_by(|p, q| Structure::by_error(&p, &q)))
     }
@@ -195,11 +203,11 @@ impl StructureSearch {
     /// may keep the search from its end.
     fn of_lower_order(
         &self,
-        promises: &Promises,
+        own: &Structure,
         runs: &mut [TrainingRecord],
         watch: StepCallback,
     ) -> Result<Option<Structure>, Error> {
-        let fitted = promises.fit;
+        let (fitted, promises) = (&own.fitted, own.promises(runs, self.limits.slowest)?);
         let linear = &fitted.estimate.linear;
         let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
         for n in 1..linear.a().len() {
@@ -209,7 +217,7 @@ impl StructureSearch {
             };
             let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
             let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_lower_order_ratio);
-            if let Some((name, fit)) = promises.refine(starts, ratio, runs, watch)?.pop() {
+            if let Some((name, fit)) = promises.refine(fitted, starts, ratio, runs, watch)?.pop() {
                 return Ok(Some(Structure::new(name, fit)));
             }
         }
@@ -244,76 +252,27 @@ impl StructureSearch {
 pub(super) fn search_with_operator(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
     let _stage = trace_span!(target: "stage", "structure").entered();
     let Search { runs, design, structures, reporter, .. } = search;
-    let Some(operator) = candidate.operator else { return Ok(None) };
+    let operator = candidate.operator;
     let watch = &mut reporter.last_stage(operator.name);
     let basis = |ts: f64| (operator.basis)(&BasisDesign { ts, ..design.clone() });
     let fitted = &candidate.fitted;
-    let (mut tried, promises) = (Vec::new(), Promises::of(fitted, runs)?);
+    let (mut tried, own) = (Vec::new(), Structure::new(String::new(), fitted.clone()));
+    let promises = own.promises(runs, structures.limits.slowest)?;
     for Estimate { driver, seeks_lag, lags, linear, .. } in &candidate.structure.simpler {
         let start = with_other_blocks(&fitted.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
         let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_simpler_ratio);
-        let found = promises.refine(starts, ratio, runs, watch)?;
+        let found = promises.refine(fitted, starts, ratio, runs, watch)?;
         tried.extend(found.into_iter().map(|(name, fit)| Structure::new(name, fit)));
     }
     if structures.order.is_none() {
-        tried.extend(structures.of_lower_order(&promises, runs, watch)?);
+        tried.extend(structures.of_lower_order(&own, runs, watch)?);
     }
-    tried.push(Structure::new(String::new(), fitted.clone()));
+    tried.push(own);
     structures.extend(&mut tried, &basis, runs, watch)?;
     let selected = select(tried, structures.order);
     let reason = if selected.of_several { selected.reason } else { candidate.structure.reason.clone() };
     let structure = SelectedStructure { reason, simpler: selected.simpler };
-    Ok(Some(Candidate { structure, operator: candidate.operator, fitted: selected.fitted }))
-}
-
-/// What the linearised equations of few signals promise.
-struct Promises<'f> {
-    fit: &'f Fitted,
-    reduced: Reduced,
-    /// The sum of squares that they promise for the fit itself, and one that is next to nothing.
-    least: f64,
-    negligible: f64,
-}
-
-impl<'f> Promises<'f> {
-    fn of(fit: &'f Fitted, runs: &[TrainingRecord]) -> Result<Self, Error> {
-        let reduced = Reduced::of(&fit.estimate, &fit.own, &fit.products, runs)?;
-        let point = Iterate::at(reduced.estimate.clone(), &reduced.runs(runs), &[], FreeParameters::All);
-        let (least, negligible) = (point.predicted(reduced.smoothness(fit.held_out.lambda)), point.negligible());
-        Ok(Promises { fit, reduced, least, negligible })
-    }
-
-    /// Fits all parameters from each start that promises less than `ratio` times the minimum of the fit, first with few
-    /// signals, then with all weights.
-    fn refine(
-        &self,
-        starts: Vec<(String, Estimate)>,
-        ratio: f64,
-        runs: &[TrainingRecord],
-        watch: StepCallback,
-    ) -> Result<Vec<(String, Fitted)>, Error> {
-        let most = (ratio * self.least).max(self.negligible);
-        let mut promising = Vec::new();
-        for (name, start) in starts {
-            if self.sum(&start, runs)? < most {
-                promising.push((name, start));
-            }
-        }
-        refine_promising(promising, self.fit, ratio, &|_| true, runs, watch)
-    }
-
-    /// The sum of squares that a start promises.
-    fn sum(&self, start: &Estimate, runs: &[TrainingRecord]) -> Result<f64, Error> {
-        let promised = |reduced: &Reduced, estimate: Estimate| {
-            let lambda = reduced.smoothness(self.fit.held_out.lambda);
-            Iterate::at(estimate, &reduced.runs(runs), &[], FreeParameters::All).predicted(lambda)
-        };
-        if start.driver == self.fit.estimate.driver {
-            return Ok(promised(&self.reduced, self.reduced.estimate.with_linear(start.linear.clone())));
-        }
-        let other = Reduced::of(start, &self.fit.own, &self.fit.products, runs)?;
-        Ok(promised(&other, other.estimate.clone()))
-    }
+    Ok(Some(Candidate { structure, operator, fitted: selected.fitted }))
 }
 
 /// The same response with a linear block of a higher order: further poles cancel further zeros.
@@ -335,9 +294,10 @@ mod tests {
         let of = |n: usize| Record::new(0.01, vec![0.0; n], vec![0.0; n]).unwrap();
         let records = [of(300), of(500)];
         let longest = records[1].duration();
-        let search = StructureSearch::new(&records, false, None, &[], (-1.0, 1.0));
+        let search = StructureSearch::new(&records, &JointOptions::default(), &[], (-1.0, 1.0));
         assert_eq!(search.limits.slowest, 1.0 / (TAU * longest));
-        let creep = StructureSearch::new(&records, false, None, &[Lag { tau_s: 0.1, gain: 0.0 }], (-1.0, 1.0));
+        let creep =
+            StructureSearch::new(&records, &JointOptions::default(), &[Lag { tau_s: 0.1, gain: 0.0 }], (-1.0, 1.0));
         assert_eq!(creep.limits.slowest, 1.0 / (TAU * 0.1));
     }
 }

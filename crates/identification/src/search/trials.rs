@@ -5,7 +5,7 @@
 
 use super::super::records::Records;
 use super::POLICY;
-use super::fit::{ACCEPTED_RMS_RATIO, Fitted};
+use super::fit::Fitted;
 use libm::hypot;
 use piezoid_models::hysteresis::{Operator, is_auto};
 use piezoid_numerics::error::Error;
@@ -89,11 +89,22 @@ pub(crate) fn suitable_operators(
     any(all().filter(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops).collect())
 }
 
-/// An operator that was compared, with its fit if there is one.
+/// An operator that was compared, with its fit if it may be the best.
 #[derive(Debug)]
 pub(super) struct Trial {
     pub(super) result: OperatorTrial,
     pub(super) fitted: Option<Fitted>,
+}
+
+impl Trial {
+    pub(super) fn of(result: OperatorTrial, fitted: Fitted) -> Self {
+        Trial { result, fitted: Some(fitted) }
+    }
+
+    /// The selected one.
+    pub(super) fn selected(result: OperatorTrial, fitted: Fitted) -> Self {
+        Trial::of(OperatorTrial { as_good: true, verdict: SELECTED, ..result }, fitted)
+    }
 }
 
 /// Selects the operator with the fewest parameters of those as good as the best; returns its number, and its fit. Of
@@ -104,11 +115,14 @@ pub(super) fn select(trials: &mut [Trial]) -> Result<(usize, Fitted), Error> {
         fitted().map(|(trial, _)| hypot(trial.held_out_percent, ROUNDING_PERCENT)).fold(f64::INFINITY, f64::min);
     let most = POLICY.free_run_decides_ratio * least;
     let near = || fitted().filter(|(trial, _)| trial.held_out_percent <= most);
-    let most_error = ACCEPTED_RMS_RATIO * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
+    let most_error =
+        POLICY.as_good_operator_ratio * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
     let good = near().filter(|(trial, _)| trial.error() <= most_error);
     let best = good.min_by(|p, q| p.0.held_out_percent.total_cmp(&q.0.held_out_percent)).map(|(_, best)| best.clone());
     for Trial { result, fitted } in trials.iter_mut() {
-        let is_as_good = |fitted: &Fitted| best.as_ref().is_some_and(|best| fitted.held_out.is_as_good_as(best));
+        let is_as_good = |fitted: &Fitted| {
+            best.as_ref().is_some_and(|best| fitted.held_out.is_as_good_as(best, POLICY.as_good_operator_ratio))
+        };
         result.as_good = result.error() <= most_error && fitted.as_ref().is_some_and(is_as_good);
         result.verdict = match (result.as_good, result.refused.is_some()) {
             (true, _) => "as good",

@@ -358,8 +358,10 @@ impl<L: Law> Basis for Weighted<L> {
     }
 
     fn slopes(&self, weights: &[f64], u: &[f64]) -> Vec<Vec<f64>> {
+        // The code of the page is small rather than fast; the numbers are the same.
         match self.shape.len() {
             0 => Vec::new(),
+            _ if cfg!(target_arch = "wasm32") => self.slopes_by::<4>(weights, u),
             1..=2 => self.slopes_by::<2>(weights, u),
             3..=4 => self.slopes_by::<4>(weights, u),
             _ => self.slopes_by::<8>(weights, u),

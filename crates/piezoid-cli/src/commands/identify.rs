@@ -3,8 +3,9 @@
 use super::identified::summary;
 use super::prelude::*;
 use crate::tables::verdict;
+use crate::values::Ended;
 use piezoid::formats::ColumnSelection;
-use piezoid::{IdentifyOptions, StatedVerdict};
+use piezoid::{IdentifyOptions, Model, StatedVerdict};
 use piezoid_export::ExportTarget;
 use piezoid_numerics::number::join;
 use piezoid_numerics::options::Options;
@@ -85,13 +86,16 @@ impl Run for Identify {
         let columns = self.columns.read()?;
         let before = self.again.as_ref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
         let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&self.files)?);
-        let result = console.work(|progress| match &before {
+        let (result, is_cancelled) = console.work_until_cancelled(|progress| match &before {
             Some(before) => identify_again(before, &large, progress),
             None => {
                 let [small, large] = [&small, &large].map(|files| Source::all(files.clone(), &columns));
                 self.options.0.run((&small, &large), "piezoid identify", progress)
             }
         })?;
+        if is_cancelled {
+            return self.keep_best(&result.found.model, console);
+        }
         if is_free && self.verbose {
             console.print(&(summary(&result, console) + "\n"))?;
         }
@@ -119,5 +123,20 @@ impl Run for Identify {
             }
         }
         Ok(())
+    }
+}
+
+impl Identify {
+    /// Writes the best model of a search that was cancelled, and returns this as the error. It takes the place of no
+    /// older file.
+    fn keep_best(&self, model: &Model, console: &Console) -> Result<()> {
+        let is_file = |path: &&Path| self.again.is_none() && (path.is_file() || **path != *"-" && !path.exists());
+        let Some(path) = self.output.as_deref().filter(is_file) else {
+            bail!(Ended::Cancelled("cancelled: nothing was written".into()));
+        };
+        let place = if path.exists() { path.with_extension("unfinished.json") } else { path.into() };
+        Results::default().file(Some(&place), model.to_json()).write(console)?;
+        let verdict = model.verdict().map(|verdict| format!(", {verdict}")).unwrap_or_default();
+        bail!(Ended::Cancelled(format!("cancelled: wrote the best model until then to {}{verdict}", place.display())))
     }
 }

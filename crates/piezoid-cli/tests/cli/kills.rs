@@ -8,6 +8,7 @@
 #![cfg(unix)]
 
 use crate::bench::{Bench, Run};
+use piezoid::Model;
 use piezoid_testing::skipped;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{DirEntry, File};
@@ -61,6 +62,9 @@ const EARLY: Duration = Duration::from_millis(100);
 
 /// The file that names a set which may be mixed.
 const MARK: &str = "piezoid-unfinished.txt";
+
+/// The best model of a search that was cancelled.
+const BEST: &str = "1/x.unfinished.json";
 
 /// When a signal is sent.
 #[derive(Clone, Copy, Debug)]
@@ -197,12 +201,19 @@ impl Scenario {
         true
     }
 
+    /// The best model of a search that was cancelled, which is written beside the older one, and is removed here.
+    fn take_best(&self) -> Option<String> {
+        let best = std::fs::read_to_string(self.bench.path(BEST)).ok();
+        best.inspect(|_| std::fs::remove_file(self.bench.path(BEST)).unwrap())
+    }
+
     /// Kills a run over the older files, counts what that leaves, and runs the command again. Returns the counts, and
     /// what must not be.
     fn trial(&self, sender: &mut Sender, signal: &str, moment: Moment) -> (Counts, Vec<String>) {
         self.restore();
         let status = self.killed(sender, signal, moment);
         let is_quiet = self.is_quiet();
+        let is_best_torn = self.take_best().is_some_and(|best| Model::from_json(&best).is_err());
         let now = self.bench.everything();
         let names: BTreeSet<&String> = self.old.keys().chain(self.new.keys()).filter(|n| !n.ends_with('/')).collect();
         let is = |name: &String, as_in: &Content| now.get(name) == as_in.get(name);
@@ -250,6 +261,7 @@ impl Scenario {
         let faults = [
             (unnamed || handled && is_mixed, "old and new files are mixed".into()),
             (torn > 0, format!("{torn} files are torn")),
+            (is_best_torn, format!("{BEST} is torn")),
             (left, format!("left are {:?}, then {extra:?}", now.keys().filter(is_extra).collect::<Vec<_>>())),
             (!is_quiet, "a process is left".into()),
             (!right_end, format!("the end is {status}")),

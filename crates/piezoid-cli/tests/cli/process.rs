@@ -77,6 +77,32 @@ fn ctrl_c_ends_a_long_identification_in_good_order() {
     assert!(before == bench.files());
 }
 
+#[test]
+fn ctrl_c_keeps_the_best_model_so_far_and_no_older_file_is_lost() {
+    let bench = Bench::stocked();
+    let line = "identify sine5.csv sine20.csv --small-signal prbs.csv --effort thorough -o m.json";
+    let interrupted = |after: Duration| {
+        let child = bench.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(after);
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        Run::of(line, &child.wait_with_output().unwrap()).exits(130)
+    };
+    // At first there is no model yet.
+    let kept = |after| Some((after, interrupted(after))).filter(|(_, run)| !run.err.contains("nothing was written"));
+    let (after, run) = (0..6).map(|k| Duration::from_millis(500 << k)).find_map(kept).unwrap();
+    let run = run.says(&["error: cancelled: wrote the best model until then to m.json, only good to "]);
+    assert_eq!(run.out, "");
+    let first = bench.text("m.json");
+    let of =
+        |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["fit"]["verdict"]["cancelled_in"].clone();
+    assert!(of(&first).is_string(), "{first}");
+
+    interrupted(after + Duration::from_millis(500)).says(&["m.unfinished.json"]);
+    assert_eq!(bench.text("m.json"), first);
+    assert!(of(&bench.text("m.unfinished.json")).is_string());
+    bench.run("validate sine5.csv --model m.json").ok().prints(&["the search was cancelled in"]);
+}
+
 /// Only Linux shows what is ignored.
 #[test]
 #[cfg(target_os = "linux")]

@@ -25,7 +25,7 @@ def watched(progress: Progress) -> Iterator[OnProgress | None]:
     elif hasattr(progress, "update") and hasattr(progress, "n"):
         yield partial(_advance, progress)
     elif callable(progress):
-        yield progress
+        yield _Results(progress) if hasattr(progress, "found") else progress
     else:
         raise PiezoidError(f"progress = {progress!r}: must be True, a bar of tqdm, or a function of (what, done, total)")
 
@@ -44,6 +44,21 @@ def _advance(bar: Any, what: str, done: int, total: int) -> None:
     if hasattr(bar, "set_description"):
         bar.set_description(what, refresh=False)
     bar.update(done - bar.n)
+
+
+class _Results:
+    """The caller's object, which gets what is found too."""
+
+    def __init__(self, watch: Any) -> None:
+        self.watch: Any = watch
+
+    def __call__(self, what: str, done: int, total: int) -> None:
+        self.watch(what, done, total)
+
+    def found(self, what: str, figures: dict[str, float], core: Any) -> None:
+        from .model import Model
+
+        self.watch.found(what, figures, None if core is None else Model._of(core))
 
 
 class _Bars:

@@ -77,7 +77,13 @@ def identify(
     if everything and large:
         raise PiezoidError("large_signal is the same as data: give the records in one of them")
     with watched(progress) as watch:
-        return Model._of(_piezoid.identify((small, large + everything), settings, watch))
+        try:
+            return Model._of(_piezoid.identify((small, large + everything), settings, watch))
+        except BaseException as stopped:
+            best = getattr(stopped, "model", None)
+            if isinstance(best, _piezoid.Model):
+                stopped.model = Model._of(best)  # type: ignore[attr-defined]
+            raise
 
 
 def _data(data: Any, y: Samples | None, how: dict[str, Any]) -> list[Source]:

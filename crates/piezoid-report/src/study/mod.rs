@@ -318,7 +318,7 @@ impl Study {
             IdentifyOptions { operator: OPERATORS.into(), elements: Some(LEVELS), seed, ..Default::default() }
                 .with_driver_of(&plant.spec());
         let records = Records { small_signal: std::slice::from_ref(&small_signal), large_signal: &rising };
-        let joint = records.identify(&options, &mut of_joint)?;
+        let joint = records.identify(&options, &mut of_joint)?.finished()?;
 
         let mut frequencies = Vec::new();
         for (done, hz) in Study::FREQUENCIES.into_iter().enumerate() {

@@ -80,7 +80,7 @@ def series(data: Record | Validation, *, ax: Any = None) -> Panels:
     if isinstance(data, Validation):
         axes[1].plot(t, record.y[part], color=COLOURS["measured"], linewidth=width(1.8), label="measured")
         axes[1].plot(t, data.simulated[part], color=COLOURS["model"], linewidth=width(0.6), label="free run")
-        left(axes[2], data)
+        residual(axes[2], data)
     else:
         axes[1].plot(t, record.y, color=COLOURS["reference"], linewidth=width(0.8))
     label(axes[1], "time [s]", f"output y [{unit(record.units[1])}]")
@@ -107,7 +107,7 @@ def residuals(validation: Validation, *, ax: Any = None) -> Panels:
     axes = panels(ax, [[0, 0], [1, 2]], 0.85, ratios=[0.8, 1.0], shared=(False, False))
     over_time, noise, over_input = axes
     left = validation.residual[part]
-    left(over_time, validation)
+    residual(over_time, validation)
     span([over_time], record.t[validation.start], record.duration)
     white = validation.figures["whiteness"]
     if white is None:
@@ -128,7 +128,7 @@ def residuals(validation: Validation, *, ax: Any = None) -> Panels:
     return several(axes)
 
 
-def left(ax: Axes, validation: Validation) -> None:
+def residual(ax: Axes, validation: Validation) -> None:
     """The residual over time."""
     part = slice(validation.start, None)
     zero(ax)

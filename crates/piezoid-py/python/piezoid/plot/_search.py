@@ -10,7 +10,7 @@ from .._progress import watched
 from ..model import Model
 from ..records import Record
 from ._panels import Panels, panels, several
-from ._records import left, loops
+from ._records import loops, residual
 from ._style import COLOURS
 
 if TYPE_CHECKING:
@@ -36,13 +36,13 @@ class Search:
         if done >= total:
             self._bars.__exit__(None, None, None)
 
-    def found(self, what: str, figures: dict[str, float], core: Any) -> None:
+    def found(self, what: str, figures: dict[str, float], model: Model | None) -> None:
         """Redraws. The library calls this with the operator, its errors, and a better model or None."""
         error = figures.get("error_percent", figures.get("held_out_percent"))
         if error is not None and np.isfinite(error):
             self.errors[what] = error
-        if core is not None:
-            self.model = Model._of(core)
+        if model is not None:
+            self.model = model
         self._draw()
         canvas = self.axes[0].figure.canvas
         canvas.draw_idle()
@@ -57,7 +57,7 @@ class Search:
         else:
             run = self.model.validate(self.record, offset="free")
             loops(run, ax=loop)
-            left(error, run)
+            residual(error, run)
         names = sorted(self.errors, key=lambda name: -self.errors[name])
         ranking.barh(names, [self.errors[name] for name in names], color=COLOURS["muted"])
         ranking.set_xscale("log" if names else "linear")
