@@ -128,12 +128,12 @@ pub fn identify_joint(
     settings.check()?;
     let records = Records::of(small, large_signal)?;
     let quick = JointOptions { effort: Effort::Quick, ..settings.clone() };
+    let mut quickly = || identified(&records, &records.ends(QUICK_SAMPLES)?, &quick, progress);
     if settings.effort == Effort::Quick {
-        return identified(&records, &records.ends(QUICK_SAMPLES)?, &quick, progress);
+        return quickly();
     }
     let is_long = records.iter().map(Record::len).sum::<usize>() > LONG_RECORDS;
-    let first = is_long.then(|| identified(&records, &records.ends(QUICK_SAMPLES)?, &quick, progress));
-    let first = match first {
+    let first = match is_long.then(quickly) {
         Some(Err(why @ Error::Cancelled { .. })) => return Err(why),
         Some(Ok(first)) if first.cancelled.is_some() => return Ok(first),
         first => first.and_then(Result::ok),

@@ -39,7 +39,7 @@ impl Iterate {
     }
 
     /// The solution of the linearised equations.
-    pub(super) fn solution(&self, lambda: f64) -> Option<DVector<f64>> {
+    fn solution(&self, lambda: f64) -> Option<DVector<f64>> {
         self.prior.solve(&self.normal, lambda, INITIAL_DAMPING, self.free, &mut self.prior.positive())
     }
 
@@ -112,26 +112,26 @@ impl Iterate {
         self.each.iter().map(|run| run.own(&steps)).collect()
     }
 
-    /// For each run, the mean squared error over the squared peak-to-peak at `x`.
-    pub(super) fn residuals(&self, x: &DVector<f64>, runs: &[TrainingRecord]) -> Vec<f64> {
-        let unknowns = self.prior.steps(x);
+    /// For each run, the mean squared error over the squared peak-to-peak.
+    pub(super) fn residuals(&self, runs: &[TrainingRecord]) -> Vec<f64> {
+        let unknowns = self.unknowns();
         let of =
             |run: &RecordEquations| run.normal.residual(&unknowns) / run.normal.samples / runs[run.run].heavier.powi(2);
         self.each.iter().map(of).collect()
     }
 
-    /// The fit that ends at `x`, which may differ from this point in its weights.
-    pub(super) fn fitted(&self, x: &DVector<f64>, held_out: HeldOut, runs: &[TrainingRecord]) -> Fitted {
+    /// The fit that ends here.
+    pub(super) fn fitted(self, held_out: HeldOut, runs: &[TrainingRecord]) -> Fitted {
         let n = self.estimate.weights.len();
         Fitted {
-            estimate: self.estimate.moved(x.as_slice()).unwrap_or_else(|| self.estimate.clone()),
             initial_conditions: runs.iter().map(|run| run.initial).collect(),
             heavier: runs.iter().map(|run| run.heavier).collect(),
-            own: self.own(x),
-            residuals: self.residuals(x, runs),
+            own: self.own(self.prior.current()),
+            residuals: self.residuals(runs),
             products: self.normal.h.view((0, 0), (n, n)).into_owned(),
-            minimum: self.cost_at(x, held_out.lambda),
+            minimum: self.cost(held_out.lambda),
             held_out,
+            estimate: self.estimate,
         }
     }
 }

@@ -36,7 +36,6 @@ pub(super) use dynamics::{
     MAX_MODE_DAMPING, MIN_MODE_DAMPING, creep_pole, is_lag, slowest_observable, slowest_pole, with_slow_lags_limited,
     without_factor,
 };
-
 pub(super) use estimate::Estimate;
 pub(super) use fitted::Fitted;
 pub(super) use free_run::{free_run_residual, free_run_squares};
@@ -45,7 +44,6 @@ pub(super) use hidden::Hidden;
 pub(super) use iterate::Iterate;
 pub(super) use offset::offset;
 pub(super) use optimality::optimality;
-
 pub(super) use reduced::Reduced;
 pub(crate) use refine::{
     StepCallback, refine, refine_from, refine_from_unknown, refine_if_better, refine_promising, refine_to_minimum,

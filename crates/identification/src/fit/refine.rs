@@ -164,7 +164,7 @@ fn descend(
         if !(goal.possible)(&point.estimate.linear) || !is_within_reach {
             break;
         }
-        if is_start && step + 1 < RECORD_WEIGHT_STEPS && weigh(runs, &point.residuals(point.prior.current(), runs)) {
+        if is_start && step + 1 < RECORD_WEIGHT_STEPS && weigh(runs, &point.residuals(runs)) {
             let own = point.own(point.prior.current());
             point = Iterate::at(point.estimate, runs, &own, free);
         }
@@ -184,7 +184,7 @@ fn descend(
         }
     }
     let held_out = point.held_out(free, Smoothness::Fixed(lambda));
-    Ok(point.fitted(point.prior.current(), held_out, runs))
+    Ok(point.fitted(held_out, runs))
 }
 
 /// Fits all parameters from each start that promises less than `ratio` times the minimum of `from`, or next to nothing,

@@ -142,14 +142,14 @@ impl<'a> Search<'a> {
         Ok(candidate)
     }
 
-    /// True if the search is not a quick one.
-    fn is_not_quick(&self) -> bool {
-        self.settings.effort != Effort::Quick
+    /// True for a quick search.
+    fn is_quick(&self) -> bool {
+        self.settings.effort == Effort::Quick
     }
 
     /// True if the operators are compared: a quick search of the best of all has only the coarse one.
     fn compares_operators(&self) -> bool {
-        self.is_not_quick() || !is_auto(&self.settings.operator)
+        !self.is_quick() || !is_auto(&self.settings.operator)
     }
 
     /// The operators that were compared, with their errors.
@@ -163,7 +163,7 @@ impl<'a> Search<'a> {
     }
 
     /// Sets the trial of the operator of the candidate that the search ends with: later moves may have lowered its
-    /// error, or the operators were not compared.
+    /// error, or the operators were not compared. The records start as in the candidate then.
     fn end_with(&mut self, best: Candidate) -> Candidate {
         let result = operators::trial_of(best.operator, &best.fitted, &mut self.runs, self.design.range);
         let trial = Trial::selected(result, best.fitted.clone());
@@ -171,7 +171,6 @@ impl<'a> Search<'a> {
             Some(selected) => *selected = trial,
             None => self.trials = vec![trial],
         }
-        self.apply_to(&best);
         best
     }
 

@@ -33,14 +33,14 @@ pub(super) const MOVES: &[Move] = &[
     // A coarse hysteresis may not show which initial conditions are right.
     Move {
         name: "other initial conditions",
-        applies: |search| search.is_not_quick(),
+        applies: |search| !search.is_quick(),
         run: initial_conditions::retry_initial_conditions,
     },
     // Small-signal records show the specified order best.
     Move {
         name: structure_search::NAME,
         applies: |search| {
-            search.is_not_quick() && (search.settings.order.is_none() || search.records.is_large_signal_alone())
+            !search.is_quick() && (search.settings.order.is_none() || search.records.is_large_signal_alone())
         },
         run: structure_search::search_with_operator,
     },
@@ -50,5 +50,5 @@ pub(super) const MOVES: &[Move] = &[
         applies: |search| search.errors_of(structure_search::NAME).is_some_and(operators::is_worth_repeating),
         run: operators::compare_closest,
     },
-    Move { name: "the minimum", applies: |search| search.is_not_quick(), run: to_minimum },
+    Move { name: "the minimum", applies: |search| !search.is_quick(), run: to_minimum },
 ];

@@ -39,10 +39,10 @@ pub(super) fn is_worth_repeating((before, after): (f64, f64)) -> bool {
 /// The move: the operators that were close to the selected one are fitted again with the other parts of the candidate.
 pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
     let _stage = trace_span!(target: "stage", "operators again").entered();
-    let errors = search.errors_of(structure_search::NAME);
+    let Some((before, after)) = search.errors_of(structure_search::NAME) else { return Ok(None) };
     let design = search.design_for(&candidate.fitted.estimate);
     let Search { operators, runs, reporter, trials, notes, .. } = search;
-    let (operator, Some((before, after))) = (candidate.operator, errors) else { return Ok(None) };
+    let operator = candidate.operator;
     let Some(previous) = trials.iter().position(|trial| trial.result.is_selected()) else { return Ok(None) };
     let watch = &mut reporter.last_stage(operator.name);
     if !refit_closest(trials, previous, &candidate.fitted, &design, runs, watch)? {
@@ -87,9 +87,7 @@ fn comparison(
         reporter.keep_better(operators[k], fit.and_then(|fit| fit.as_ref().ok()), runs)
     };
     let fits = side_by_side(operators.to_vec(), own, report)?;
-    let errors = fits.iter().filter_map(|fit| Some(fit.as_ref().ok()?.held_out.rms_pp()));
-    let least = errors.fold(f64::INFINITY, f64::min);
-    let most = POLICY.searched_shape_ratio * least;
+    let most = POLICY.searched_shape_ratio * least(&fits, |fit| fit.held_out.rms_pp());
     let searched = |(row, fit): (&'static Operator, Result<Fitted, Error>), watch: StepCallback| match fit {
         Ok(fit) if settings.effort != Effort::Quick && fit.held_out.rms_pp() <= most => {
             shapes(row, fit, design, blocks, settings, &mut runs.to_vec(), watch)
@@ -102,10 +100,8 @@ fn comparison(
         reporter.keep_better(operators[k], fits.and_then(|fits| fits.as_ref().ok()?.first()), runs)
     };
     let starts = side_by_side(starts, searched, report)?;
-    let errors = starts.iter().filter_map(|fits| Some(fits.as_ref().ok()?.first()?.held_out.rms_pp()));
-    let most = POLICY.refined_operator_ratio * errors.fold(f64::INFINITY, f64::min);
-    let minima = starts.iter().filter_map(|fits| Some(fits.as_ref().ok()?.first()?.minimum));
-    let reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * minima.fold(f64::INFINITY, f64::min);
+    let most = POLICY.refined_operator_ratio * least(&starts, |fits| fits[0].held_out.rms_pp());
+    let reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least(&starts, |fits| fits[0].minimum);
     let finish = |(row, start): (&'static Operator, Result<Vec<Fitted>, Error>), watch: StepCallback| match start {
         Err(why) => Ok(Trial { result: OperatorTrial::refused(row, why.to_string()), fitted: None }),
         Ok(shapes) => {
@@ -125,6 +121,11 @@ fn comparison(
     }
     let starts: Vec<_> = operators.iter().copied().zip(starts).collect();
     side_by_side(starts, finish, report)?.into_iter().collect()
+}
+
+/// The least `error` of the fits that succeeded.
+fn least<T>(fits: &[Result<T, Error>], error: impl Fn(&T) -> f64) -> f64 {
+    fits.iter().flatten().map(error).fold(f64::INFINITY, f64::min)
 }
 
 /// Fits the operators that were close to the `selected` one again, with the other parts of its present fit: what they

@@ -2,39 +2,30 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from .._progress import watched
 from ..model import Model
 from ..records import Record
 from ._panels import Panels, panels, several
 from ._records import loops, residual
 from ._style import COLOURS
 
-if TYPE_CHECKING:
-    from .._types import Progress
-
 
 class Search:
     """The figure of a search, redrawn whenever it finds something."""
 
-    def __init__(self, record: Record, ax: Any, progress: Progress) -> None:
+    def __init__(self, record: Record, ax: Any) -> None:
         self.record = record
         self.model: Model | None = None
         """The best model so far."""
         self.errors: dict[str, float] = {}
         """Error of each operator so far [% of stroke]: the larger of the held-out and the free-run error."""
         self.axes: Panels = several(panels(ax, [[0, 1], [2, 2]], 1.1, shared=(False, False)))
-        self._bars = watched(progress)
-        self._bar = self._bars.__enter__()
 
     def __call__(self, what: str, done: int, total: int) -> None:
-        if self._bar is not None:
-            self._bar(what, done, total)
-        if done >= total:
-            self._bars.__exit__(None, None, None)
+        """The library calls this with each step, which the figure does not show."""
 
     def found(self, what: str, figures: dict[str, float], model: Model | None) -> None:
         """Redraws. The library calls this with the operator, its errors, and a better model or None."""
@@ -64,13 +55,12 @@ class Search:
         ranking.set_xlabel("error [% of stroke]")
 
 
-def search(record: Record, *, ax: Any = None, progress: Progress = None) -> Search:
+def search(record: Record, *, ax: Any = None) -> Search:
     """The figure of a search, for `pz.identify(..., progress=pz.plot.search(record))`.
 
     record: what is drawn of the records: its loop with that of the best model so far, and the error of the model over
     time; beside them are the errors of the operators
     ax: three Axes: the loop, the ranking, the error
-    progress: a bar beside the figure, as for `pz.identify`
 
     Returns what `pz.identify` takes as `progress`. Its `model` is the best so far, `errors` are those of the operators
     [% of stroke], and `axes` the Axes. In a notebook use a backend that redraws (`%matplotlib widget`).
@@ -82,4 +72,4 @@ def search(record: Record, *, ax: Any = None, progress: Progress = None) -> Sear
     >>> sorted(figure.errors)
     ['prandtl-ishlinskii', 'preisach']
     """
-    return Search(record, ax, progress)
+    return Search(record, ax)
