@@ -8,7 +8,7 @@ import numpy as np
 
 from ..model import Model
 from ..records import Record
-from ._panels import Panels, panels, several
+from ._panels import Panels, panels, plain, several
 from ._records import loops, residual
 from ._style import COLOURS
 
@@ -51,7 +51,9 @@ class Search:
             residual(error, run)
         names = sorted(self.errors, key=lambda name: -self.errors[name])
         ranking.barh(names, [self.errors[name] for name in names], color=COLOURS["muted"])
-        ranking.set_xscale("log" if names else "linear")
+        if names:
+            ranking.set_xscale("log")
+            plain(ranking.xaxis)
         ranking.set_xlabel("error [% of stroke]")
 
 
