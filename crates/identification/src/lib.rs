@@ -39,6 +39,7 @@ pub use fit::FittedParameter;
 pub use identified::{Identified, LinearPart, called, common_units, unexcited_resonance};
 pub use search::OperatorTrial;
 
+use fit::Parts;
 use piezoid_models::driver::DriverModel;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::progress::Progress;
@@ -146,17 +147,19 @@ pub fn identify_joint(
     }
 }
 
-/// The model of `records` that a search in `parts` of them finds.
+/// The model of `records` that a search in their `ends` finds, or in themselves.
 fn identified(
     records: &Records,
-    parts: &Records,
+    ends: &Records,
     settings: &JointOptions,
     progress: &mut Progress,
 ) -> Result<Identified, Error> {
     let mut notes = Vec::new();
     let operators = search::suitable_operators(&settings.operator, records, &mut notes)?;
-    let runs = fit::training_records(parts.beside(), &parts.large_signal, &mut notes)?;
-    let mut search = Search::new(settings, parts, runs, operators, notes, progress)?;
+    let runs = fit::training_records(ends.beside(), &ends.large_signal, &mut notes)?;
+    let breadth = settings.effort.breadth();
+    let parts = Parts::of(&runs, breadth.whole_samples, breadth.part_samples)?;
+    let mut search = Search::new(settings, ends, &runs, &parts, operators, notes, progress)?;
     let candidate = search.run()?;
     result::identified(candidate, search, records, settings)
 }

@@ -1,11 +1,12 @@
 //! The joint method on plants with known coefficients.
 
 use super::*;
+use piezoid_models::creep::{Creep, Lag};
 use piezoid_models::hammerstein::Model;
 use piezoid_models::hysteresis::Operator;
 use piezoid_models::linear::Arx;
 use piezoid_numerics::progress::Stage;
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::{ends, scatter};
 use piezoid_numerics::system::System;
 use piezoid_records::excitation::{Prbs, RisingSine};
 use piezoid_testing::{assert_close, noise};
@@ -316,4 +317,28 @@ fn records_after_cycles_over_the_whole_range_give_the_same_weights_as_records_fr
     let records = [5.0, 23.0, 47.0].map(cycled);
     let found = identified(&[prbs(&plant)], &records, &named("prandtl-ishlinskii"));
     assert!(error(&found.model, &plant) < 1e-3, "{}", error(&found.model, &plant));
+}
+
+/// The search is in parts, which show neither the slow lag of creep nor what the plays with large thresholds do.
+#[test]
+fn records_that_are_long_are_searched_in_parts_and_fitted_whole() {
+    let plant = plant(5e-4, 0);
+    let lags = vec![Lag { tau_s: 0.05, gain: 0.03 }, Lag { tau_s: 15.8, gain: 0.05 }];
+    let plant = plant.clone().with_creep(Creep::new(5e-4, lags).unwrap()).unwrap();
+    let sine = |t: f64, hz: f64| (TAU * hz * 5e-4 * t).sin();
+    let path = |t: f64| sine(t, 0.02) + sine(t, 0.31) + sine(t, 3.7) * sine(t, 0.011);
+    let u = |t: u32| 9.0 * path(f64::from(t));
+    let records = noisy(vec![record(&plant, (0..160_000).map(u).collect(), 0.0)]);
+    let found = identified(&[], &records, &named("prandtl-ishlinskii"));
+    assert!(found.left_percent.is_none(), "{:?}", found.notes);
+    let slow: f64 =
+        found.model.creep().lags().iter().filter(|lag| (1.0..100.0).contains(&lag.tau_s)).map(|lag| lag.gain).sum();
+    assert!((slow - 0.05).abs() < 0.01, "{:?}", found.model.creep().lags());
+    let rms = |model: &Model| {
+        let simulated = model.simulate(records[0].u());
+        let errors: Vec<f64> = records[0].y().iter().zip(simulated).map(|(y, simulated)| y - simulated).collect();
+        (scatter(&errors) / errors.len() as f64).sqrt()
+    };
+    // The state of slow creep before a record and the trend of its sensor look alike.
+    assert!(rms(&found.model) < 2.0 * rms(&plant), "{} {}", rms(&found.model), rms(&plant));
 }

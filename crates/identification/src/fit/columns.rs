@@ -96,7 +96,7 @@ impl<'a> RunColumns<'a> {
 
     /// Advances over the inputs before the record that pass creep and linear block.
     pub(super) fn pass_earlier_inputs(&mut self) {
-        let moving = &self.run.before[self.run.before.len() - self.run.moving()..];
+        let moving = &self.run.before[self.run.before.len() - self.run.moving..];
         moving.chunks(FILTERED_SAMPLES).for_each(|inputs| self.filter(inputs, false));
         self.creep.begin();
     }
@@ -212,7 +212,7 @@ mod tests {
         let level = Responses::level(estimate, run);
         let level = dot(&level, &estimate.weights);
         let mut responses = Responses::from_rest(estimate, run);
-        let moving = run.moving();
+        let moving = run.moving;
         let (earlier, later) = run.before[1..].split_at(run.before.len() - 1 - moving);
         earlier.iter().for_each(|&u| _ = responses.next(u));
         let mut lags: Vec<f64> = vec![0.0; estimate.lags.len()];
@@ -262,7 +262,7 @@ mod tests {
             let own: Vec<f64> = (0..layout.own()).map(|k| 3.0 + k as f64).collect();
             for (record, moving) in records.iter().zip([false, true]) {
                 let run = TrainingRecord::new(record, "record", true, vec![true; record.len()]).unwrap();
-                assert_eq!(run.moving() > 0, moving);
+                assert_eq!(run.moving > 0, moving);
                 let run = TrainingRecord { drifts: true, ..run };
                 let mut columns = RunColumns::new(&estimate, &run, &layout, &own, FreeParameters::All);
                 let all: Vec<usize> = (0..record.len()).collect();

@@ -122,7 +122,7 @@ impl<'a> Responses<'a> {
     pub(crate) fn level(estimate: &'a Estimate, run: &TrainingRecord) -> Vec<f64> {
         let mut responses = Responses::from_rest(estimate, run);
         let mut mean = vec![0.0; estimate.basis.len()];
-        let moving = run.moving();
+        let moving = run.moving;
         for (k, &u) in run.before.iter().enumerate().skip(1) {
             let phi = responses.next(u);
             if k + moving >= run.before.len() {
@@ -146,7 +146,7 @@ impl<'a> Responses<'a> {
     /// The responses before the first input that passes creep and linear block.
     pub(crate) fn before_moving(estimate: &'a Estimate, run: &TrainingRecord) -> Self {
         let mut responses = Responses::from_rest(estimate, run);
-        run.before[1..run.before.len() - run.moving()].iter().for_each(|&u| _ = responses.next(u));
+        run.before[1..run.before.len() - run.moving].iter().for_each(|&u| _ = responses.next(u));
         responses
     }
 

@@ -8,22 +8,22 @@ use tracing::trace_span;
 
 /// Mean of the free-run error of a record, and its rms about that mean.
 pub(crate) fn free_run_residual(run: &TrainingRecord, model: &Model) -> (f64, f64) {
-    let _span = trace_span!("free run").entered();
-    let (u, y) = (run.record.u(), run.record.y());
-    let simulated = model.resume(&mut model.before(u, run.initial), u);
-    let errors = y.iter().zip(simulated).zip(&run.usable).filter(|(_, usable)| **usable).map(|((y, s), _)| y - s);
-    let errors: Vec<f64> = errors.collect();
+    let errors: Vec<f64> = errors(run, model, run.initial).map(|(_, error)| error).collect();
     (mean(&errors), (scatter(&errors) / errors.len() as f64).sqrt())
 }
 
 /// Sum of squares of the free-run error from an initial condition, about a line through the errors.
 pub(crate) fn free_run_squares(run: &TrainingRecord, model: &Model, initial: InitialCondition) -> f64 {
+    squares_about_line(errors(run, model, initial).map(|(t, error)| (t as f64, error)))
+}
+
+/// The samples that are usable, with their free-run errors; of a part, those of its record.
+fn errors(run: &TrainingRecord, model: &Model, initial: InitialCondition) -> impl Iterator<Item = (usize, f64)> {
     let _span = trace_span!("free run").entered();
-    let (u, y) = (run.record.u(), run.record.y());
-    let simulated = model.resume(&mut model.before(u, initial), u);
-    let errors = y.iter().zip(simulated).zip(&run.usable).enumerate();
-    let errors = errors.filter(|(_, (_, usable))| **usable).map(|(t, ((y, s), _))| (t as f64, y - s));
-    squares_about_line(errors)
+    let TrainingRecord { record, usable, .. } = run.whole.unwrap_or(run);
+    let simulated = model.resume(&mut model.before(record.u(), initial), record.u());
+    let errors = record.y().iter().zip(simulated).zip(usable).enumerate();
+    errors.filter(|(_, (_, usable))| **usable).map(|(t, ((y, simulated), _))| (t, y - simulated))
 }
 
 /// The sum of squares of points (t, e) about the line of least squares.

@@ -143,12 +143,15 @@ impl<'s> HeldOutFold<'s> {
     fn new(estimate: &Estimate, segments: &'s [Segment], fold: usize, positive: Vec<bool>) -> Self {
         let is_training = |s: &Segment| s.fold != Some(fold);
         let (train, mut each) = equations(estimate, segments, is_training);
-        // Where less than half of a run is left, its own coefficients are fitted to all of it: offset and initial
-        // states are no knowledge of the path.
+        // Where less than half of a run is left, or not its beginning, its own coefficients are fitted to all of it:
+        // offset and initial states are no knowledge of the path.
         let samples = |run: usize, selected: &dyn Fn(&Segment) -> bool| -> f64 {
             segments.iter().filter(|s| s.run == run && selected(s)).map(|s| s.samples).sum()
         };
-        let is_little = |s: &Segment| samples(s.run, &is_training) < 0.5 * samples(s.run, &|_| true);
+        let is_little = |s: &Segment| {
+            let begins = segments.iter().any(|first| first.run == s.run && first.is_first && is_training(first));
+            !begins || samples(s.run, &is_training) < 0.5 * samples(s.run, &|_| true)
+        };
         if segments.iter().any(is_little) {
             each = equations(estimate, segments, |s| is_training(s) || is_little(s)).1;
         }

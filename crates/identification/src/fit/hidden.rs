@@ -50,7 +50,7 @@ impl Inputs {
             last if steps == 1 => responses[last],
             last => (last + 1 - steps..=last).map(|k| 0.5 * (responses[k - 1] + responses[k]) / steps as f64).sum(),
         };
-        let (moving, before) = (run.moving(), run.before.len());
+        let (moving, before) = (run.moving, run.before.len());
         let level = match run.initial {
             InitialCondition::Rest => 0.0,
             InitialCondition::Motion => (before - moving..before).map(at).sum::<f64>() / moving as f64,
@@ -81,7 +81,7 @@ impl Hidden {
             let inputs = Inputs::of(run, estimate.driver);
             let z = estimate.basis.output(&estimate.weights, &inputs.v)?;
             let mut z = inputs.by_sample(&z, run);
-            let before = z.drain(..run.moving()).collect();
+            let before = z.drain(..run.moving).collect();
             Ok(Hidden { record: Record::new(estimate.ts(), z, run.record.y().to_vec())?, before })
         };
         runs.par_iter().map(of).collect()
@@ -118,6 +118,8 @@ impl Hidden {
             name: run.name.clone(),
             initial: if moving { InitialCondition::Motion } else { InitialCondition::Rest },
             before: [&[0.0], &self.before[..]].concat(),
+            moving: self.before.len(),
+            whole: None,
             tried: Vec::new(),
             usable: run.usable.clone(),
             segments: run.segments.clone(),

@@ -20,6 +20,7 @@ mod iterate;
 mod layout;
 mod offset;
 mod optimality;
+mod parts;
 mod products;
 mod reduced;
 mod refine;
@@ -44,6 +45,7 @@ pub(super) use hidden::Hidden;
 pub(super) use iterate::Iterate;
 pub(super) use offset::offset;
 pub(super) use optimality::optimality;
+pub(super) use parts::Parts;
 pub(super) use reduced::Reduced;
 pub(crate) use refine::{
     StepCallback, refine, refine_from, refine_from_unknown, refine_if_better, refine_promising, refine_to_minimum,

@@ -30,6 +30,8 @@ pub(crate) struct Segment {
     pub(crate) judged: bool,
     /// True if its output drifts.
     pub(crate) drifts: bool,
+    /// True if the run begins in it: it shows the initial states.
+    pub(crate) is_first: bool,
     /// All columns, then y.
     pub(crate) gram: DMatrix<f64>,
     /// Number of usable samples, kept or not.
@@ -78,8 +80,8 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
     for &(end, fold) in &run.segments {
         let (segment, rows) = parts.entry(fold).or_insert_with(|| {
             let gram = DMatrix::zeros(size, size);
-            let segment =
-                Segment { run: index, fold, judged: run.large_signal, drifts: run.drifts, gram, samples: 0.0 };
+            let (judged, drifts, is_first) = (run.large_signal, run.drifts, start == 0);
+            let segment = Segment { run: index, fold, judged, drifts, is_first, gram, samples: 0.0 };
             (segment, Rows::new(size, BLOCK_ROWS))
         });
         for from in (start..end).step_by(FILTERED_SAMPLES) {

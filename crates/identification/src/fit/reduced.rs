@@ -163,7 +163,7 @@ fn signals(
     };
     let shares: Vec<[f64; LANES]> = (0..directions.nrows()).map(of_weight).collect();
     let (level, mut responses) = (Responses::level(estimate, run), Responses::before_moving(estimate, run));
-    let (moving, later) = (run.moving(), &run.before[run.before.len() - run.moving()..]);
+    let (moving, later) = (run.moving, &run.before[run.before.len() - run.moving..]);
     let slopes = slopes(estimate, run);
     let mut filters = Filters::new(n + slopes.len(), lags, &[], &[1.0]);
     let width = filters.len();

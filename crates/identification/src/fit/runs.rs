@@ -9,6 +9,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::series::{ends, scatter};
 use piezoid_records::quality::{DRIFT, bridged, compare, inspect};
 use piezoid_records::record::Record;
+use std::ops::Range;
 
 /// A record with what the fit needs.
 #[derive(Debug, Clone)]
@@ -24,6 +25,12 @@ pub(crate) struct TrainingRecord<'a> {
     pub(crate) tried: Vec<InitialCondition>,
     /// The inputs before it, from rest; never empty.
     pub(crate) before: Vec<f64>,
+    /// Number of the last of these that pass creep and linear block too: those of a record in motion.
+    pub(crate) moving: usize,
+    /// The whole record, of a part.
+    pub(crate) whole: Option<&'a TrainingRecord<'a>>,
+    /// True for a part that is not the first one of its record: the inputs before it are known.
+    pub(crate) is_later_part: bool,
     /// 1 / peak-to-peak of y, the factor of its errors.
     pub(crate) scale: f64,
     /// The middle of y, its origin.
@@ -43,31 +50,55 @@ impl<'a> TrainingRecord<'a> {
     pub(crate) fn new(record: &'a Record, name: &str, large_signal: bool, usable: Vec<bool>) -> Option<Self> {
         let (low, high) = ends(sound(record.y(), &usable));
         let initial = InitialCondition::of(record.u())[0];
-        (low < high).then(|| TrainingRecord {
+        let mut run = (low < high).then(|| TrainingRecord {
             record,
             name: name.into(),
             large_signal,
             initial,
             tried: vec![initial],
-            before: initial.inputs_before(record.u(), ends(record.u().iter().copied())),
+            before: Vec::new(),
+            moving: 0,
+            whole: None,
+            is_later_part: false,
             scale: 1.0 / (high - low),
             level: 0.5 * (low + high),
             drifts: false,
             heavier: 1.0,
             usable,
             segments: vec![(record.len(), None)],
-        })
+        })?;
+        run.start_from(initial, ends(record.u().iter().copied()));
+        Some(run)
     }
 
-    /// Number of inputs before the record that pass creep and linear block too: those of a record in motion.
-    pub(crate) fn moving(&self) -> usize {
-        if self.initial == InitialCondition::Motion { self.record.len().min(self.before.len() - 1) } else { 0 }
+    /// The same with another initial condition.
+    pub(crate) fn starting_from(mut self, initial: InitialCondition, range: (f64, f64)) -> Self {
+        self.start_from(initial, range);
+        self
     }
 
-    /// Sets the initial condition.
+    /// Sets the initial condition; a later part of a record keeps the inputs before it.
     pub(crate) fn start_from(&mut self, initial: InitialCondition, range: (f64, f64)) {
+        if self.is_later_part {
+            return;
+        }
         self.initial = initial;
         self.before = initial.inputs_before(self.record.u(), range);
+        let is_moving = initial == InitialCondition::Motion;
+        self.moving = if is_moving { self.record.len().min(self.before.len() - 1) } else { 0 };
+    }
+
+    /// The same with the usable samples and the segments of a part of its record.
+    pub(crate) fn within(&self, part: &Range<usize>) -> Self {
+        let segments = self.segments.iter().filter(|(end, _)| *end > part.start);
+        let mut segments: Vec<_> = segments.map(|(end, fold)| (end.min(&part.end) - part.start, *fold)).collect();
+        segments.dedup_by_key(|(end, _)| *end);
+        TrainingRecord { usable: self.usable[part.clone()].to_vec(), segments, ..self.clone() }
+    }
+
+    /// The same as a later part of its record, after the inputs `before`.
+    pub(crate) fn later_part(self, before: Vec<f64>, moving: usize) -> Self {
+        TrainingRecord { initial: InitialCondition::Motion, before, moving, is_later_part: true, ..self }
     }
 
     /// Mean square of the output about its mean, over the squared peak-to-peak.

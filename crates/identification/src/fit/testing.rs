@@ -48,5 +48,5 @@ pub(crate) fn pair(ts: f64, hz: f64, damping: f64) -> Arx {
 pub(crate) fn segment(layout: &ColumnLayout, run: usize, fold: Option<usize>, seed: u64) -> Segment {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let rows = DMatrix::<f64>::from_fn(200, layout.columns() + 1, |_, _| StandardNormal.sample(&mut random));
-    Segment { run, fold, judged: true, drifts: false, gram: rows.tr_mul(&rows), samples: 200.0 }
+    Segment { run, fold, judged: true, drifts: false, is_first: true, gram: rows.tr_mul(&rows), samples: 200.0 }
 }

@@ -38,7 +38,7 @@ pub(super) fn windows(runs: &[TrainingRecord]) -> Vec<Window> {
         let window = |i: usize| {
             let length = (kept / count).max(n.min(MIN_WINDOW));
             let start = if count > 1 { (n - length) * i / (count - 1) } else { 0 };
-            let moving = if start > 0 { WARM_UP.min(start) } else { run.moving() };
+            let moving = if start > 0 { WARM_UP.min(start) } else { run.moving };
             Window { run: k, samples: start..start + length, moving }
         };
         (0..count).map(window).collect()
@@ -49,12 +49,7 @@ pub(super) fn windows(runs: &[TrainingRecord]) -> Vec<Window> {
 impl Window {
     /// The run with the signals of this window, which are those of `part`.
     pub(super) fn run<'a>(&self, part: &'a Hidden, run: &TrainingRecord) -> TrainingRecord<'a> {
-        let Range { start, end } = self.samples;
-        let usable = run.usable[start..end].to_vec();
-        let segments = run.segments.iter().filter(|(to, _)| *to > start);
-        let mut segments: Vec<_> = segments.map(|(to, fold)| (to.min(&end) - start, *fold)).collect();
-        segments.dedup_by_key(|(to, _)| *to);
-        TrainingRecord { usable, segments, ..part.run(run) }
+        part.run(&run.within(&self.samples))
     }
 }
 

@@ -84,7 +84,7 @@ pub(super) fn select_initial_conditions(
     let domain = Domain { u: range.into(), hz: None, slew: 0.0, mean: range.into() };
     let model = fitted.estimate.model(0.0)?.with_identified(domain);
     let mut changed = false;
-    for run in runs.iter_mut() {
+    for run in runs.iter_mut().filter(|run| !run.is_later_part) {
         changed |= select_initial_condition(run, &model, range);
     }
     Ok(changed)

@@ -23,7 +23,7 @@ pub(super) use trials::{reason_for_operator, suitable_operators};
 
 use super::records::Records;
 use super::{Effort, JointOptions, fit};
-use fit::{Estimate, Fitted, TrainingRecord};
+use fit::{Estimate, Fitted, Parts, TrainingRecord};
 use moves::MOVES;
 use piezoid_models::creep::Lag;
 use piezoid_models::driver::DriverModel;
@@ -42,9 +42,11 @@ use trials::Trial;
 pub(super) struct Search<'a> {
     settings: &'a JointOptions,
     records: &'a Records,
-    /// The records of the fit. Each move changes their initial conditions.
+    /// The records.
+    whole: &'a [TrainingRecord<'a>],
+    /// The parts of them in the present fits. Each move changes their initial conditions.
     pub(super) runs: Vec<TrainingRecord<'a>>,
-    /// The records of `runs` with unusable samples interpolated.
+    /// The records with unusable samples interpolated.
     bridged: Vec<Record>,
     operators: Vec<&'static Operator>,
     lags: Vec<Lag>,
@@ -70,17 +72,18 @@ impl<'a> Search<'a> {
     pub(crate) fn new(
         settings: &'a JointOptions,
         records: &'a Records,
-        runs: Vec<TrainingRecord<'a>>,
+        whole: &'a [TrainingRecord<'a>],
+        parts: &'a Parts,
         operators: Vec<&'static Operator>,
         notes: Vec<String>,
         progress: &'a mut Progress<'a>,
     ) -> Result<Self, Error> {
         let (ts, total) = (records.ts(), 3 * operators.len() + 1);
-        let range = ends(runs.iter().flat_map(|run| run.record.u()).copied());
+        let range = ends(whole.iter().flat_map(|run| run.record.u()).copied());
+        let runs = parts.runs(whole, range);
         let mut reporter =
             Reporter { progress, total, last: (LINEAR_BLOCK.into(), 0), best: None, range, units: &records.units };
-        let longest = runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max);
-        let lags = if settings.creep { creep_lags(ts, longest) } else { Vec::new() };
+        let lags = if settings.creep { creep_lags(&runs) } else { Vec::new() };
         let large_signal = records.large_signal.iter();
         let design = BasisDesign {
             ts: basis_ts(ts, settings.driver.is_some()),
@@ -89,12 +92,13 @@ impl<'a> Search<'a> {
             frequencies: large_signal.filter_map(|record| dominant_frequency(record.u(), ts)).collect(),
         };
         reporter.report(Stage::new(LINEAR_BLOCK, 0, total))?;
-        let bridged = runs.iter().map(|run| records.bridged(run)).collect::<Result<Vec<_>, _>>()?;
+        let bridged = whole.iter().map(|run| records.bridged(run)).collect::<Result<Vec<_>, _>>()?;
         let structures = StructureSearch::new(&bridged, settings, &lags, design.range);
         let (trials, history) = (Vec::new(), Vec::new());
         Ok(Search {
             settings,
             records,
+            whole,
             runs,
             bridged,
             operators,
@@ -172,6 +176,11 @@ impl<'a> Search<'a> {
             None => self.trials = vec![trial],
         }
         best
+    }
+
+    /// True if the search is in parts of the records.
+    fn is_in_parts(&self) -> bool {
+        self.runs.iter().map(|run| run.record.len()).ne(self.whole.iter().map(|run| run.record.len()))
     }
 
     /// Sets the initial conditions of the records to those of a candidate.
@@ -264,8 +273,9 @@ impl Reporter<'_> {
     }
 }
 
-/// Lags half a decade apart.
-fn creep_lags(ts: f64, longest: f64) -> Vec<Lag> {
+/// Lags half a decade apart, for records as long as these.
+fn creep_lags(runs: &[TrainingRecord]) -> Vec<Lag> {
+    let (ts, longest) = (runs[0].record.ts(), runs.iter().map(|run| run.record.duration()).fold(0.0, f64::max));
     let (shortest, longest) = (POLICY.shortest_creep_lag * ts, POLICY.longest_creep_lag * longest);
     let steps = std::iter::successors(Some(shortest), |tau| Some(10f64.sqrt() * tau)).take_while(|tau| *tau <= longest);
     steps.map(|tau_s| Lag { tau_s, gain: 0.0 }).collect()

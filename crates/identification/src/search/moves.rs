@@ -50,5 +50,10 @@ pub(super) const MOVES: &[Move] = &[
         applies: |search| search.errors_of(structure_search::NAME).is_some_and(operators::is_worth_repeating),
         run: operators::compare_closest,
     },
+    Move {
+        name: "all samples",
+        applies: |search| !search.is_quick() && search.is_in_parts(),
+        run: operators::compare_on_all_samples,
+    },
     Move { name: "the minimum", applies: |search| !search.is_quick(), run: to_minimum },
 ];

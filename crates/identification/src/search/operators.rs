@@ -5,13 +5,14 @@ use super::fit::{
     Estimate, Fitted, FreeParameters, Smoothness, StepCallback, TrainingRecord, free_run_residual, refine, refine_from,
     refine_within_reach,
 };
-use super::initial_conditions::fit_with_other_initial_conditions;
+use super::initial_conditions::{fit_with_other_initial_conditions, select_initial_conditions};
 use super::shape_search::best_shape;
 use super::structure::with_other_blocks;
 use super::trials::{OperatorTrial, Trial, select};
-use super::{Candidate, JointOptions, POLICY, Reporter, Search, structure_search};
+use super::{Candidate, JointOptions, POLICY, Reporter, Search, creep_lags, structure_search};
 use crate::Effort;
 use crate::side_by_side::side_by_side;
+use piezoid_models::hammerstein::InitialCondition;
 use piezoid_models::hysteresis::{BasisDesign, Operator};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
@@ -59,6 +60,69 @@ pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Res
         short(100.0 * after)
     ));
     Ok(Some(Candidate { operator: operators[selected], ..candidate.with_fit(fitted) }))
+}
+
+/// The move: of the operators that were best in parts of the records, the one that is best in all samples, with the
+/// slow lags of creep that only whole records show.
+pub(super) fn compare_on_all_samples(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {
+    let _stage = trace_span!(target: "stage", "all samples").entered();
+    let design = search.design_for(&candidate.fitted.estimate);
+    let Search { settings, operators, whole, runs, reporter, trials, .. } = search;
+    let Some(previous) = operators.iter().position(|row| row.name == candidate.operator.name) else { return Ok(None) };
+    let most = POLICY.finalist_ratio * trials[previous].result.error();
+    let finalists: Vec<usize> = (0..operators.len()).filter(|&k| trials[k].result.error() <= most).collect();
+    let lags = if settings.creep { creep_lags(whole) } else { Vec::new() };
+    let blocks = &candidate.fitted.estimate;
+    let fit = |k: usize, watch: StepCallback| -> Result<Trial, Error> {
+        let in_parts = trials[k].fitted.as_ref().filter(|_| k != previous).unwrap_or(&candidate.fitted);
+        let basis = |ts: f64| (operators[k].basis)(&BasisDesign { ts, ..design.clone() });
+        let mut start = match k == previous {
+            true => blocks.clone(),
+            false => {
+                let driver = (blocks.driver, blocks.seeks_lag);
+                with_other_blocks(&in_parts.estimate, driver, &blocks.lags, blocks.linear.clone(), &basis)?
+            }
+        };
+        start.lags.extend(lags.iter().skip(blocks.lags.len()));
+        let mut all = starting_as_parts(whole, runs, in_parts, design.range);
+        let smoothness = Smoothness::Near(in_parts.held_out.lambda);
+        let mut fit = refine_from(start, smoothness, &mut all, FreeParameters::All, watch)?;
+        if select_initial_conditions(&fit, &mut all, design.range)? {
+            let smoothness = Smoothness::Near(fit.held_out.lambda);
+            fit = refine_from(fit.estimate, smoothness, &mut all, FreeParameters::All, watch)?;
+        }
+        Ok(Trial::of(trial_of(operators[k], &fit, &mut all, design.range), fit))
+    };
+    let mut watch = reporter.last_stage(candidate.operator.name);
+    let fits = side_by_side(finalists.clone(), fit, |k, _| watch(k))?;
+    // The errors of the others are those in parts: they are not candidates any more.
+    trials.iter_mut().for_each(|trial| trial.fitted = None);
+    for (k, trial) in finalists.into_iter().zip(fits) {
+        match trial {
+            Err(why) if k == previous => return Err(why),
+            Err(_) => {}
+            Ok(trial) => trials[k] = trial,
+        }
+    }
+    let (selected, fitted) = select(trials)?;
+    search.runs = whole.to_vec();
+    Ok(Some(Candidate { operator: operators[selected], ..candidate.with_fit(fitted) }))
+}
+
+/// The whole records with the initial conditions and weights that their first parts have in a fit.
+fn starting_as_parts<'a>(
+    whole: &[TrainingRecord<'a>],
+    parts: &[TrainingRecord],
+    fitted: &Fitted,
+    range: (f64, f64),
+) -> Vec<TrainingRecord<'a>> {
+    let of_parts = parts.iter().zip(fitted.initial_conditions.iter().zip(&fitted.heavier));
+    let of_first_parts = of_parts.filter(|(part, _)| !part.is_later_part).map(|(_, of_part)| of_part);
+    let starting = |(run, (initial, heavier)): (&TrainingRecord<'a>, (&InitialCondition, &f64))| TrainingRecord {
+        heavier: *heavier,
+        ..run.clone().starting_from(*initial, range)
+    };
+    whole.iter().zip(of_first_parts).map(starting).collect()
 }
 
 /// The trials of the operators, each with its fit. `blocks` are the other parts of the model.
@@ -233,7 +297,7 @@ pub(super) fn trial_of(
 /// Free-run rms error of the large-signal records over their peak-to-peak, each with its own offset.
 fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
     let Ok(model) = fitted.estimate.model(0.0) else { return f64::INFINITY };
-    let large_signal = runs.iter().filter(|run| run.large_signal);
+    let large_signal = runs.iter().filter(|run| run.large_signal && !run.is_later_part);
     let errors: Vec<f64> = large_signal.map(|run| (run.scale * free_run_residual(run, &model).1).powi(2)).collect();
     mean(&errors).sqrt()
 }
@@ -242,7 +306,6 @@ fn free_run(fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
 mod tests {
     use super::super::fit::{estimate, training_records};
     use super::*;
-    use piezoid_models::hammerstein::InitialCondition;
     use piezoid_models::linear::Arx;
     use piezoid_numerics::system::System;
     use piezoid_records::record::Record;

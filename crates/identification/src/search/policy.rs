@@ -95,6 +95,9 @@ pub(crate) struct SearchPolicy {
     pub(crate) refined_operator_ratio: f64,
     /// The ratio of held-out errors up to which other shapes and initial conditions of an operator are searched.
     pub(crate) searched_shape_ratio: f64,
+    /// Ratio of errors in parts of the records up to which operators are compared in all samples: more data may favour
+    /// one with more parameters.
+    pub(crate) finalist_ratio: f64,
     /// Number of shapes of an operator that are refined, and ratio of held-out errors up to which the second is.
     pub(crate) refined_shapes: usize,
     pub(crate) second_shape_ratio: f64,
@@ -112,6 +115,10 @@ pub(crate) struct SearchPolicy {
 /// How much a search tries.
 #[derive(Debug)]
 pub(crate) struct Breadth {
+    /// Number of large-signal samples, of all records together, up to which these are searched whole, and number of
+    /// samples in the parts of longer ones.
+    pub(crate) whole_samples: usize,
+    pub(crate) part_samples: usize,
     /// Highest order of the linear block, unless the order is specified.
     pub(crate) max_order: usize,
     /// Maximum number of extensions of the first linear block, one after the other.
@@ -146,6 +153,8 @@ impl Effort {
 const QUICK: Breadth = Breadth { max_order: 2, extensions: 1, ..USUAL };
 
 const USUAL: Breadth = Breadth {
+    whole_samples: 150_000,
+    part_samples: 60_000,
     max_order: 8,
     extensions: usize::MAX,
     refined_extensions: 3,
@@ -158,6 +167,8 @@ const USUAL: Breadth = Breadth {
 };
 
 const THOROUGH: Breadth = Breadth {
+    whole_samples: 1_000_000,
+    part_samples: 300_000,
     max_order: 8,
     extensions: usize::MAX,
     refined_extensions: 6,
@@ -212,6 +223,7 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
     min_minor_loops: 8,
     refined_operator_ratio: 3.0,
     searched_shape_ratio: 30.0,
+    finalist_ratio: 1.5,
     refined_shapes: 2,
     second_shape_ratio: 1.5,
     as_good_operator_ratio: 1.02,

@@ -7,7 +7,6 @@ use super::JointOptions;
 use super::fit::{Estimate, FreeParameters, Iterate, StepCallback, TrainingRecord, refine_from_unknown};
 use crate::side_by_side::side_by_side;
 use libm::pow;
-use piezoid_models::hammerstein::InitialCondition;
 use piezoid_models::hysteresis::ShapeParameter;
 use piezoid_numerics::error::Error;
 use piezoid_records::record::Record;
@@ -45,8 +44,12 @@ pub(super) fn best_shape(
         // The largest of rising amplitudes wipe out the memory of the inputs long before.
         let before = [&run.before, &run.record.u()[..from(run)]].concat();
         let before = before[before.len().saturating_sub(each.max(1))..].to_vec();
-        let initial = if from(run) > 0 { InitialCondition::Motion } else { run.initial };
-        Some(TrainingRecord { drifts: run.drifts, initial, before, ..end })
+        let end = TrainingRecord { drifts: run.drifts, ..end };
+        let moving = part.len().min(before.len() - 1);
+        Some(match from(run) {
+            0 => TrainingRecord { initial: run.initial, before, moving: run.moving.min(moving), ..end },
+            _ => end.later_part(before, moving),
+        })
     };
     let parts: Vec<TrainingRecord> = parts.iter().zip(&large_signal).filter_map(part).collect();
 
