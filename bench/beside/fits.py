@@ -135,8 +135,7 @@ def _steps(u: Array, beta: float, gamma: float) -> Array:
 
 def bouc_wen(records: Sequence[pz.Record], resonance: float | None, start: int = 0) -> BoucWen:
     """Least squares fit of free runs from sample `start` on; two start values of beta, one constant per record."""
-    half = max(float(np.ptp(r.u)) for r in records) / 2
-    mid = float(np.mean([r.u.max() + r.u.min() for r in records])) / 2
+    half, mid = span(records)
     gain = max(float(np.ptp(r.y)) for r in records) / 2
     # Without a resonance the search starts with a lag of 10 ms, and there is no damping.
     speed, damping = (np.log(resonance), [0.03]) if resonance else (np.log(100.0), [])
@@ -155,6 +154,12 @@ def bouc_wen(records: Sequence[pz.Record], resonance: float | None, start: int =
     starts = [np.array([np.log(gain), 0.2, np.log(beta), 0.0, speed, *damping]) for beta in (0.7, 3.0)]
     found = min((least_squares(left, x, x_scale="jac", max_nfev=60) for x in starts), key=lambda f: f.cost)
     return model(found.x, -float(np.mean([run.mean() for run in runs(found.x)])))
+
+
+def span(records: Sequence[pz.Record]) -> tuple[float, float]:
+    """Half the range of the inputs, and its middle."""
+    mids = [r.u.max() + r.u.min() for r in records]
+    return max(float(np.ptp(r.u)) for r in records) / 2, float(np.mean(mids)) / 2
 
 
 def peak(record: pz.Record) -> float:

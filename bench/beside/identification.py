@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import piezoid as pz
 
-from . import fits
+from . import fits, prandtl_ishlinskii
 from .problems import TS, Page, modulated, prbs
 from .rivals import Array
 from .table import Took, counted, figure, in_turn
@@ -83,13 +83,17 @@ def identification(page: Page, bench: Bench) -> None:
         best = fits.search([*bench.small, *bench.train], bench.held, settings, bench.start, bench.free)
         return best, fits.Narx(everything, best)
 
-    def by_hand() -> fits.BoucWen:
-        return fits.bouc_wen(everything, fits.peak(bench.small[0]) if bench.small else None, bench.start)
+    def by_hand(fit: Callable[..., Any]) -> Any:
+        return fit(everything, fits.peak(bench.small[0]) if bench.small else None, bench.start)
 
-    auto, search = in_turn(partial(ours, "prandtl-ishlinskii" if page.quick else "auto"), searched, repeats=1)
+    plays_by_hand = partial(by_hand, prandtl_ishlinskii.fit)
+    chosen = partial(ours, "prandtl-ishlinskii" if page.quick else "auto")
+    auto, search, plays_once = in_turn(chosen, searched, plays_by_hand, repeats=1)
     best, narx = search.result
-    play, single = in_turn(partial(ours, "prandtl-ishlinskii"), lambda: fits.Narx(everything, best), repeats=once)
-    wen, hand = in_turn(partial(ours, "bouc-wen"), by_hand, repeats=once)
+    play, single, plays = in_turn(
+        partial(ours, "prandtl-ishlinskii"), lambda: fits.Narx(everything, best), plays_by_hand, repeats=once
+    )
+    wen, hand = in_turn(partial(ours, "bouc-wen"), partial(by_hand, fits.bouc_wen), repeats=once)
 
     page.unseen.append([[bench.name, *bench.unseen]])
     runs: dict[str, list[tuple[float, float]]] = {}
@@ -98,8 +102,10 @@ def identification(page: Page, bench: Bench) -> None:
         return [fits.nrmse(record.y, run(record), bench.start, bench.free) for record in bench.unseen.values()]
 
     def proven(name: str, run: Callable[[pz.Record], Array]) -> str:
-        runs[name] = figures(run)
-        page.unseen[-1].append([name, *[f"{figure(a)} / {figure(b)}" if a < 1e9 else "diverges" for a, b in runs[name]]])
+        if name not in runs:
+            runs[name] = figures(run)
+            cells = [f"{figure(a)} / {figure(b)}" if a < 1e9 else "diverges" for a, b in runs[name]]
+            page.unseen[-1].append([name, *cells])
         return name
 
     def far(model: fits.Narx) -> float:
@@ -120,7 +126,10 @@ def identification(page: Page, bench: Bench) -> None:
         hindsight = min((fits.Narx(everything, how) for how in settings), key=far)
         proven("SysIdentPy, best in hindsight", hindsight.simulate)
     of_narx, by_name = proven("SysIdentPy", narx.simulate), proven("Bouc-Wen by hand", hand.result.simulate)
+    of_plays = proven("Prandtl-Ishlinskii by hand", plays.result.simulate)
     compared("chosen", auto, search, "SysIdentPy, settings searched", of_narx, narx.simulate)
+    compared("chosen", auto, plays_once, f"{of_plays}, `least_squares`", of_plays, plays.result.simulate)
     compared("given", play, single, "SysIdentPy, one setting", of_narx, narx.simulate)
+    compared("given", play, plays, f"{of_plays}, `least_squares`", of_plays, plays.result.simulate)
     compared("given", wen, hand, "Bouc-Wen by hand, `least_squares`", by_name, hand.result.simulate)
     page.facts.append(f"Setting of SysIdentPy that was selected on the {bench.name} (input terms; degree, lags, terms): {best}.")

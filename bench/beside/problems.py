@@ -109,10 +109,11 @@ def blocks(page: Page) -> None:
         repeats=repeats,
     )
     best, measure = left(simulated(mine.result[0])), "free-run rms [um]"
+    title = f"order 2, output error, PRBS of {counted(len(record))}"
     errors = best, left(simulated(by_hand.result))
-    page.add("order 2, output error", "`scipy.optimize.least_squares` on `lfilter`", measure, errors, mine, by_hand)
+    page.add(title, "`scipy.optimize.least_squares` on `lfilter`", measure, errors, mine, by_hand)
     errors = best, left(narx.result.simulate(record))
-    page.add("order 2, output error", "SysIdentPy ARX (FROLS of degree 1)", measure, errors, mine, narx)
+    page.add(title, "SysIdentPy ARX (FROLS of degree 1)", measure, errors, mine, narx)
 
 
 def swarms(page: Page) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -105,16 +105,27 @@ def plays_by_sample(u: Array, r: Array, w: Array) -> Array:
 
 
 def plays_by_stretch(u: Array, r: Array, w: Array) -> Array:
-    """The same: while the input rises, a play is max(p, u - r). So one call computes all samples up to a reversal."""
+    """The same, all samples of a monotone part together."""
+    z = np.empty_like(u)
+    for samples, plays in stretches(u, r):
+        z[samples] = plays @ w[1:]
+    return np.asarray(z + w[0] * u)
+
+
+def stretches(u: Array, r: Array) -> Iterator[tuple[slice, Array]]:
+    """The plays from rest, a row per sample, from one reversal of the input to the next: while it rises or is held, a
+    play is max(p, u - r).
+    """
     way = np.sign(np.diff(u, prepend=0.0))
+    # A held input, as on a staircase, is no reversal: it keeps the direction of its last step.
+    way = way[np.maximum.accumulate(np.where(way != 0, np.arange(len(u)), 0))]
     turns = np.flatnonzero(np.diff(way)) + 1
-    p, z = np.zeros(len(r), dtype=u.dtype), np.empty_like(u)
+    p = np.zeros(len(r), dtype=u.dtype)
     for start, end in zip([0, *turns], [*turns, len(u)]):
         stretch = u[start:end, None]
         plays = np.maximum(stretch - r, p) if way[start] > 0 else np.minimum(stretch + r, p)
         p = plays[-1]
-        z[start:end] = plays @ w[1:]
-    return np.asarray(z + w[0] * u)
+        yield slice(start, end), plays
 
 
 def bouc_wen(u: Array, beta: float, gamma: float, exp: Callable[[Any], Any] = math.exp) -> Array:
