@@ -319,7 +319,7 @@ fn records_after_cycles_over_the_whole_range_give_the_same_weights_as_records_fr
     assert!(error(&found.model, &plant) < 1e-3, "{}", error(&found.model, &plant));
 }
 
-/// The search is in parts, which show neither the slow lag of creep nor what the plays with large thresholds do.
+/// The search is in parts, which do not show the slow lag of creep.
 #[test]
 fn records_that_are_long_are_searched_in_parts_and_fitted_whole() {
     let plant = plant(5e-4, 0);

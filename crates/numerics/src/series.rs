@@ -35,6 +35,13 @@ pub fn scatter(x: &[f64]) -> f64 {
     x.iter().map(|x| (x - mean) * (x - mean)).sum()
 }
 
+/// The share of the scatter of `y` that a line over `x` explains; NaN if one of them is constant.
+pub fn explained(x: &[f64], y: &[f64]) -> f64 {
+    let (mx, my) = (mean(x), mean(y));
+    let crossed: f64 = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum();
+    crossed * crossed / (scatter(x) * scatter(y))
+}
+
 /// The quantile of `x` at `share`; 0 if `x` is empty.
 pub fn quantile(mut x: Vec<f64>, share: f64) -> f64 {
     let k = (share * x.len() as f64) as usize;
@@ -81,6 +88,15 @@ mod tests {
         assert_eq!((range(&x), largest(&x), centred(&x)), (5.0, 4.0, vec![1.0, -3.0, 2.0]));
         assert_eq!((dot(&x, &x), dot_wide::<2>(&x, &x)), (26.0, 26.0));
     }
+
+    #[test]
+    fn a_line_explains_a_line_and_nothing_of_a_peak() {
+        assert_eq!(explained(&[1.0, 2.0, 3.0], &[5.0, 3.0, 1.0]), 1.0);
+        assert_eq!(explained(&[0.0, 1.0, 2.0], &[0.0, 1.0, 0.0]), 0.0);
+        assert_eq!(explained(&[-1.0, 0.0, 1.0], &[0.0, 0.0, 3.0]), 0.75);
+        assert!(explained(&[2.0, 2.0], &[0.0, 1.0]).is_nan());
+    }
+
     #[test]
     fn quantiles_are_counted_from_the_smallest() {
         let x = vec![4.0, 1.0, 3.0, 2.0];

@@ -10,8 +10,9 @@
 //! Why: docs/decisions/structure-and-operator-selection.md, "Long records are searched in parts".
 
 use super::runs::TrainingRecord;
+use super::windows::WARM_UP;
 use piezoid_numerics::error::Error;
-use piezoid_numerics::series::{mean, scatter};
+use piezoid_numerics::series::{explained, scatter};
 use piezoid_records::record::Record;
 use std::collections::BTreeSet;
 use std::ops::Range;
@@ -19,9 +20,6 @@ use std::ops::Range;
 /// Length of a part [samples], and the number of parts up to which a record is used whole.
 const PART: usize = 5_000;
 const MIN_PARTS: usize = 2;
-
-/// Number of inputs before a part that pass creep and linear block.
-const WARM_UP: usize = 1_000;
 
 /// Parts of runs.
 pub(crate) struct Parts(Vec<Part>);
@@ -82,9 +80,8 @@ fn selected(record: &Record, count: usize) -> Vec<Range<usize>> {
     // What a gain and a constant leave of y.
     let unexplained = |cell: usize| {
         let (u, y) = (&record.u()[samples(cell)], &record.y()[samples(cell)]);
-        let (mu, my) = (mean(u), mean(y));
-        let crossed: f64 = u.iter().zip(y).map(|(u, y)| (u - mu) * (y - my)).sum();
-        scatter(y) - crossed * crossed / scatter(u).max(f64::MIN_POSITIVE)
+        // A held input explains nothing.
+        scatter(y) * (1.0 - explained(u, y).max(0.0))
     };
     let others = (0..cells).filter(|cell| !selected.contains(cell));
     let mut others: Vec<_> = others.map(|cell| (unexplained(cell), cell)).collect();

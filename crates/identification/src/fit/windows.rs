@@ -15,7 +15,7 @@ const WINDOW: usize = 5_000;
 const MIN_WINDOW: usize = 1_000;
 
 /// Number of inputs before a window that pass the linear block.
-const WARM_UP: usize = 1_000;
+pub(super) const WARM_UP: usize = 1_000;
 
 /// A part of a run.
 #[derive(Debug, Clone)]

@@ -26,7 +26,7 @@ use piezoid_models::linear::{
 use piezoid_numerics::error::Error;
 use piezoid_numerics::optimize::swarm;
 use piezoid_numerics::progress::Stage;
-use piezoid_numerics::series::{mean, scatter};
+use piezoid_numerics::series::explained;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use piezoid_records::waveform::dominant_frequency;
@@ -206,12 +206,7 @@ fn delay(hidden: &[Record]) -> usize {
     let longest = hidden.iter().map(|r| r.len() / POLICY.hidden_delays_in_record).min();
     let longest = longest.unwrap_or(0).min(POLICY.max_hidden_delay);
     let residual = |d: usize| -> f64 {
-        let of = |r: &Record| {
-            let (z, y) = (&r.u()[..r.len() - d], &r.y()[d..]);
-            let (mz, my) = (mean(z), mean(y));
-            let crossed: f64 = z.iter().zip(y).map(|(z, y)| (z - mz) * (y - my)).sum();
-            1.0 - crossed * crossed / (scatter(z) * scatter(y))
-        };
+        let of = |r: &Record| 1.0 - explained(&r.u()[..r.len() - d], &r.y()[d..]);
         hidden.iter().map(of).sum()
     };
     let (mut best, mut least) = (0, residual(0));
