@@ -50,7 +50,7 @@ use serde::{Deserialize, Serialize};
 
 /// Number of samples of a quick search, of all records together, and number from which another search begins with it.
 const QUICK_SAMPLES: usize = 20_000;
-const LONG_RECORDS: usize = 100_000;
+const LONG_RECORDS: usize = 150_000;
 
 /// Maximum number of thresholds, levels or knots.
 const MAX_ELEMENTS: usize = 1000;

@@ -18,18 +18,34 @@ const LN_2: (f64, f64) = (0.693359375, -2.1219444005469058e-4);
 /// 2^16: products and quotients by it are exact.
 const COARSE: f64 = 65536.0;
 
+/// ln 2 / 2.
+const HALF_LN_2: f64 = 0.34657359027997264;
+
 /// Arguments are clamped to this absolute value.
 const MAX_ARGUMENT: f64 = 800.0;
 
 /// e^r - 1 and 2^n of e^x = 2^n e^r.
+#[inline]
 fn parts(x: f64) -> (f64, f64) {
+    // Most steps of a model are small.
+    if x.abs() <= HALF_LN_2 { (series(x), 1.0) } else { large_parts(x) }
+}
+
+/// [`parts`] of any x.
+fn large_parts(x: f64) -> (f64, f64) {
     let x = if x > MAX_ARGUMENT { MAX_ARGUMENT } else { x };
     let x = if x < -MAX_ARGUMENT { -MAX_ARGUMENT } else { x };
     let size = if x < 0.0 { -x } else { x };
     // False for NaN.
-    let n = if size > 0.34657359027997264 { (size * std::f64::consts::LOG2_E + 0.5) as usize } else { 0 };
+    let n = if size > HALF_LN_2 { (size * std::f64::consts::LOG2_E + 0.5) as usize } else { 0 };
     let whole = if x < 0.0 { -(n as f64) } else { n as f64 };
-    let r = (x - whole * LN_2.0) - whole * LN_2.1;
+    let base = if x < 0.0 { 0.5 } else { 2.0 };
+    (series((x - whole * LN_2.0) - whole * LN_2.1), power(base, n))
+}
+
+/// e^r - 1.
+#[inline]
+fn series(r: f64) -> f64 {
     let square = r * r;
     let fourth = square * square;
     let a = 1.0 / 2.0 + r * (1.0 / 6.0);
@@ -39,8 +55,7 @@ fn parts(x: f64) -> (f64, f64) {
     let e = 1.0 / 3628800.0 + r * (1.0 / 39916800.0);
     let f = 1.0 / 479001600.0 + r * (1.0 / 6227020800.0);
     let bend = (a + square * b) + fourth * ((c + square * d) + fourth * (e + square * f));
-    let base = if x < 0.0 { 0.5 } else { 2.0 };
-    (r + square * bend, power(base, n))
+    r + square * bend
 }
 
 /// base^n, exact for powers of two.

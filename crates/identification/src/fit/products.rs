@@ -74,31 +74,46 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
     let size = columns.layout.columns() + 1;
     let weight = run.scale * run.heavier * (thin as f64).sqrt();
     let selected = kept(run, thin);
-    // Per fold: its products, and rows that are not in them yet.
-    let mut parts: BTreeMap<Option<usize>, (Segment, Rows)> = BTreeMap::new();
-    let mut start = 0;
-    for &(end, fold) in &run.segments {
-        let (segment, rows) = parts.entry(fold).or_insert_with(|| {
+    let starts = std::iter::once(0).chain(run.segments.iter().map(|(end, _)| *end));
+    let pieces: Vec<_> = starts.zip(&run.segments).map(|(start, (end, fold))| (start..*end, *fold)).collect();
+    let mut segments: BTreeMap<Option<usize>, Segment> = BTreeMap::new();
+    for (samples, fold) in &pieces {
+        let segment = segments.entry(*fold).or_insert_with(|| {
+            let (judged, drifts, is_first) = (run.large_signal, run.drifts, samples.start == 0);
             let gram = DMatrix::zeros(size, size);
-            let (judged, drifts, is_first) = (run.large_signal, run.drifts, start == 0);
-            let segment = Segment { run: index, fold, judged, drifts, is_first, gram, samples: 0.0 };
-            (segment, Rows::new(size, BLOCK_ROWS))
+            Segment { run: index, fold: *fold, judged, drifts, is_first, gram, samples: 0.0 }
         });
-        for from in (start..end).step_by(FILTERED_SAMPLES) {
-            columns.advance(from..end.min(from + FILTERED_SAMPLES), &selected, weight, rows);
+        segment.samples += run.usable[samples.clone()].iter().filter(|usable| **usable).count() as f64;
+    }
+    let mut blocks = pieces.iter().flat_map(|(samples, fold)| {
+        let of = |from: usize| (from..samples.end.min(from + FILTERED_SAMPLES), *fold);
+        samples.clone().step_by(FILTERED_SAMPLES).map(of)
+    });
+    // Per fold, rows that are not in its products yet.
+    let mut open: BTreeMap<Option<usize>, Rows> = BTreeMap::new();
+    let mut next_rows = |mut spare: Option<Rows>| {
+        for (samples, fold) in blocks.by_ref() {
+            let mut empty = || spare.take().unwrap_or_else(|| Rows::new(size, BLOCK_ROWS));
+            let rows = open.entry(fold).or_insert_with(&mut empty);
+            columns.advance(samples, &selected, weight, rows);
             if rows.room() < FILTERED_SAMPLES {
-                rows.add_to(&mut segment.gram);
+                return Some((fold, std::mem::replace(rows, empty())));
             }
         }
-        segment.samples += run.usable[start..end].iter().filter(|usable| **usable).count() as f64;
-        start = end;
+        open.pop_first()
+    };
+    let (mut full, mut spare) = (next_rows(None), None);
+    while let Some((fold, mut rows)) = full {
+        let add = || segments.get_mut(&fold).into_iter().for_each(|segment| rows.add_to(&mut segment.gram));
+        // The next rows are computed beside the products of these.
+        (full, ()) = rayon::join(|| next_rows(spare.take()), add);
+        spare = Some(rows);
     }
-    let whole = |(mut segment, mut rows): (Segment, Rows)| {
-        rows.add_to(&mut segment.gram);
+    let whole = |mut segment: Segment| {
         segment.gram.fill_upper_triangle_with_lower_triangle();
         segment
     };
-    parts.into_values().map(whole).collect()
+    segments.into_values().map(whole).collect()
 }
 
 /// The usable samples of a run that are kept: one of every `thin`, at non-periodic places.

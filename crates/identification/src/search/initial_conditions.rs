@@ -7,28 +7,31 @@ use super::fit::{
     refine_if_better,
 };
 use super::{Candidate, POLICY, Search};
+use crate::side_by_side::side_by_side;
 use piezoid_models::hammerstein::{Domain, InitialCondition, Model};
 use piezoid_numerics::error::Error;
+use rayon::prelude::*;
 use tracing::trace_span;
 
 /// A fit with the initial conditions of the large-signal records that it shows. Hysteresis at rest before the records,
 /// and hysteresis after cycles over the whole range, explain the same records by different weights, so both are fitted.
 pub(super) fn fit_with_initial_conditions(
-    start: &dyn Fn() -> Result<Estimate, Error>,
+    start: &(dyn Fn() -> Result<Estimate, Error> + Sync),
     runs: &mut [TrainingRecord],
     range: (f64, f64),
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    let mut fitted = refine(start()?, runs, FreeParameters::Creep, watch)?;
-    for run in runs.iter_mut().filter(|run| run.large_signal) {
+    let mut cycled = runs.to_vec();
+    for run in cycled.iter_mut().filter(|run| run.large_signal) {
         run.start_from(InitialCondition::FromBelow, range);
     }
-    let cycled = refine(start()?, runs, FreeParameters::Creep, watch)?;
-    if cycled.cost() < fitted.cost() {
-        fitted = cycled;
-    } else {
-        fitted.apply_to(runs, range);
-    }
+    let fit =
+        |mut runs: Vec<TrainingRecord>, watch: StepCallback| refine(start()?, &mut runs, FreeParameters::Creep, watch);
+    let fits = side_by_side(vec![runs.to_vec(), cycled], fit, |_, _| watch(0))?;
+    let fits = fits.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let best = fits.into_iter().min_by(|p, q| p.cost().total_cmp(&q.cost()));
+    let mut fitted = best.ok_or_else(|| Error::Content("no initial condition was tried".into()))?;
+    fitted.apply_to(runs, range);
     while select_initial_conditions(&fitted, runs, range)? {
         fitted = refine(start()?, runs, FreeParameters::Creep, watch)?;
     }
@@ -83,21 +86,18 @@ pub(super) fn select_initial_conditions(
 ) -> Result<bool, Error> {
     let domain = Domain { u: range.into(), hz: None, slew: 0.0, mean: range.into() };
     let model = fitted.estimate.model(0.0)?.with_identified(domain);
-    let mut changed = false;
-    for run in runs.iter_mut().filter(|run| !run.is_later_part) {
-        changed |= select_initial_condition(run, &model, range);
-    }
-    Ok(changed)
+    let first_parts = runs.par_iter_mut().filter(|run| !run.is_later_part);
+    Ok(first_parts.map(|run| select_initial_condition(run, &model, range)).reduce(|| false, |some, other| some | other))
 }
 
 /// Selects the initial condition of a record with the smallest free-run error of `model`, with a line through the
 /// errors. True if it is another than those selected before.
 fn select_initial_condition(run: &mut TrainingRecord, model: &Model, range: (f64, f64)) -> bool {
     let squares = |initial: InitialCondition| (free_run_squares(run, model, initial), initial);
-    let [likely, others @ ..] = InitialCondition::of(run.record.u()).map(squares);
+    let tried: Vec<_> = InitialCondition::of(run.record.u()).into_par_iter().map(squares).collect();
     let better =
         |best: (f64, _), one: (f64, _)| if one.0 < POLICY.initial_condition_ratio * best.0 { one } else { best };
-    let selected = others.into_iter().fold(likely, better).1;
+    let selected = tried.into_iter().reduce(better).map_or(run.initial, |(_, initial)| initial);
     let changed = selected != run.initial && !run.tried.contains(&selected);
     if changed {
         run.tried.push(selected);

@@ -9,13 +9,14 @@
 
 use super::candidate::SelectedStructure;
 use super::fit::{
-    Estimate, FreeParameters, Hidden, creep_pole, is_lag, refine, slowest_observable, slowest_pole,
+    Estimate, FreeParameters, Hidden, StepCallback, creep_pole, is_lag, refine, slowest_observable, slowest_pole,
     with_slow_lags_limited, without_factor,
 };
 use super::initial_conditions::fit_with_initial_conditions;
 use super::structure::{Selected, Structure, rescaled, select};
 use super::{Candidate, JointOptions, LINEAR_BLOCK, POLICY, Search};
 use crate::large_signal::{affine, lines, proportional, require_excitation};
+use crate::side_by_side::side_by_side;
 use piezoid_models::creep::Lag;
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::Model;
@@ -162,15 +163,19 @@ fn from_large_signal(search: &mut Search) -> Result<Candidate, Error> {
     let best_delay = delay(&hidden);
     let mut tried = vec![Structure::new(String::new(), plain)];
     if settings.order.unwrap_or(0) == 0 {
-        if best_delay > first {
-            let fit = refine(start(delayed_gain(best_delay, 0.0)?)?, runs, FreeParameters::Creep, watch)?;
-            tried.push(Structure::new(String::new(), fit));
-        }
         let from = best_delay.saturating_sub(1);
-        let fit = refine(start(delayed_gain(from, 0.5)?)?, runs, FreeParameters::All, watch)?;
-        // A share outside 0 to 1 is not a delay.
-        if fit.estimate.linear.b()[from..].iter().all(|b| b * gain >= 0.0) {
-            tried.push(Structure::new("a delay between two samples".into(), fit));
+        let whole = (String::new(), delayed_gain(best_delay, 0.0)?, FreeParameters::Creep);
+        let between = ("a delay between two samples".to_string(), delayed_gain(from, 0.5)?, FreeParameters::All);
+        let starts = (best_delay > first).then_some(whole).into_iter().chain([between]).collect();
+        let fit = |(name, linear, free): (String, Arx, FreeParameters), watch: StepCallback| -> Result<_, Error> {
+            Ok((name, refine(start(linear)?, &mut runs.to_vec(), free, watch)?))
+        };
+        for found in side_by_side(starts, fit, |_, _| watch(0))? {
+            let (name, fit) = found?;
+            // A share outside 0 to 1 is not a delay.
+            if fit.estimate.linear.b()[from..].iter().all(|b| b * gain >= 0.0) {
+                tried.push(Structure::new(name, fit));
+            }
         }
     }
     // The best of these is the last.

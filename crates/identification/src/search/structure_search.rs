@@ -26,6 +26,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::progress::Stage;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
+use rayon::prelude::*;
 use std::f64::consts::TAU;
 use tracing::trace_span;
 
@@ -210,11 +211,12 @@ impl StructureSearch {
         let (fitted, promises) = (&own.fitted, own.promises(runs, self.limits.slowest)?);
         let linear = &fitted.estimate.linear;
         let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
-        for n in 1..linear.a().len() {
+        let fit = |n: usize| {
             let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
-            let Ok(fit) = OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore) else {
-                continue;
-            };
+            OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore).ok()
+        };
+        let fits: Vec<_> = (1..linear.a().len()).into_par_iter().map(fit).collect();
+        for fit in fits.into_iter().flatten() {
             let start = fitted.estimate.with_linear(rescaled(&fit.arx, linear.dc_gain())?);
             let (starts, ratio) = (vec![(String::new(), start)], POLICY.promised_lower_order_ratio);
             if let Some((name, fit)) = promises.refine(fitted, starts, ratio, runs, watch)?.pop() {

@@ -1,6 +1,6 @@
 //! Choice of order and delay: the simplest block that predicts held-out data as well as the best, or nearly.
 //!
-//! Every order from 1 and every delay from 0 is fitted by output error to the first part of each record and simulated
+//! Every order from 1, until two add nothing, and every delay from 0 is fitted by output error to the first part of each record and simulated
 //! over the last part. Single samples are never held out, because neighbours are correlated. With s the mean square of
 //! a block's held-out error and s0 that of the best block, blocks of time give several values of d = s - s0 and the
 //! standard error of their mean. (Both errors contain the same noise, so their difference is known much better than
@@ -86,6 +86,9 @@ const HELD_OUT: f64 = 0.25;
 /// Share by which a higher order must lower the held-out rms to be accepted.
 const WORTH: f64 = 0.02;
 
+/// Number of orders, one after the other, without such a gain after which higher ones are not tried: a mode needs two.
+const ORDERS_WITHOUT_GAIN: usize = 2;
+
 /// Share of the peak-to-peak output below which errors are negligible.
 const NEGLIGIBLE: f64 = 1e-4;
 
@@ -129,19 +132,22 @@ pub fn select(records: &[Record], settings: &OrderSearch) -> Result<OrderSelecti
     })?;
     let start_records = StartRecords::new(&training, highest)?;
 
-    let (mut fitted, mut refused) = (Vec::<OutputError>::new(), None);
+    let (mut fitted, mut refused) = (Vec::<Fitted>::new(), None::<Error>);
+    let (mut least, mut without_gain) = (f64::INFINITY, 0);
     for n in 1..=settings.order {
         let fit = |delay| {
             let orders = Orders { delay, ..Orders::of(n) };
             let problem = FreeRunError { records: &training, weights: &weights, orders };
-            let lower = fitted.iter().rfind(|fit| fit.orders == Orders { delay, ..Orders::of(n - 1) });
+            let one_lower = Orders { delay, ..Orders::of(n - 1) };
+            let lower = fitted.iter().map(|fitted| &fitted.fit).rfind(|fit| fit.orders == one_lower);
             let start = start_records.start(orders, &weights).map(|start| match lower {
                 // A higher order can be at least as good as the lower one.
                 Some(lower) if lower.minimum.cost < problem.cost(&start) => with_idle_pole(lower),
                 _ => start,
             });
             let rough = Refinement { search: ROUGH, ..Refinement::default() };
-            start.and_then(|start| search(&problem, &start, &rough, &mut Stage::ignore))
+            let fit = start.and_then(|start| search(&problem, &start, &rough, &mut Stage::ignore))?;
+            Ok(Fitted::of(fit, &held_out, &weights, is_swept))
         };
         let all: Vec<_> = if settings.parallel {
             (0..=settings.delay).into_par_iter().map(fit).collect()
@@ -154,12 +160,18 @@ pub fn select(records: &[Record], settings: &OrderSearch) -> Result<OrderSelecti
                 Err(why) => drop(refused.get_or_insert(why)),
             }
         }
+        let now = fitted.iter().map(|fitted| fitted.predicted.sqrt()).fold(f64::INFINITY, f64::min);
+        without_gain = if now < (1.0 - WORTH) * least { 0 } else { without_gain + 1 };
+        least = now;
+        if without_gain == ORDERS_WITHOUT_GAIN {
+            break;
+        }
     }
-    let Some((candidates, chosen, reason)) = choose(&fitted, &held_out, &weights, is_swept) else {
+    let Some((candidates, chosen, reason)) = choose(&fitted, &held_out, is_swept) else {
         let because = refused.map_or_else(String::new, |why| why.to_string());
         return Err(Error::Unidentifiable { what: "a linear block of any order".into(), because });
     };
-    let start = &fitted[chosen];
+    let start = &fitted[chosen].fit;
     let problem = FreeRunError { records, weights: &weights, orders: start.orders };
     let fit = search(&problem, &start.minimum.x, &refinement, &mut Stage::ignore)?;
     Ok(OrderSelection { candidates, chosen, reason, fit })
@@ -221,24 +233,32 @@ fn is_a_sweep(first: &[Record], last: &[Record]) -> bool {
     hidden.sum::<f64>() > MAX_NEW_POWER_SHARE * last_total
 }
 
-/// The table, the index of the choice and its reason; `None` without candidates.
-fn choose(
-    fitted: &[OutputError],
-    held_out: &[Record],
-    weights: &[f64],
-    is_swept: bool,
-) -> Option<(Vec<Candidate>, usize, String)> {
-    let squares: Vec<Vec<f64>> = fitted.iter().map(|fit| held_out_errors(fit, held_out, weights)).collect();
-    let predicted = |(fit, squares): (&OutputError, &Vec<f64>)| {
+/// A block with its held-out errors.
+struct Fitted {
+    fit: OutputError,
+    squares: Vec<f64>,
+    /// The held-out mean square, or what stands for it.
+    predicted: f64,
+}
+
+impl Fitted {
+    fn of(fit: OutputError, held_out: &[Record], weights: &[f64], is_swept: bool) -> Self {
+        let squares = held_out_errors(&fit, held_out, weights);
         let (n, p) = (squares.len() as f64, 2.0 * fit.orders.na as f64 + 1.0);
-        mean(squares) * if is_swept { (n + p) / (n - p) } else { 1.0 }
-    };
-    let means: Vec<f64> = fitted.iter().zip(&squares).map(predicted).collect();
+        let predicted = mean(&squares) * if is_swept { (n + p) / (n - p) } else { 1.0 };
+        Fitted { fit, squares, predicted }
+    }
+}
+
+/// The table, the index of the choice and its reason; `None` without candidates.
+fn choose(fitted: &[Fitted], held_out: &[Record], is_swept: bool) -> Option<(Vec<Candidate>, usize, String)> {
+    let means: Vec<f64> = fitted.iter().map(|fitted| fitted.predicted).collect();
     let best = (0..fitted.len()).min_by(|&p, &q| means[p].total_cmp(&means[q]))?;
     let (low, high) = ends(held_out.iter().flat_map(|r| r.y()).copied());
     let candidate = |k: usize| {
-        let fit = &fitted[k];
-        let differences: Vec<f64> = squares[k].iter().zip(&squares[best]).map(|(s, s0)| s - s0).collect();
+        let fit = &fitted[k].fit;
+        let differences = fitted[k].squares.iter().zip(&fitted[best].squares);
+        let differences: Vec<f64> = differences.map(|(s, s0)| s - s0).collect();
         let (excess, excess_error) = (mean(&differences), standard_error(&differences));
         Candidate {
             orders: fit.orders,
