@@ -9,7 +9,7 @@
 use super::{ComparedRun, errors};
 use libm::{log10, pow};
 use piezoid_numerics::fourier::power;
-use piezoid_numerics::series::{centred, range, scatter};
+use piezoid_numerics::series::{range, scatter};
 use piezoid_records::waveform::Cycle;
 use serde::Serialize;
 
@@ -162,8 +162,9 @@ fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
     if errors.iter().any(|e| !e.is_finite()) {
         return Vec::new();
     }
-    // The mean of the error belongs to no band.
-    let [input, output, error] = [record.u(), record.y(), &centred(&errors)].map(power);
+    // Without its mean, which belongs to no band.
+    let [input, output, error] = [record.u(), record.y(), &errors].map(power);
+    drop(errors);
     let hz = |k: usize| k as f64 / (record.len() as f64 * record.ts());
     let bins: Vec<usize> = (1..input.len()).collect();
     let stroke = range(record.y());

@@ -43,7 +43,7 @@ impl CompareOptions {
     ///
     /// # Errors
     /// Returns an error for files without a model or a record. The errors of [`CompareOptions::on`].
-    pub fn run(&self, models: &[File], data: &[Source]) -> Result<ModelComparison, Error> {
+    pub fn run(&self, models: &[File], data: Vec<Source>) -> Result<ModelComparison, Error> {
         // Names without folders, if these tell the files apart.
         let alone = |file: &File| models.iter().filter(|other| other.short() == file.short()).count() == 1;
         let named = |file: &File| {
@@ -146,7 +146,7 @@ mod tests {
 
     fn run(options: &CompareOptions, models: &[File]) -> Result<ModelComparison, Error> {
         let data = vec![record("x/a.csv", 2.0), record("x/b.csv", 3.0)];
-        options.run(models, &Source::all(data, &ColumnSelection::default()))
+        options.run(models, Source::all(data, &ColumnSelection::default()))
     }
 
     #[test]

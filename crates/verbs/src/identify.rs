@@ -26,23 +26,28 @@ pub struct Identification {
 }
 
 impl IdentifyOptions {
-    /// Identifies a model from the records of small-signal and of large-signal files. `command` is the name of the
-    /// front end, for the model's file.
+    /// Identifies a model from the records of small-signal and of large-signal files, which are dropped once they are
+    /// read. `command` is the name of the front end, for the model's file.
     ///
     /// # Errors
     /// Returns an error for files without records. The errors of [`identify`](crate::identify).
     pub fn run(
         &self,
-        (small, large): (&[Source], &[Source]),
+        (small, large): (Vec<Source>, Vec<Source>),
         command: &str,
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
         self.check()?;
-        let read = |sources: &[Source]| sources.iter().map(Source::record).collect::<Result<Vec<_>, _>>();
-        let (small_signal, large_signal) = (read(small)?, read(large)?);
-        let sources = || small.iter().chain(large);
-        let origins: Vec<_> = sources().map(Source::origin).collect();
-        let names: Vec<&str> = sources().map(|source| &*source.file.name).collect();
+        let (mut names, mut origins) = (Vec::new(), Vec::new());
+        let mut read = |source: Source| {
+            origins.push(source.origin());
+            let record = source.record()?;
+            names.push(source.file.name);
+            Ok(record)
+        };
+        let small_signal = small.into_iter().map(&mut read).collect::<Result<Vec<_>, Error>>()?;
+        let large_signal = large.into_iter().map(&mut read).collect::<Result<Vec<_>, Error>>()?;
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
         let records = Records { small_signal: &small_signal, large_signal: &large_signal };
         let mut result = self.identify_and_validate(records, &names, (command, &origins), progress)?;
         let histories = names.iter().zip(small_signal.iter().chain(&large_signal));
@@ -192,7 +197,7 @@ mod tests {
         };
         let large = [file("fast.csv", 5e-4), file("slow.csv", 2e-3)];
         let large = Source::all(large.into(), &ColumnSelection::default());
-        let run = IdentifyOptions::default().run((&[], &large), "", &mut Stage::ignore);
+        let run = IdentifyOptions::default().run((Vec::new(), large), "", &mut Stage::ignore);
         assert_eq!(
             run.unwrap_err().to_string(),
             "fast.csv is sampled every 0.0005 s but slow.csv every 0.002 s: resample one of them; `prepare` does, with \

@@ -140,7 +140,7 @@ pub fn identify_again(model: &Model, files: &[File], progress: &mut Progress) ->
     };
     let sources = sources(&origins, files)?;
     let [small, large] = [Role::SmallSignal, Role::LargeSignal].map(|role| of(role, &sources));
-    let mut again = options.run((&small, &large), &command, progress)?;
+    let mut again = options.run((small, large), &command, progress)?;
     again.found = again.found.finished()?;
     if again.found.model != *model {
         let mut apart = sources.iter().map(|source| apart(model, &again.found.model, &source.record()?));
@@ -230,7 +230,7 @@ mod tests {
         let source = |file, columns| Source::new(file, columns, vec![Step::Prepare(decimate.clone())]);
         let data = [source(file("lab/a.csv", 0.5), scale), source(file("b.csv", 0.25), ColumnSelection::default())];
         let options = IdentifyOptions { operator: "proportional".into(), order: Some(1), ..IdentifyOptions::default() };
-        options.run((&[], &data), "a program", &mut Stage::ignore).unwrap().found.model
+        options.run((Vec::new(), data.into()), "a program", &mut Stage::ignore).unwrap().found.model
     }
 
     fn again(model: &Model, files: &[File]) -> Result<Identification, String> {

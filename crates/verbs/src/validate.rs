@@ -32,7 +32,7 @@ pub trait ValidateRecords {
     ///
     /// # Errors
     /// Returns an error for files without records. The errors of [`ValidateOptions::on`].
-    fn run(&self, model: &Model, data: &[Source]) -> Result<Validated, Error>;
+    fn run(&self, model: &Model, data: Vec<Source>) -> Result<Validated, Error>;
 
     /// Compares a model with named records, in the unit of the first.
     ///
@@ -42,7 +42,7 @@ pub trait ValidateRecords {
 }
 
 impl ValidateRecords for ValidateOptions {
-    fn run(&self, model: &Model, data: &[Source]) -> Result<Validated, Error> {
+    fn run(&self, model: &Model, data: Vec<Source>) -> Result<Validated, Error> {
         self.on(model, &records(data)?)
     }
 
@@ -62,9 +62,9 @@ impl ValidateRecords for ValidateOptions {
     }
 }
 
-/// The records of sources, with the names of their files.
-pub(super) fn records(data: &[Source]) -> Result<Vec<(String, Record)>, Error> {
-    data.iter().map(|source| Ok((source.file.name.clone(), source.record()?))).collect()
+/// The records of sources, with the names of their files. Each file is dropped once it is read.
+pub(super) fn records(data: Vec<Source>) -> Result<Vec<(String, Record)>, Error> {
+    data.into_iter().map(|source| source.record().map(|record| (source.file.name, record))).collect()
 }
 
 impl Compared {

@@ -48,17 +48,56 @@ fn weighted(x: &[f64], window: impl Fn(usize) -> f64) -> Vec<f64> {
 }
 
 /// The transform of `x` without its mean, with a window, in bins from 0 to n / 2; and the sum of squares of the window.
-fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>, f64) {
+pub fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>, f64) {
     let n = x.len();
-    // The window is computed again, not stored: a record may have ten million samples.
-    let weights = || (0..n).map(&window);
+    // The window is computed twice, not stored: a record may have ten million samples.
+    let of_sample = |(total, weighted, squares): (f64, f64, f64), (t, x): (usize, &f64)| {
+        let w = window(t);
+        (total + w, weighted + x * w, squares + w * w)
+    };
+    let (total, weighted, squares) = x.iter().enumerate().fold((0.0, 0.0, 0.0), of_sample);
     // The windowed mean: any other would give a line at 0 Hz.
-    let mean = x.iter().zip(weights()).map(|(x, w)| x * w).sum::<f64>() / weights().sum::<f64>();
-    let mut bins: Vec<Complex<f64>> = x.iter().zip(weights()).map(|(x, w)| Complex::from((x - mean) * w)).collect();
-    Transform::new(n).process(&mut bins);
-    bins.truncate(n / 2 + 1);
-    bins.shrink_to_fit();
-    (bins, weights().map(|w| w * w).sum())
+    let mean = weighted / total;
+    let sample = |t: usize| (x[t] - mean) * window(t);
+    if n % 2 == 1 {
+        let mut bins: Vec<Complex<f64>> = (0..n).map(|t| Complex::from(sample(t))).collect();
+        Transform::new(n).process(&mut bins);
+        bins.truncate(n / 2 + 1);
+        return (bins, squares);
+    }
+    let half = n / 2;
+    let mut bins = packed(half, sample);
+    Transform::new(half).process(&mut bins);
+    for k in 0..half.div_ceil(2) {
+        let (even, odd) = even_and_odd(bins[k], bins[(half - k) % half], turned(k, half));
+        bins[k] = even + odd;
+        match k {
+            0 => bins.push((even - odd).conj()),
+            _ => bins[half - k] = (even - odd).conj(),
+        }
+    }
+    if half > 0 && half % 2 == 0 {
+        bins[half / 2] = bins[half / 2].conj();
+    }
+    (bins, squares)
+}
+
+/// Even and odd samples as the real and imaginary parts of a signal of half the length: its transform takes half of the
+/// time and memory.
+fn packed(half: usize, sample: impl Fn(usize) -> f64) -> Vec<Complex<f64>> {
+    (0..half).map(|m| Complex::new(sample(2 * m), sample(2 * m + 1))).collect()
+}
+
+/// exp(-pi i k / half).
+fn turned(k: usize, half: usize) -> Complex<f64> {
+    polar(1.0, -PI * k as f64 / half as f64)
+}
+
+/// From a bin k of a packed signal and its mirror image: the bin of the even samples, and that of the odd ones times
+/// `turned`. The sum is that bin of the whole signal, and the conjugate of the difference is bin `half` - k.
+fn even_and_odd(bin: Complex<f64>, mirror: Complex<f64>, turned: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
+    let mirror = mirror.conj();
+    ((bin + mirror) / 2.0, turned * (bin - mirror) * Complex::new(0.0, -0.5))
 }
 
 /// The window of four terms for `n` samples.
@@ -69,23 +108,18 @@ fn harris(n: usize) -> impl Fn(usize) -> f64 {
     }
 }
 
-/// The sums of `x[t] x[t - p]` over t, for each lag p from 0 to n / 2.
-///
-/// Even and odd samples are the real and imaginary parts of a signal of half the length, which takes a quarter of the
-/// memory of the plain transform.
-pub fn autocorrelation(x: &[f64]) -> Vec<f64> {
+/// The sums of x_t x_(t - p) over t, for each lag p from 0 to n / 2, of `n` samples x.
+pub fn autocorrelation(n: usize, x: impl Fn(usize) -> f64) -> Vec<f64> {
     // At twice this length, no lag up to n / 2 meets its own image.
-    let half = fast((x.len() + x.len() / 2).div_ceil(2) + 1);
-    let sample = |t: usize| x.get(t).copied().unwrap_or(0.0);
-    let mut bins: Vec<Complex<f64>> = (0..half).map(|m| Complex::new(sample(2 * m), sample(2 * m + 1))).collect();
+    let half = fast((n + n / 2).div_ceil(2) + 1);
+    let mut bins = packed(half, |t| if t < n { x(t) } else { 0.0 });
     let fft = Transform::new(half);
     fft.process(&mut bins);
-    // The spectra E and O of the even and odd samples give the powers |E + w O|^2 at k and |E - w O|^2 half a turn
-    // further. Their mean and half their difference, packed in the same way, are the spectrum of the products.
-    let packed = |k: usize, bin: Complex<f64>, mirror: Complex<f64>| -> Complex<f64> {
-        let even = (bin + mirror.conj()) / 2.0;
-        let turned = polar(1.0, -PI * k as f64 / half as f64);
-        let odd = turned * (bin - mirror.conj()) * Complex::new(0.0, -0.5);
+    // The powers at k and half a turn further: their mean and half their difference, packed in the same way, are the
+    // spectrum of the products.
+    let products = |k: usize, bin: Complex<f64>, mirror: Complex<f64>| -> Complex<f64> {
+        let turned = turned(k, half);
+        let (even, odd) = even_and_odd(bin, mirror, turned);
         let mean = even.norm_sqr() + odd.norm_sqr();
         turned.conj() * Complex::new(0.0, 2.0 * (even * odd.conj()).re) + mean
     };
@@ -93,12 +127,12 @@ pub fn autocorrelation(x: &[f64]) -> Vec<f64> {
         let mirror = (half - k) % half;
         let (one, other) = (bins[k], bins[mirror]);
         // The forward transform of the conjugate is the conjugate of the inverse.
-        bins[k] = packed(k, one, other).conj();
-        bins[mirror] = packed(mirror, other, one).conj();
+        bins[k] = products(k, one, other).conj();
+        bins[mirror] = products(mirror, other, one).conj();
     }
     fft.process(&mut bins);
     let products = bins.iter().flat_map(|c| [c.re, -c.im]);
-    products.take(x.len() / 2 + 1).map(|sum| sum / half as f64).collect()
+    products.take(n / 2 + 1).map(|sum| sum / half as f64).collect()
 }
 
 /// The smallest length from `n` on that is a power of two or three times one: its transform is fast.
@@ -133,11 +167,26 @@ mod tests {
     }
 
     #[test]
+    fn the_transform_of_half_the_length_equals_the_direct_sums() {
+        for n in [1, 2, 4, 6, 9, 30, 62, 500] {
+            let x: Vec<f64> = (0..n).map(|t| ((t * t) as f64).sin() + 0.3).collect();
+            let mean = x.iter().sum::<f64>() / n as f64;
+            let bin = |k: usize| {
+                (0..n).map(|t| polar(x[t] - mean, -TAU * (k * t % n) as f64 / n as f64)).sum::<Complex<f64>>()
+            };
+            let (bins, squares) = windowed(&x, |_| 1.0);
+            let parts = |bins: Vec<Complex<f64>>| bins.iter().flat_map(|c| [c.re, c.im]).collect::<Vec<_>>();
+            assert_close(&parts(bins), &parts((0..=n / 2).map(bin).collect()), 0.0, 1e-11);
+            assert_eq!(squares, n as f64);
+        }
+    }
+
+    #[test]
     fn the_fast_autocorrelation_equals_the_direct_sums() {
         for n in [1, 2, 3, 7, 64, 501] {
             let x: Vec<f64> = (0..n).map(|t| ((t * t) as f64).sin() + 0.3).collect();
             let slow: Vec<f64> = (0..=n / 2).map(|p| x[p..].iter().zip(&x).map(|(a, b)| a * b).sum()).collect();
-            assert_close(&autocorrelation(&x), &slow, 0.0, 1e-12);
+            assert_close(&autocorrelation(n, |t| x[t]), &slow, 0.0, 1e-12);
         }
     }
 

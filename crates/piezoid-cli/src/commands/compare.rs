@@ -43,7 +43,7 @@ impl Run for Compare {
         let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &inputs)?;
         let (models, data) = (files::read_all(&self.models)?, files::read_all(&self.data)?);
         let data = Source::all(data, &self.columns.read()?);
-        let compared = self.options.0.run(&models, &data).map_err(failed)?;
+        let compared = self.options.0.run(&models, data).map_err(failed)?;
         if is_free {
             console.print(&errors(&compared, console))?;
         }
@@ -53,7 +53,7 @@ impl Run for Compare {
                 console.remarks(remarks.iter().map(|remark| format!("{}, {}: {remark}", one.name, run.name)));
             }
         }
-        let page = Results::default().file(self.output.as_deref(), comparison(&compared).html());
+        let page = Results::default().file_of(self.output.as_deref(), || comparison(&compared).html());
         page.json(self.json.as_deref(), &compared.to_json()).write(console)?;
         let text = compared.summary().unwrap_or_else(|| "no error is defined: the outputs are constant".into());
         let wrote = self.output.map(|path| format!("; wrote {}", path.display())).unwrap_or_default();

@@ -86,11 +86,12 @@ impl Run for Identify {
         let columns = self.columns.read()?;
         let before = self.again.as_ref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
         let (small, large) = (files::read_all(&self.small_signal)?, files::read_all(&self.files)?);
+        let small_names: Vec<String> = small.iter().map(|file| file.name.clone()).collect();
         let (result, is_cancelled) = console.work_until_cancelled(|progress| match &before {
             Some(before) => identify_again(before, &large, progress),
             None => {
-                let [small, large] = [&small, &large].map(|files| Source::all(files.clone(), &columns));
-                self.options.0.run((&small, &large), "piezoid identify", progress)
+                let [small, large] = [small, large].map(|files| Source::all(files, &columns));
+                self.options.0.run((small, large), "piezoid identify", progress)
             }
         })?;
         if is_cancelled {
@@ -101,14 +102,14 @@ impl Run for Identify {
         }
         let reasons = result.found.reasons.iter().filter(|_| self.verbose);
         console.remarks(reasons.chain(&result.found.notes));
-        for (file, linearity) in small.iter().zip(&result.linearity) {
+        for (name, linearity) in small_names.iter().zip(&result.linearity) {
             if let Some(linearity) = linearity.as_ref().filter(|linearity| linearity.is_linear != Some(true)) {
-                console.remark(&format!("{}: {}", file.name, linearity.verdict));
+                console.remark(&format!("{name}: {}", linearity.verdict));
             }
         }
         let written = Results::default().json(self.json.as_deref(), &result.to_json());
         let written = written.file(self.output.as_deref(), result.found.model.to_json());
-        written.file(self.report.as_deref(), report::identification(&result).html()).write(console)?;
+        written.file_of(self.report.as_deref(), || report::identification(&result).html()).write(console)?;
         let files = [self.output.as_deref(), self.report.as_deref()].into_iter().flatten();
         let named = files.filter(|path| *path != Path::new("-")).map(|path| path.display().to_string());
         let named: Vec<String> = named.collect();

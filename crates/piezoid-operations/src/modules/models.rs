@@ -100,7 +100,7 @@ const FRONT_END: &str = if cfg!(target_family = "wasm") { "piezoid page" } else 
 
 fn identify(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let (small, large) = (inputs.sources("small_signal")?, inputs.sources("large_signal")?);
-    let outcome = inputs.options::<IdentifyOptions>()?.run((&small, &large), FRONT_END, progress)?;
+    let outcome = inputs.options::<IdentifyOptions>()?.run((small, large), FRONT_END, progress)?;
     let (found, verdict) = (&outcome.found, outcome.found.model.verdict());
     let result = json!({
         "model": found.model.to_string(), "verdict": verdict, "sentence": verdict.as_ref().map(Verdict::to_string),
@@ -111,7 +111,7 @@ fn identify(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
 
 fn validate(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
-    let outcome = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
+    let outcome = inputs.options::<ValidateOptions>()?.run(&model, inputs.sources("data")?)?;
     let verdict = outcome.verdict(&model);
     let mut result = outcome.to_json();
     result["sentence"] = json!(verdict.as_ref().map(Verdict::to_string));

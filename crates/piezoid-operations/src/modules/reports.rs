@@ -76,14 +76,14 @@ fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
 
 fn page(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
-    let outcome = inputs.options::<ValidateOptions>()?.run(&model, &inputs.sources("data")?)?;
+    let outcome = inputs.options::<ValidateOptions>()?.run(&model, inputs.sources("data")?)?;
     let result = json!({"sentence": outcome.verdict(&model).map(|verdict| verdict.to_string())});
     Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", report(&model, &outcome).html())] })
 }
 
 fn compare(inputs: &Inputs) -> Result<Output, Error> {
     let options = inputs.options::<CompareOptions>()?;
-    let outcome = options.run(&inputs.all("model")?, &inputs.sources("data")?)?;
+    let outcome = options.run(&inputs.all("model")?, inputs.sources("data")?)?;
     let files = vec![File::new("compare.html", comparison(&outcome).html())];
     Ok(Output { result: outcome.to_json(), series: Vec::new(), files })
 }

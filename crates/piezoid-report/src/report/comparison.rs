@@ -194,7 +194,7 @@ mod tests {
         let file = |(k, (name, gain)): (usize, &(&str, f64))| File::new(format!("m&{k}"), model(name, *gain).to_json());
         let models: Vec<File> = models.iter().enumerate().map(file).collect();
         let data = piezoid_verbs::Source::all(vec![record(1.0), record(3.0)], &Default::default());
-        CompareOptions::default().run(&models, &data).unwrap()
+        CompareOptions::default().run(&models, data).unwrap()
     }
 
     #[test]

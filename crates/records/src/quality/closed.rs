@@ -12,7 +12,7 @@ use super::runs::standardised;
 use crate::record::Record;
 use nalgebra::{DMatrix, DVector};
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{centred, dot, quantile};
+use piezoid_numerics::series::{dot, mean, quantile};
 
 /// Samples that predict the next one.
 const PREDICTION_LAGS: usize = 6;
@@ -35,6 +35,9 @@ const MAX_SAMPLE_CORRELATION: f64 = 0.5;
 /// Smaller ones, over the rms, are rounding of the numbers in a file.
 const MIN_INNOVATION: f64 = 1e-6;
 
+/// Least number of samples that count.
+const MIN_COUNTED: usize = 100;
+
 /// Larger innovations, over their usual size, are changes of the drive.
 const MAX_CALM_INNOVATION: f64 = 4.0;
 
@@ -51,11 +54,13 @@ pub(super) fn closed_loop(record: &Record, usable: &[bool]) -> Option<Detection>
     if usable.contains(&false) {
         return None;
     }
-    let (u, mut y) = (standardised(record.u())?, standardised(record.y())?);
-    if dot(&u, &y) < 0.0 {
-        y.iter_mut().for_each(|y| *y = -*y);
-    }
-    let (a, e) = (innovations(&u, &[&u])?, innovations(&y, &[&u, &y])?);
+    let (a, e) = {
+        let (u, mut y) = (standardised(record.u())?, standardised(record.y())?);
+        if dot(&u, &y) < 0.0 {
+            y.iter_mut().for_each(|y| *y = -*y);
+        }
+        (innovations(&u, &[&u])?, innovations(&y, &[&u, &y])?)
+    };
     // The median of absolute values of normal noise is 0.6745 standard deviations.
     let usual = |x: &[f64]| quantile(x.iter().map(|x| x.abs()).collect(), 0.5) / 0.6745;
     let (input, output) = (usual(&a), usual(&e));
@@ -64,22 +69,26 @@ pub(super) fn closed_loop(record: &Record, usable: &[bool]) -> Option<Detection>
     }
     let calm = |t: usize| a[t].abs() < MAX_CALM_INNOVATION * input && e[t].abs() < MAX_CALM_INNOVATION * output;
     let calm: Vec<bool> = (0..a.len()).map(calm).collect();
-    let counted: Vec<usize> =
-        (RESPONSE_LAGS..a.len()).filter(|t| !calm[t - RESPONSE_LAGS..=*t].contains(&false)).collect();
-    if counted.len() < 100 {
+    let counted = || (RESPONSE_LAGS..a.len()).filter(|t| !calm[t - RESPONSE_LAGS..=*t].contains(&false));
+    let count = counted().count();
+    if count < MIN_COUNTED {
         return None;
     }
+    // Innovations have no mean; that of the calm ones is next to nothing.
     let correlation = |cause: &[f64], lag: usize| {
-        let answer = standardised(&counted.iter().map(|t| a[*t]).collect::<Vec<f64>>())?;
-        let cause = standardised(&counted.iter().map(|t| cause[t - lag]).collect::<Vec<f64>>())?;
-        Some(dot(&answer, &cause) / counted.len() as f64)
+        let products = |(aa, cc, ac): (f64, f64, f64), t: usize| {
+            let (answer, cause) = (a[t], cause[t - lag]);
+            (aa + answer * answer, cc + cause * cause, ac + answer * cause)
+        };
+        let (aa, cc, ac) = counted().fold((0.0, 0.0, 0.0), products);
+        (aa > 0.0 && cc > 0.0).then(|| ac / (aa * cc).sqrt())
     };
     if correlation(&a, 1)?.abs() > MAX_SAMPLE_CORRELATION {
         return None;
     }
     let all: Vec<f64> = (0..=RESPONSE_LAGS).map(|lag| correlation(&e, lag)).collect::<Option<_>>()?;
     let least = all.iter().copied().fold(0.0, f64::min);
-    let deviation = 1.0 / (counted.len() as f64).sqrt();
+    let deviation = 1.0 / (count as f64).sqrt();
     let threshold = MIN_CORRELATION.max(MIN_DEVIATIONS * deviation);
     let is_clear = least < -threshold && least < all[RESPONSE_LAGS] - MIN_DEVIATIONS * deviation;
     let [least, deviations] = [least, -least / deviation].map(short);
@@ -95,7 +104,8 @@ pub(super) fn closed_loop(record: &Record, usable: &[bool]) -> Option<Detection>
 fn innovations(x: &[f64], causes: &[&[f64]]) -> Option<Vec<f64>> {
     let columns = 1 + PREDICTION_LAGS * causes.len();
     let past: Vec<Lags> = causes.iter().map(|cause| Lags::new(&cause[..x.len() - 1], PREDICTION_LAGS)).collect();
-    let (x, one) = (&x[PREDICTION_LAGS..], vec![1.0; x.len() - PREDICTION_LAGS]);
+    let x = &x[PREDICTION_LAGS..];
+    let one = vec![1.0; x.len()];
     let (mut gram, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));
     (gram[(0, 0)], right[0]) = (x.len() as f64, x.iter().sum());
     for (i, lags) in past.iter().enumerate() {
@@ -107,6 +117,7 @@ fn innovations(x: &[f64], causes: &[&[f64]]) -> Option<Vec<f64>> {
                 .copy_from(&lags.products(other));
         }
     }
+    drop(one);
     gram.fill_upper_triangle_with_lower_triangle();
     let ridge = 1e-10 * gram.trace() / columns as f64;
     (0..columns).for_each(|i| gram[(i, i)] += ridge);
@@ -116,5 +127,7 @@ fn innovations(x: &[f64], causes: &[&[f64]]) -> Option<Vec<f64>> {
         let predicted = lags.combined(weights.rows(1 + PREDICTION_LAGS * i, PREDICTION_LAGS).iter().copied());
         left.iter_mut().zip(predicted).for_each(|(left, predicted)| *left -= predicted);
     }
-    Some(centred(&left))
+    let mean = mean(&left);
+    left.iter_mut().for_each(|left| *left -= mean);
+    Some(left)
 }

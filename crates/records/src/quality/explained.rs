@@ -20,18 +20,21 @@ pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> 
     // From the input of the largest lag at the first row to that of the smallest at the last.
     let input: Vec<f64> = (1 - lags.end..n as isize - lags.start).map(held).collect();
     let lagged = Lags::new(&input, lags.len());
-    let one = vec![1.0; n];
-    let ramp: Vec<f64> = (0..n).map(|t| 2.0 * t as f64 / n as f64 - 1.0).collect();
-    let x = centred(x);
-    let line = [&one, &ramp];
+    let line: [fn(f64) -> f64; 2] = [|_| 1.0, |part| 2.0 * part - 1.0];
+    let part = |t: usize| t as f64 / n as f64;
     let columns = line.len() + lags.len();
     let (mut normal, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));
-    for (i, column) in line.iter().enumerate() {
-        right[i] = dot_wide::<8>(column, &x);
-        (0..=i).for_each(|j| normal[(i, j)] = dot_wide::<8>(column, line[j]));
-        normal.view_mut((line.len(), i), (lags.len(), 1)).copy_from(&lagged.with(column));
+    {
+        // Only while it is needed: a record may have ten million samples.
+        let x = centred(x);
+        right.rows_mut(line.len(), lags.len()).copy_from(&lagged.with(&x));
+        for (i, of) in line.iter().enumerate() {
+            let column: Vec<f64> = (0..n).map(|t| of(part(t))).collect();
+            right[i] = dot_wide::<8>(&column, &x);
+            (0..=i).for_each(|j| normal[(i, j)] = column.iter().zip(0..).map(|(c, t)| c * line[j](part(t))).sum());
+            normal.view_mut((line.len(), i), (lags.len(), 1)).copy_from(&lagged.with(&column));
+        }
     }
-    right.rows_mut(line.len(), lags.len()).copy_from(&lagged.with(&x));
     normal.view_mut((line.len(), line.len()), (lags.len(), lags.len())).copy_from(&lagged.products(&lagged));
     normal.fill_upper_triangle_with_lower_triangle();
     (0..columns).for_each(|i| normal[(i, i)] += ridge * n as f64);

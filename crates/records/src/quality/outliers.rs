@@ -16,6 +16,7 @@ use super::runs::{places, resolution};
 use crate::record::Record;
 use piezoid_numerics::number::short;
 use piezoid_numerics::series::{largest, quantile, range};
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 /// The response i to a spike of size 1.
@@ -69,7 +70,7 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
     let stroke = range(record.y());
     let smallest = (MIN_SPIKE_SHARE * stroke).max(3.0 * resolution(record.y()));
     let changes = off_neighbours(record.u());
-    let mut y = record.y().to_vec();
+    let mut y = Cow::Borrowed(record.y());
     let mut found: BTreeMap<usize, f64> = BTreeMap::new();
     // Large spikes distort the regression: they are removed before smaller ones are searched.
     for _ in 0..MAX_SEARCHES {
@@ -77,7 +78,7 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
         let most = largest(spikes.iter().map(|(_, size)| size));
         for (t, size) in spikes.into_iter().filter(|(_, size)| size.abs() > 0.5 * most) {
             *found.entry(t).or_default() += size;
-            y[t] -= size;
+            y.to_mut()[t] -= size;
         }
         if most == 0.0 {
             break;

@@ -3,8 +3,7 @@
 use libm::cos;
 use nalgebra::Complex;
 use piezoid_numerics::complex::argument;
-use piezoid_numerics::fourier::{LINE_WIDTH_BINS, Transform};
-use piezoid_numerics::series::centred;
+use piezoid_numerics::fourier::{LINE_WIDTH_BINS, windowed};
 use std::f64::consts::TAU;
 
 /// An input is a tone if its line has this share of the power.
@@ -23,7 +22,8 @@ pub(super) struct Tone {
 
 /// The line of the input; `None` if it is not a tone.
 pub(super) fn tone(u: &[f64], y: &[f64]) -> Option<Tone> {
-    let (input, output) = (spectrum(u), spectrum(y));
+    let hann = |t: usize| 1.0 - cos(TAU * (t as f64 + 0.5) / u.len() as f64);
+    let [input, output] = [u, y].map(|x| windowed(x, hann).0);
     let power = |k: usize| input[k].norm_sqr();
     let top = (1..input.len()).max_by(|i, j| power(*i).total_cmp(&power(*j)))?;
     let line = top.saturating_sub(LINE_WIDTH_BINS / 2).max(1)..(top + LINE_WIDTH_BINS / 2 + 1).min(input.len());
@@ -31,18 +31,6 @@ pub(super) fn tone(u: &[f64], y: &[f64]) -> Option<Tone> {
     let response: Complex<f64> = line.map(|k| input[k].conj() * output[k]).sum();
     (top >= MIN_PERIODS && share > MIN_LINE_POWER_SHARE)
         .then(|| Tone { frequency: top as f64 / u.len() as f64, phase: argument(response).to_degrees() })
-}
-
-/// The spectrum up to half the sampling frequency, with a window (Hann) and without mean.
-fn spectrum(x: &[f64]) -> Vec<Complex<f64>> {
-    let n = x.len();
-    let window = |t: usize| 1.0 - cos(TAU * (t as f64 + 0.5) / n as f64);
-    let mut spectrum: Vec<Complex<f64>> =
-        centred(x).iter().enumerate().map(|(t, x)| Complex::from(x * window(t))).collect();
-    Transform::new(n).process(&mut spectrum);
-    spectrum.truncate(n / 2 + 1);
-    spectrum.shrink_to_fit();
-    spectrum
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! The period of an input.
 
 use piezoid_numerics::fourier::autocorrelation;
-use piezoid_numerics::series::{centred, scatter};
+use piezoid_numerics::series::{mean, scatter};
 
 /// Largest rms difference between repetitions, relative to the rms of the input.
 const SAME: f64 = 1e-3;
@@ -17,12 +17,12 @@ pub fn period(u: &[f64]) -> Option<usize> {
     if variance.is_nan() || variance <= 0.0 {
         return None;
     }
-    let centred = centred(u);
-    let products = autocorrelation(&centred);
+    let middle = mean(u);
+    let products = autocorrelation(n, |t| u[t] - middle);
     // Cumulative sums of squares.
     let mut squares = vec![0.0];
-    squares.extend(centred.iter().scan(0.0, |sum, c| {
-        *sum += c * c;
+    squares.extend(u.iter().scan(0.0, |sum, u| {
+        *sum += (u - middle) * (u - middle);
         Some(*sum)
     }));
     // The mean square difference at a lag, relative to that of uncorrelated inputs.
@@ -32,7 +32,7 @@ pub fn period(u: &[f64]) -> Option<usize> {
     };
     let start = (1..=n / 2).find(|&p| differs(p) > OTHER * OTHER)?;
     let exact = |p: usize| {
-        let energy: f64 = centred[p..].iter().zip(&centred).map(|(a, b)| (a - b) * (a - b)).sum();
+        let energy: f64 = u[p..].iter().zip(u).map(|(a, b)| (a - b) * (a - b)).sum();
         energy / ((n - p) as f64 * variance)
     };
     // The transform has rounding errors: candidates are checked exactly.
