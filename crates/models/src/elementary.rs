@@ -27,7 +27,7 @@ const MAX_ARGUMENT: f64 = 800.0;
 /// e^r - 1 and 2^n of e^x = 2^n e^r.
 #[inline]
 fn parts(x: f64) -> (f64, f64) {
-    // Most steps of a model are small.
+    // Most arguments in a model are small: they need no power of two.
     if x.abs() <= HALF_LN_2 { (series(x), 1.0) } else { large_parts(x) }
 }
 

@@ -48,11 +48,11 @@ impl Results {
 
     /// With a result for this path, if there is one; - is stdout.
     pub(crate) fn file(self, path: Option<&Path>, content: impl Into<Vec<u8>>) -> Self {
-        self.file_of(path, || content)
+        self.file_with(path, || content)
     }
 
     /// The same, computed only if there is a path.
-    pub(crate) fn file_of<C: Into<Vec<u8>>>(mut self, path: Option<&Path>, content: impl FnOnce() -> C) -> Self {
+    pub(crate) fn file_with<C: Into<Vec<u8>>>(mut self, path: Option<&Path>, content: impl FnOnce() -> C) -> Self {
         let Some(path) = path else { return self };
         let content = content();
         // A pipe or a device is written to and not replaced.

@@ -162,7 +162,7 @@ fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
     if errors.iter().any(|e| !e.is_finite()) {
         return Vec::new();
     }
-    // Without its mean, which belongs to no band.
+    // `power` leaves out the mean of the error, which belongs to no band.
     let [input, output, error] = [record.u(), record.y(), &errors].map(power);
     drop(errors);
     let hz = |k: usize| k as f64 / (record.len() as f64 * record.ts());

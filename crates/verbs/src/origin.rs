@@ -134,15 +134,14 @@ pub fn identify_again(model: &Model, files: &[File], progress: &mut Progress) ->
         Recipe::deserialize(model.provenance()).map_err(older)?;
     let options = IdentifyOptions::from_json(options)?;
     let origins: Vec<&Origin> = training.iter().map(|one| &one.origin).collect();
-    let of = |role: Role, sources: &[Source]| -> Vec<Source> {
-        let both = training.iter().zip(sources).filter(|(one, _)| one.role == role);
-        both.map(|(_, source)| source.clone()).collect()
-    };
-    let sources = sources(&origins, files)?;
-    let [small, large] = [Role::SmallSignal, Role::LargeSignal].map(|role| of(role, &sources));
+    let (mut small, mut large) = (Vec::new(), Vec::new());
+    for (one, source) in training.iter().zip(sources(&origins, files)?) {
+        if one.role == Role::SmallSignal { &mut small } else { &mut large }.push(source);
+    }
     let mut again = options.run((small, large), &command, progress)?;
     again.found = again.found.finished()?;
     if again.found.model != *model {
+        let sources = sources(&origins, files)?;
         let mut apart = sources.iter().map(|source| apart(model, &again.found.model, &source.record()?));
         let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;
         let this = env!("CARGO_PKG_VERSION");

@@ -85,14 +85,14 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
         });
         segment.samples += run.usable[samples.clone()].iter().filter(|usable| **usable).count() as f64;
     }
-    let mut blocks = pieces.iter().flat_map(|(samples, fold)| {
+    let mut filtered = pieces.iter().flat_map(|(samples, fold)| {
         let of = |from: usize| (from..samples.end.min(from + FILTERED_SAMPLES), *fold);
         samples.clone().step_by(FILTERED_SAMPLES).map(of)
     });
     // Per fold, rows that are not in its products yet.
     let mut open: BTreeMap<Option<usize>, Rows> = BTreeMap::new();
     let mut next_rows = |mut spare: Option<Rows>| {
-        for (samples, fold) in blocks.by_ref() {
+        for (samples, fold) in filtered.by_ref() {
             let mut empty = || spare.take().unwrap_or_else(|| Rows::new(size, BLOCK_ROWS));
             let rows = open.entry(fold).or_insert_with(&mut empty);
             columns.advance(samples, &selected, weight, rows);
@@ -104,7 +104,11 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
     };
     let (mut full, mut spare) = (next_rows(None), None);
     while let Some((fold, mut rows)) = full {
-        let add = || segments.get_mut(&fold).into_iter().for_each(|segment| rows.add_to(&mut segment.gram));
+        let add = || {
+            if let Some(segment) = segments.get_mut(&fold) {
+                rows.add_to(&mut segment.gram);
+            }
+        };
         // The next rows are computed beside the products of these.
         (full, ()) = rayon::join(|| next_rows(spare.take()), add);
         spare = Some(rows);

@@ -86,18 +86,22 @@ pub(super) fn select_initial_conditions(
 ) -> Result<bool, Error> {
     let domain = Domain { u: range.into(), hz: None, slew: 0.0, mean: range.into() };
     let model = fitted.estimate.model(0.0)?.with_identified(domain);
-    let first_parts = runs.par_iter_mut().filter(|run| !run.is_later_part);
-    Ok(first_parts.map(|run| select_initial_condition(run, &model, range)).reduce(|| false, |some, other| some | other))
+    let mut changed = false;
+    for run in runs.iter_mut().filter(|run| !run.is_later_part) {
+        changed |= select_initial_condition(run, &model, range);
+    }
+    Ok(changed)
 }
 
 /// Selects the initial condition of a record with the smallest free-run error of `model`, with a line through the
 /// errors. True if it is another than those selected before.
 fn select_initial_condition(run: &mut TrainingRecord, model: &Model, range: (f64, f64)) -> bool {
-    let squares = |initial: InitialCondition| (free_run_squares(run, model, initial), initial);
-    let tried: Vec<_> = InitialCondition::of(run.record.u()).into_par_iter().map(squares).collect();
+    let mut tried = InitialCondition::of(run.record.u()).map(|initial| (f64::INFINITY, initial));
+    tried.par_iter_mut().for_each(|(squares, initial)| *squares = free_run_squares(run, model, *initial));
+    let [likely, others @ ..] = tried;
     let better =
         |best: (f64, _), one: (f64, _)| if one.0 < POLICY.initial_condition_ratio * best.0 { one } else { best };
-    let selected = tried.into_iter().reduce(better).map_or(run.initial, |(_, initial)| initial);
+    let selected = others.into_iter().fold(likely, better).1;
     let changed = selected != run.initial && !run.tried.contains(&selected);
     if changed {
         run.tried.push(selected);

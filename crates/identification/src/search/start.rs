@@ -172,7 +172,7 @@ fn from_large_signal(search: &mut Search) -> Result<Candidate, Error> {
         };
         for found in side_by_side(starts, fit, |_, _| watch(0))? {
             let (name, fit) = found?;
-            // A share outside 0 to 1 is not a delay.
+            // Of the delay between two samples: a share outside 0 to 1 is not a delay.
             if fit.estimate.linear.b()[from..].iter().all(|b| b * gain >= 0.0) {
                 tried.push(Structure::new(name, fit));
             }

@@ -211,6 +211,7 @@ impl StructureSearch {
         let (fitted, promises) = (&own.fitted, own.promises(runs, self.limits.slowest)?);
         let linear = &fitted.estimate.linear;
         let hidden: Vec<Record> = Hidden::crept(fitted, runs)?.into_iter().map(|z| z.record).collect();
+        // Side by side, because mostly none of them promises enough.
         let fit = |n: usize| {
             let orders = Orders { delay: linear.delay(), ..Orders::of(n) };
             OutputError::fit(&hidden, orders, &Refinement::default(), &mut Stage::ignore).ok()

@@ -1,7 +1,7 @@
 //! Choice of order and delay: the simplest block that predicts held-out data as well as the best, or nearly.
 //!
-//! Every order from 1, until two add nothing, and every delay from 0 is fitted by output error to the first part of
-//! each record and simulated over the last part. Single samples are never held out, because neighbours are correlated.
+//! Orders from 1 on, until two in sequence gain less than 2 %, are fitted with every delay from 0 by output error to the
+//! first part of each record and simulated over the last part. Single samples are never held out, because neighbours are correlated.
 //! With s the mean square of a block's held-out error and s0 that of the best block, blocks of time give several values
 //! of d = s - s0 and the standard error of their mean. (Both errors contain the same noise, so their difference is
 //! known much better than either.) A block is as good as the best if d is within one standard error of zero, if its rms
@@ -35,7 +35,7 @@ use rayon::prelude::*;
 /// Candidates of the choice.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OrderSearch {
-    /// Highest order.
+    /// Highest order that may be tried.
     pub order: usize,
     /// Longest delay [samples].
     pub delay: usize,
@@ -86,7 +86,7 @@ const HELD_OUT: f64 = 0.25;
 /// Share by which a higher order must lower the held-out rms to be accepted.
 const WORTH: f64 = 0.02;
 
-/// Number of orders, one after the other, without such a gain after which higher ones are not tried: a mode needs two.
+/// After this number of orders in sequence without such a gain, higher ones are not tried: a mode needs two.
 const ORDERS_WITHOUT_GAIN: usize = 2;
 
 /// Share of the peak-to-peak output below which errors are negligible.
@@ -163,7 +163,7 @@ pub fn select(records: &[Record], settings: &OrderSearch) -> Result<OrderSelecti
         let now = fitted.iter().map(|fitted| fitted.predicted.sqrt()).fold(f64::INFINITY, f64::min);
         if now < (1.0 - WORTH) * least {
             (least, without_gain) = (now, 0);
-        } else if !fitted.is_empty() {
+        } else if fitted.last().is_some_and(|last| last.fit.orders.na == n) {
             without_gain += 1;
         }
         if without_gain == ORDERS_WITHOUT_GAIN {
@@ -363,6 +363,7 @@ mod tests {
         for seed in 0..10 {
             let found = select(&[delayed(seed)], &OrderSearch::default()).unwrap();
             assert_eq!((found.fit.orders.na, found.fit.orders.delay), (3, 2), "seed {seed}: {}", found.reason);
+            assert_eq!(found.candidates.last().unwrap().orders.na, 5, "two orders without a gain are enough");
         }
     }
 

@@ -237,7 +237,7 @@ impl<'p> Resolver<'p> {
                     Box::new(move |w| {
                         let mut counts = [0.0; 3];
                         counts.iter_mut().zip(&inputs).for_each(|(count, value)| *count = value(w));
-                        w.steps += 1;
+                        w.operations += 1;
                         operation(&counts)
                     })
                 }
@@ -281,7 +281,7 @@ impl<'p> Resolver<'p> {
         };
         Ok(both(a, b, move |w, a, b| {
             w.counts.comparisons += counts;
-            w.steps += 1;
+            w.operations += 1;
             compares(&a, &b)
         }))
     }

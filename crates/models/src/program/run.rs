@@ -26,14 +26,14 @@ pub struct Machine<'p> {
     pub(super) ready: Vec<ResolvedFunction<'p>>,
     /// Operations on real numbers so far.
     pub counts: Counts,
-    /// All operations so far, those on integers included.
-    pub steps: usize,
+    /// Operations and comparisons so far, those of integers included.
+    pub operations: usize,
     /// In a watched machine, the cell with the largest absolute value of each expression; negative before the first
     /// value.
     pub(super) largest: Option<HashMap<*const Expr, usize>>,
 }
 
-/// Numbers of operations.
+/// Numbers of operations on real numbers.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Sums and differences of real numbers.
@@ -47,7 +47,7 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Number of all operations.
+    /// Their sum.
     pub fn total(&self) -> usize {
         self.sums + self.products + self.quotients + self.comparisons
     }
@@ -61,7 +61,7 @@ pub(super) struct Work {
     pub(super) cells: Vec<f64>,
     pub(super) single: bool,
     pub(super) counts: Counts,
-    pub(super) steps: usize,
+    pub(super) operations: usize,
     /// The first error. After it no statement is run.
     pub(super) wrong: Option<Error>,
 }
@@ -81,7 +81,7 @@ impl Work {
             _ => return self.fail(format!("{op:?} of real numbers is not a number")),
         };
         *count += 1;
-        self.steps += 1;
+        self.operations += 1;
         self.round(v)
     }
 
@@ -95,7 +95,7 @@ impl Work {
             Op::Remainder => a % b,
             _ => f64::NAN,
         };
-        self.steps += 1;
+        self.operations += 1;
         let fits = (0.0..1.0 / f64::EPSILON).contains(&v);
         if fits { v } else { self.fail(format!("{op:?} of {a} and {b} is not an integer in range")) }
     }
@@ -109,10 +109,10 @@ impl Work {
 impl<'p> Machine<'p> {
     /// A machine with the state of `block` at rest. If `single`, every result is rounded to single precision.
     pub fn new(program: &'p Program, block: &str, single: bool) -> Self {
-        let mut work = Work { cells: Vec::new(), single, counts: Counts::default(), steps: 0, wrong: None };
+        let mut work = Work { cells: Vec::new(), single, counts: Counts::default(), operations: 0, wrong: None };
         work.cells = program.at_rest(block).into_iter().map(|v| work.round(v)).collect();
         let (block, ready) = (block.into(), Vec::new());
-        Machine { program, block, work, ready, counts: Counts::default(), steps: 0, largest: None }.resolved()
+        Machine { program, block, work, ready, counts: Counts::default(), operations: 0, largest: None }.resolved()
     }
 
     fn resolved(self) -> Self {
@@ -157,9 +157,9 @@ impl<'p> Machine<'p> {
                 }
             };
         }
-        (self.work.counts, self.work.steps) = (self.counts, self.steps);
+        (self.work.counts, self.work.operations) = (self.counts, self.operations);
         run(&mut self.work);
-        (self.counts, self.steps) = (self.work.counts, self.work.steps);
+        (self.counts, self.operations) = (self.work.counts, self.work.operations);
         match self.work.wrong.take() {
             None => Ok(self.work.cells[gives..gives + function.returns.len()].to_vec()),
             Some(error) => Err(error),

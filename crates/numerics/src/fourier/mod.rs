@@ -51,32 +51,33 @@ fn weighted(x: &[f64], window: impl Fn(usize) -> f64) -> Vec<f64> {
 pub fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>, f64) {
     let n = x.len();
     // The window is computed twice, not stored: a record may have ten million samples.
-    let of_sample = |(total, weighted, squares): (f64, f64, f64), (t, x): (usize, &f64)| {
+    let of_sample = |(total, sum, squares): (f64, f64, f64), (t, x): (usize, &f64)| {
         let w = window(t);
-        (total + w, weighted + x * w, squares + w * w)
+        (total + w, sum + x * w, squares + w * w)
     };
-    let (total, weighted, squares) = x.iter().enumerate().fold((0.0, 0.0, 0.0), of_sample);
+    let (total, sum, squares) = x.iter().enumerate().fold((0.0, 0.0, 0.0), of_sample);
     // The windowed mean: any other would give a line at 0 Hz.
-    let mean = weighted / total;
+    let mean = sum / total;
     let sample = |t: usize| (x[t] - mean) * window(t);
-    if n % 2 == 1 {
+    if !n.is_multiple_of(2) {
         let mut bins: Vec<Complex<f64>> = (0..n).map(|t| Complex::from(sample(t))).collect();
         Transform::new(n).process(&mut bins);
         bins.truncate(n / 2 + 1);
+        bins.shrink_to_fit();
         return (bins, squares);
     }
     let half = n / 2;
     let mut bins = packed(half, sample);
     Transform::new(half).process(&mut bins);
     for k in 0..half.div_ceil(2) {
-        let (even, odd) = even_and_odd(bins[k], bins[(half - k) % half], turned(k, half));
+        let (even, odd) = even_and_odd(bins[k], bins[(half - k) % half], twiddle(k, half));
         bins[k] = even + odd;
         match k {
             0 => bins.push((even - odd).conj()),
             _ => bins[half - k] = (even - odd).conj(),
         }
     }
-    if half > 0 && half % 2 == 0 {
+    if half > 0 && half.is_multiple_of(2) {
         bins[half / 2] = bins[half / 2].conj();
     }
     (bins, squares)
@@ -85,19 +86,22 @@ pub fn windowed(x: &[f64], window: impl Fn(usize) -> f64) -> (Vec<Complex<f64>>,
 /// Even and odd samples as the real and imaginary parts of a signal of half the length: its transform takes half of the
 /// time and memory.
 fn packed(half: usize, sample: impl Fn(usize) -> f64) -> Vec<Complex<f64>> {
-    (0..half).map(|m| Complex::new(sample(2 * m), sample(2 * m + 1))).collect()
+    // One more bin follows.
+    let mut packed = Vec::with_capacity(half + 1);
+    packed.extend((0..half).map(|m| Complex::new(sample(2 * m), sample(2 * m + 1))));
+    packed
 }
 
 /// exp(-pi i k / half).
-fn turned(k: usize, half: usize) -> Complex<f64> {
+fn twiddle(k: usize, half: usize) -> Complex<f64> {
     polar(1.0, -PI * k as f64 / half as f64)
 }
 
 /// From a bin k of a packed signal and its mirror image: the bin of the even samples, and that of the odd ones times
-/// `turned`. The sum is that bin of the whole signal, and the conjugate of the difference is bin `half` - k.
-fn even_and_odd(bin: Complex<f64>, mirror: Complex<f64>, turned: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
+/// `twiddle`. The sum is that bin of the whole signal, and the conjugate of the difference is bin `half` - k.
+fn even_and_odd(bin: Complex<f64>, mirror: Complex<f64>, twiddle: Complex<f64>) -> (Complex<f64>, Complex<f64>) {
     let mirror = mirror.conj();
-    ((bin + mirror) / 2.0, turned * (bin - mirror) * Complex::new(0.0, -0.5))
+    ((bin + mirror) / 2.0, twiddle * (bin - mirror) * Complex::new(0.0, -0.5))
 }
 
 /// The window of four terms for `n` samples.
@@ -118,10 +122,10 @@ pub fn autocorrelation(n: usize, x: impl Fn(usize) -> f64) -> Vec<f64> {
     // The powers at k and half a turn further: their mean and half their difference, packed in the same way, are the
     // spectrum of the products.
     let products = |k: usize, bin: Complex<f64>, mirror: Complex<f64>| -> Complex<f64> {
-        let turned = turned(k, half);
-        let (even, odd) = even_and_odd(bin, mirror, turned);
+        let twiddle = twiddle(k, half);
+        let (even, odd) = even_and_odd(bin, mirror, twiddle);
         let mean = even.norm_sqr() + odd.norm_sqr();
-        turned.conj() * Complex::new(0.0, 2.0 * (even * odd.conj()).re) + mean
+        twiddle.conj() * Complex::new(0.0, 2.0 * (even * odd.conj()).re) + mean
     };
     for k in 0..=half / 2 {
         let mirror = (half - k) % half;

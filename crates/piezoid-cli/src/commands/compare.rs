@@ -53,7 +53,7 @@ impl Run for Compare {
                 console.remarks(remarks.iter().map(|remark| format!("{}, {}: {remark}", one.name, run.name)));
             }
         }
-        let page = Results::default().file_of(self.output.as_deref(), || comparison(&compared).html());
+        let page = Results::default().file_with(self.output.as_deref(), || comparison(&compared).html());
         page.json(self.json.as_deref(), &compared.to_json()).write(console)?;
         let text = compared.summary().unwrap_or_else(|| "no error is defined: the outputs are constant".into());
         let wrote = self.output.map(|path| format!("; wrote {}", path.display())).unwrap_or_default();

@@ -109,7 +109,7 @@ impl Run for Identify {
         }
         let written = Results::default().json(self.json.as_deref(), &result.to_json());
         let written = written.file(self.output.as_deref(), result.found.model.to_json());
-        written.file_of(self.report.as_deref(), || report::identification(&result).html()).write(console)?;
+        written.file_with(self.report.as_deref(), || report::identification(&result).html()).write(console)?;
         let files = [self.output.as_deref(), self.report.as_deref()].into_iter().flatten();
         let named = files.filter(|path| *path != Path::new("-")).map(|path| path.display().to_string());
         let named: Vec<String> = named.collect();

@@ -216,13 +216,13 @@ impl Fixed {
 /// Runs a machine from a state.
 ///
 /// # Errors
-/// Returns an error as soon as that takes too many operations.
+/// Returns an error after the sample at which that has taken too many operations.
 fn run(machine: &mut Machine, entry: &Entry, start: &[f64], inputs: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
     machine.state().copy_from_slice(start);
-    let before = machine.steps;
+    let before = machine.operations;
     let output = |row: &Vec<f64>| {
         let output = machine.call(entry.step, row)?[0];
-        if machine.steps - before > OPERATIONS {
+        if machine.operations - before > OPERATIONS {
             let because = format!(
                 "`{}` takes more than {OPERATIONS:e} operations for the {} samples on which range and error are computed",
                 entry.step,

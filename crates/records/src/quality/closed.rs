@@ -74,10 +74,13 @@ pub(super) fn closed_loop(record: &Record, usable: &[bool]) -> Option<Detection>
     if count < MIN_COUNTED {
         return None;
     }
-    // Innovations have no mean; that of the calm ones is next to nothing.
+    let n = count as f64;
+    // About the means of the samples that count: one-sided jumps, which do not, leave one.
     let correlation = |cause: &[f64], lag: usize| {
+        let mean = |x: &[f64], lag: usize| counted().map(|t| x[t - lag]).sum::<f64>() / n;
+        let (own, other) = (mean(&a, 0), mean(cause, lag));
         let products = |(aa, cc, ac): (f64, f64, f64), t: usize| {
-            let (answer, cause) = (a[t], cause[t - lag]);
+            let (answer, cause) = (a[t] - own, cause[t - lag] - other);
             (aa + answer * answer, cc + cause * cause, ac + answer * cause)
         };
         let (aa, cc, ac) = counted().fold((0.0, 0.0, 0.0), products);
@@ -88,7 +91,7 @@ pub(super) fn closed_loop(record: &Record, usable: &[bool]) -> Option<Detection>
     }
     let all: Vec<f64> = (0..=RESPONSE_LAGS).map(|lag| correlation(&e, lag)).collect::<Option<_>>()?;
     let least = all.iter().copied().fold(0.0, f64::min);
-    let deviation = 1.0 / (count as f64).sqrt();
+    let deviation = 1.0 / n.sqrt();
     let threshold = MIN_CORRELATION.max(MIN_DEVIATIONS * deviation);
     let is_clear = least < -threshold && least < all[RESPONSE_LAGS] - MIN_DEVIATIONS * deviation;
     let [least, deviations] = [least, -least / deviation].map(short);

@@ -25,7 +25,7 @@ pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> 
     let columns = line.len() + lags.len();
     let (mut normal, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));
     {
-        // Only while it is needed: a record may have ten million samples.
+        // The centred series and the columns end with this block: a record may have ten million samples.
         let x = centred(x);
         right.rows_mut(line.len(), lags.len()).copy_from(&lagged.with(&x));
         for (i, of) in line.iter().enumerate() {
