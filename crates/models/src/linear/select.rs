@@ -1,13 +1,13 @@
 //! Choice of order and delay: the simplest block that predicts held-out data as well as the best, or nearly.
 //!
-//! Orders from 1 on, until two in sequence gain less than 2 %, are fitted with every delay from 0 by output error to the
-//! first part of each record and simulated over the last part. Single samples are never held out, because neighbours are correlated.
-//! With s the mean square of a block's held-out error and s0 that of the best block, blocks of time give several values
-//! of d = s - s0 and the standard error of their mean. (Both errors contain the same noise, so their difference is
-//! known much better than either.) A block is as good as the best if d is within one standard error of zero, if its rms
-//! is larger by less than a higher order must gain, or if its rms is below a ten-thousandth of the peak-to-peak output,
-//! which is negligible. Of those blocks the lowest order is chosen, and for this order the longest delay, because a
-//! first coefficient near zero makes the inverse ill-conditioned.
+//! Orders from 1 on, until two in sequence gain less than 2 %, are fitted with every delay from 0 by output error to
+//! the first part of each record and simulated over the last part. Single samples are never held out, because
+//! neighbours are correlated. With s the mean square of a block's held-out error and s0 that of the best block, blocks
+//! of time give several values of d = s - s0 and the standard error of their mean. (Both errors contain the same noise,
+//! so their difference is known much better than either.) A block is as good as the best if d is within one standard
+//! error of zero, if its rms is larger by less than a higher order must gain, or if its rms is below a ten-thousandth
+//! of the peak-to-peak output, which is negligible. Of those blocks the lowest order is chosen, and for this order the
+//! longest delay, because a first coefficient near zero makes the inverse ill-conditioned.
 //!
 //! A sweep shows each frequency once, so its end cannot be predicted from its beginning. If the last parts have input
 //! power where the first parts have none, the blocks are fitted to and judged by all samples. Akaike's final prediction
