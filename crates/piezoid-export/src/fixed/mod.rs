@@ -53,8 +53,10 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 /// Largest allowed error, over the stroke.
 const MAX_ERROR_SHARE: f64 = 1e-4;
 
-/// Largest number of operations of a test run, those on integers included: all runs of an entry then take seconds.
-const OPERATIONS: usize = 100_000_000;
+/// Largest number of operations of a test run on real numbers, and largest one with those on integers: a run then takes
+/// seconds.
+const OPERATIONS: usize = 200_000_000;
+const ALL_OPERATIONS: usize = 5 * OPERATIONS;
 
 /// The exported program with integers.
 pub(super) struct Fixed {
@@ -219,10 +221,10 @@ impl Fixed {
 /// Returns an error after the sample at which that has taken too many operations.
 fn run(machine: &mut Machine, entry: &Entry, start: &[f64], inputs: &[Vec<f64>]) -> Result<Vec<f64>, Error> {
     machine.state().copy_from_slice(start);
-    let before = machine.operations;
+    let (before, all_before) = (machine.counts.total(), machine.operations);
     let output = |row: &Vec<f64>| {
         let output = machine.call(entry.step, row)?[0];
-        if machine.operations - before > OPERATIONS {
+        if machine.counts.total() - before > OPERATIONS || machine.operations - all_before > ALL_OPERATIONS {
             let because = format!(
                 "`{}` takes more than {OPERATIONS:e} operations for the {} samples on which range and error are computed",
                 entry.step,
