@@ -74,9 +74,6 @@ impl Table {
         let stated = head.rows;
         let header = above.iter().find(|(line, _)| *line == head.line).map(|(_, text)| *text);
         let mut table = Table { steps, ..Table::below(head, first, row, &dialect)? };
-        // Room for a row per line, and for no more than the text can hold; without it, more is reserved row by row.
-        let rows = lines.clone().count().min(1 + text.len() / (2 * table.columns.len().max(1)));
-        table.columns.iter_mut().for_each(|column| _ = column.samples.try_reserve_exact(rows));
         let mut split = Vec::new();
         while let Some((line, row)) = lines.next() {
             // Remarks, and the header again, may stand between rows.
