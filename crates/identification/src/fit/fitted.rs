@@ -2,10 +2,12 @@
 
 use super::estimate::Estimate;
 use super::held_out::HeldOut;
+use super::products::Segment;
 use super::runs::TrainingRecord;
 use nalgebra::DMatrix;
 use piezoid_models::hammerstein::InitialCondition;
 use piezoid_numerics::series::mean;
+use std::sync::Arc;
 
 /// A fitted estimate.
 #[derive(Debug, Clone)]
@@ -21,6 +23,8 @@ pub(crate) struct Fitted {
     pub(crate) residuals: Vec<f64>,
     /// The products of the columns of the weights with each other.
     pub(crate) products: DMatrix<f64>,
+    /// Those of all columns, if they are kept.
+    pub(super) segments: Option<Arc<[Segment]>>,
     /// The minimised sum of squares and penalties.
     pub(crate) minimum: f64,
 }
@@ -29,6 +33,12 @@ impl Fitted {
     /// Mean over the runs of the mean squared error over the squared peak-to-peak.
     pub(crate) fn cost(&self) -> f64 {
         mean(&self.residuals)
+    }
+
+    /// True if the runs have the initial conditions and the weights of this fit.
+    pub(super) fn is_of(&self, runs: &[TrainingRecord]) -> bool {
+        let of_fit = self.initial_conditions.iter().zip(&self.heavier);
+        runs.iter().map(|run| (&run.initial, &run.heavier)).eq(of_fit)
     }
 
     /// Sets the initial conditions and the weights of the runs to those of this fit: later fits may have tried others.

@@ -30,6 +30,11 @@ impl Rows {
         Rows { size, capacity, len: 0, panels }
     }
 
+    /// The number of the first `columns` that fill panels.
+    pub(crate) fn whole(columns: usize) -> usize {
+        columns - columns % TILE
+    }
+
     /// The number of further rows.
     pub(crate) fn room(&self) -> usize {
         self.capacity - self.len
@@ -77,13 +82,14 @@ impl Rows {
         }
     }
 
-    /// Adds the products of the rows to the lower triangle of `gram`, and empties the block.
-    pub(crate) fn add_to(&mut self, gram: &mut DMatrix<f64>) {
+    /// Adds the products of the rows to the lower triangle of `gram`, and empties the block. The products of the first
+    /// `known` columns with each other, which [`Rows::whole`] gives, stay as they are.
+    pub(crate) fn add_to(&mut self, gram: &mut DMatrix<f64>, known: usize) {
         let _span = trace_span!("products").entered();
         let (size, rows) = (self.size, std::mem::take(&mut self.len));
         let panels: Vec<&[[f64; TILE]]> = self.panels.chunks_exact(self.capacity).map(|panel| &panel[..rows]).collect();
         let of_group = |(group, columns): (usize, &mut [f64])| {
-            for (i, below) in panels.iter().enumerate().skip(GROUP * group) {
+            for (i, below) in panels.iter().enumerate().skip((GROUP * group).max(known / TILE)) {
                 let rows = TILE * i..size.min(TILE * (i + 1));
                 for (right, columns) in panels[GROUP * group..=i].iter().zip(columns.chunks_mut(size * TILE)) {
                     for (column, sums) in columns.chunks_exact_mut(size).zip(tile(below, right)) {
@@ -197,7 +203,7 @@ mod tests {
                     single.iter().enumerate().for_each(|(k, value)| rows.set(first + row, k, times * value));
                     rows.set_scaled(first + row, single.len(), others, times);
                 }
-                rows.add_to(&mut gram);
+                rows.add_to(&mut gram, 0);
             }
             for (k, i) in (0..size).flat_map(|k| (k..size).map(move |i| (k, i))) {
                 let product = |from: usize, times: f64| {

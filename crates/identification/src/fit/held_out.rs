@@ -206,7 +206,7 @@ mod tests {
             .collect();
         let estimate = estimate("proportional", 1);
         let runs = training_records(&[], &records, &mut Vec::new()).unwrap();
-        let segments = products(&estimate, &runs, &[], FreeParameters::All);
+        let segments = products(&estimate, &runs, &[], FreeParameters::All, &[]);
         let prior = Prior::of(&estimate);
         let found = cross_validate(&estimate, &prior, &segments, 1e-6, FreeParameters::Weights, Smoothness::Fixed(0.0));
         assert_eq!(found.folds.len(), FOLDS);

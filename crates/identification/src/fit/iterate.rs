@@ -5,10 +5,12 @@ use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::held_out::{HeldOut, Smoothness, cross_validate};
 use super::hidden::Hidden;
+use super::layout::ColumnLayout;
 use super::products::{Segment, products};
 use super::runs::TrainingRecord;
 use super::solve::{FreeParameters, Prior};
 use nalgebra::DVector;
+use std::sync::Arc;
 
 /// Initial damping of a step, relative to the diagonal of the equations.
 pub(crate) const INITIAL_DAMPING: f64 = 1e-7;
@@ -20,11 +22,14 @@ const NEGLIGIBLE_ERROR: f64 = 1e-8;
 /// Number of weights above which a step is first tried with z alone, which is much less work than all columns.
 const MANY_WEIGHTS: usize = 64;
 
+/// Largest number of products that a fit keeps: 80 MB.
+const MAX_KEPT_PRODUCTS: usize = 10_000_000;
+
 /// An estimate and its equations.
 pub(crate) struct Iterate {
     pub(super) estimate: Estimate,
     pub(super) prior: Prior,
-    segments: Vec<Segment>,
+    segments: Arc<[Segment]>,
     pub(super) normal: ReducedEquations,
     each: Vec<RecordEquations>,
     /// The parameters that the equations have.
@@ -33,9 +38,44 @@ pub(crate) struct Iterate {
 
 impl Iterate {
     pub(crate) fn at(estimate: Estimate, runs: &[TrainingRecord], own: &[Vec<f64>], free: FreeParameters) -> Self {
-        let segments = products(&estimate, runs, own, free);
+        let segments = products(&estimate, runs, own, free, &[]);
+        Iterate::with(estimate, segments.into(), free)
+    }
+
+    fn with(estimate: Estimate, segments: Arc<[Segment]>, free: FreeParameters) -> Self {
         let (normal, each) = equations(&estimate, &segments, |_| true);
         Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each, free }
+    }
+
+    /// At another estimate, after a step in the parameters `moved`.
+    pub(super) fn after_step(
+        &self,
+        next: Estimate,
+        runs: &[TrainingRecord],
+        own: &[Vec<f64>],
+        moved: FreeParameters,
+    ) -> Self {
+        let before = if moved == FreeParameters::Weights { &self.segments[..] } else { &[] };
+        let segments = products(&next, runs, own, self.free, before);
+        Iterate::with(next, segments.into(), self.free)
+    }
+
+    /// The same after the weight of the small-signal records was multiplied by `factor`.
+    pub(super) fn reweighted(self, runs: &[TrainingRecord], factor: f64) -> Self {
+        if factor == 1.0 {
+            return self;
+        }
+        let mut segments = self.segments.to_vec();
+        segments.iter_mut().filter(|s| !runs[s.run].large_signal).for_each(|s| s.gram *= factor.powi(2));
+        Iterate::with(self.estimate, segments.into(), self.free)
+    }
+
+    /// At the end of a fit of these runs.
+    pub(super) fn at_end_of(fit: &Fitted, runs: &[TrainingRecord], free: FreeParameters) -> Self {
+        match &fit.segments {
+            Some(segments) if fit.is_of(runs) => Iterate::with(fit.estimate.clone(), segments.clone(), free),
+            _ => Iterate::known(fit.estimate.clone(), runs, free),
+        }
     }
 
     /// The solution of the linearised equations.
@@ -120,6 +160,13 @@ impl Iterate {
         self.each.iter().map(of).collect()
     }
 
+    /// The products, if they have all columns and are not too many to keep.
+    fn kept_segments(&self) -> Option<Arc<[Segment]>> {
+        let is_whole = self.free == FreeParameters::All || ColumnLayout::of(&self.estimate).shape.is_empty();
+        let numbers: usize = self.segments.iter().map(|segment| segment.gram.len()).sum();
+        (is_whole && numbers <= MAX_KEPT_PRODUCTS).then(|| self.segments.clone())
+    }
+
     /// The fit that ends here.
     pub(super) fn fitted(self, held_out: HeldOut, runs: &[TrainingRecord]) -> Fitted {
         let n = self.estimate.weights.len();
@@ -129,6 +176,7 @@ impl Iterate {
             own: self.own(self.prior.current()),
             residuals: self.residuals(runs),
             products: self.normal.h.view((0, 0), (n, n)).into_owned(),
+            segments: self.kept_segments(),
             minimum: self.cost(held_out.lambda),
             held_out,
             estimate: self.estimate,

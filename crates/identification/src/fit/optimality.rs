@@ -29,7 +29,7 @@ pub(crate) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Optimality
         .filter(|p| p.value <= p.low || p.value >= p.high)
         .map(|p| format!("{} = {}", p.name, short(p.value)))
         .collect();
-    let point = Iterate::at(estimate.clone(), runs, &fitted.own, FreeParameters::All);
+    let point = Iterate::at_end_of(fitted, runs, FreeParameters::All);
     let (cost, predicted) = (point.cost(lambda), point.predicted(lambda));
     let left = match cost {
         0.0 => 0.0,

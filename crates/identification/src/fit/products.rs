@@ -49,12 +49,14 @@ impl Segment {
 }
 
 /// The products of each fold of each run. `own` are the last own coefficients of the runs; empty at first. The
-/// columns of the shape are zero if it is not among the `free` parameters.
+/// columns of the shape are zero if it is not among the `free` parameters. `before` are the products of an estimate that
+/// differs in the weights alone; empty if there are none.
 pub(crate) fn products(
     estimate: &Estimate,
     runs: &[TrainingRecord],
     own: &[Vec<f64>],
     free: FreeParameters,
+    before: &[Segment],
 ) -> Vec<Segment> {
     let _span = trace_span!("rows", weights = estimate.weights.len()).entered();
     let large_signal: usize = runs.iter().filter(|r| r.large_signal).map(|r| r.record.len()).sum();
@@ -63,15 +65,18 @@ pub(crate) fn products(
     let of = |(k, run): (usize, &TrainingRecord)| {
         let own = own.get(k).map_or(&[] as &[f64], Vec::as_slice);
         let columns = RunColumns::new(estimate, run, &layout, own, free);
-        of_run(columns, k, if run.large_signal { thin } else { 1 })
+        let before = before.iter().filter(|segment| segment.run == k).collect();
+        of_run(columns, k, if run.large_signal { thin } else { 1 }, before)
     };
     runs.par_iter().enumerate().flat_map_iter(of).collect()
 }
 
-fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
+fn of_run(mut columns: RunColumns, index: usize, thin: usize, before: Vec<&Segment>) -> Vec<Segment> {
     let run = columns.run;
     columns.pass_earlier_inputs();
     let size = columns.layout.columns() + 1;
+    // The columns of the weights do not depend on these.
+    let known = if before.is_empty() { 0 } else { Rows::whole(columns.layout.weights.len()) };
     let weight = run.scale * run.heavier * (thin as f64).sqrt();
     let selected = kept(run, thin);
     let starts = std::iter::once(0).chain(run.segments.iter().map(|(end, _)| *end));
@@ -80,7 +85,10 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
     for (samples, fold) in &pieces {
         let segment = segments.entry(*fold).or_insert_with(|| {
             let (judged, drifts, is_first) = (run.large_signal, run.drifts, samples.start == 0);
-            let gram = DMatrix::zeros(size, size);
+            let mut gram = DMatrix::zeros(size, size);
+            if let Some(before) = before.iter().find(|before| before.fold == *fold) {
+                gram.view_mut((0, 0), (known, known)).copy_from(&before.gram.view((0, 0), (known, known)));
+            }
             Segment { run: index, fold: *fold, judged, drifts, is_first, gram, samples: 0.0 }
         });
         segment.samples += run.usable[samples.clone()].iter().filter(|usable| **usable).count() as f64;
@@ -106,7 +114,7 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize) -> Vec<Segment> {
     while let Some((fold, mut rows)) = full {
         let add = || {
             if let Some(segment) = segments.get_mut(&fold) {
-                rows.add_to(&mut segment.gram);
+                rows.add_to(&mut segment.gram, known);
             }
         };
         // The next rows are computed beside the products of these.
@@ -143,7 +151,7 @@ mod tests {
             let record = Record::new(TS, u.clone(), y).unwrap();
             let usable = (0..600).map(|t| t != 300).collect();
             let run = TrainingRecord::new(&record, "record", true, usable).unwrap();
-            products(&estimate, &[run], &[], FreeParameters::All)[0].gram.clone()
+            products(&estimate, &[run], &[], FreeParameters::All, &[])[0].gram.clone()
         };
         let plain = sums(0.0, 0.0);
         assert_eq!(plain, sums(0.0, 1e9));

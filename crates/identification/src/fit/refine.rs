@@ -81,16 +81,16 @@ pub(crate) fn refine_from(
     descend(point, smoothness, &Goal::ANY, runs, watch)
 }
 
-/// The same with all parameters, as long as a cost of at most `most` seems within reach.
+/// Fits all parameters of a fit, with a smoothness near its own, as long as a cost of at most `most` seems within
+/// reach.
 pub(crate) fn refine_within_reach(
-    start: Estimate,
-    smoothness: Smoothness,
+    from: &Fitted,
     most: f64,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    let point = Iterate::known(start, runs, FreeParameters::All);
-    descend(point, smoothness, &Goal { most, ..Goal::ANY }, runs, watch)
+    let point = Iterate::at_end_of(from, runs, FreeParameters::All);
+    descend(point, Smoothness::Near(from.held_out.lambda), &Goal { most, ..Goal::ANY }, runs, watch)
 }
 
 /// Fits all parameters of a fit to the minimum, however slowly it is reached.
@@ -99,7 +99,7 @@ pub(crate) fn refine_to_minimum(
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    let point = Iterate::known(from.estimate.clone(), runs, FreeParameters::All);
+    let point = Iterate::at_end_of(from, runs, FreeParameters::All);
     let goal = Goal { left: MAX_PREDICTED_DECREASE, ..Goal::ANY };
     descend(point, Smoothness::Fixed(from.held_out.lambda), &goal, runs, watch)
 }
@@ -164,9 +164,9 @@ fn descend(
         if !(goal.possible)(&point.estimate.linear) || !is_within_reach {
             break;
         }
-        if is_start && step + 1 < RECORD_WEIGHT_STEPS && weigh(runs, &point.residuals(runs)) {
-            let own = point.own(point.prior.current());
-            point = Iterate::at(point.estimate, runs, &own, free);
+        if is_start && step + 1 < RECORD_WEIGHT_STEPS {
+            let factor = weigh(runs, &point.residuals(runs));
+            point = point.reweighted(runs, factor);
         }
         let is_left =
             |point: &Iterate| goal.left < 1.0 && point.predicted(lambda) < (1.0 - goal.left) * point.cost(lambda);
@@ -247,7 +247,7 @@ fn lower(
             let alone = cost.is_finite().then(|| point.cost_of(&estimate, runs, lambda)).flatten();
             let next = alone
                 .is_none_or(|next| next < SCREENING_COST_RATIO * cost)
-                .then(|| Iterate::at(estimate, runs, &own, point.free));
+                .then(|| point.after_step(estimate, runs, &own, free));
             if let Some(next) = next.filter(|next| next.cost(lambda) < cost) {
                 *damping = (*damping * DAMPING_DECREASE).max(MIN_DAMPING);
                 return Some(next);
@@ -260,20 +260,19 @@ fn lower(
     None
 }
 
-/// Weights the two kinds of records by their residuals; returns true if that changes anything.
-fn weigh(runs: &mut [TrainingRecord], residuals: &[f64]) -> bool {
+/// Weights the two kinds of records by their residuals; returns the factor of the weights of small-signal records.
+fn weigh(runs: &mut [TrainingRecord], residuals: &[f64]) -> f64 {
     let of = |large_signal: bool| {
         let kind = runs.iter().zip(residuals).filter(|(run, _)| run.large_signal == large_signal);
         mean(&kind.map(|(_, residual)| *residual).collect::<Vec<_>>())
     };
     let heavier = (of(true) / of(false)).sqrt().clamp(1.0, MAX_SMALL_SIGNAL_WEIGHT);
-    if !heavier.is_finite() {
-        return false;
-    }
-    for run in runs.iter_mut().filter(|run| !run.large_signal) {
+    let mut factor = 1.0;
+    for run in runs.iter_mut().filter(|run| !run.large_signal && heavier.is_finite()) {
+        factor = heavier / run.heavier;
         run.heavier = heavier;
     }
-    true
+    factor
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use multiversion::multiversion;
 
 /// Signals that are filtered together: several vectors of a vector unit, or one.
-const WIDE: usize = 32;
+const WIDE: usize = if cfg!(target_arch = "wasm32") { NARROW } else { 32 };
 const NARROW: usize = 8;
 
 /// What has decayed to this is zero: processors are slow with numbers next to the smallest ones.

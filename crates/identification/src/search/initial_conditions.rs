@@ -3,8 +3,8 @@
 //! Why: docs/decisions/initial-conditions.md, "The initial conditions are retried with the operator".
 
 use super::fit::{
-    Estimate, Fitted, FreeParameters, Smoothness, StepCallback, TrainingRecord, free_run_squares, refine, refine_from,
-    refine_if_better,
+    Estimate, Fitted, FreeParameters, StepCallback, TrainingRecord, free_run_squares, refine, refine_if_better,
+    refine_within_reach,
 };
 use super::{Candidate, POLICY, Search};
 use crate::side_by_side::side_by_side;
@@ -73,9 +73,7 @@ pub(super) fn retry_initial_conditions(candidate: &Candidate, search: &mut Searc
     if !select_initial_conditions(best, runs, design.range)? && other.is_none() {
         return Ok(None);
     }
-    let smoothness = Smoothness::Near(best.held_out.lambda);
-    let fitted = refine_from(best.estimate.clone(), smoothness, runs, FreeParameters::All, watch)?;
-    Ok(Some(candidate.with_fit(fitted)))
+    Ok(Some(candidate.with_fit(refine_within_reach(best, f64::INFINITY, runs, watch)?)))
 }
 
 /// Selects the initial conditions of the records; true if one changed to another than before.

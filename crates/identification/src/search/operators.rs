@@ -271,8 +271,7 @@ fn refined(
     shapes.truncate(POLICY.refined_shapes);
     let mut refine = |fit: Fitted| {
         fit.apply_to(runs, range);
-        let smoothness = Smoothness::Near(fit.held_out.lambda);
-        let fit = refine_within_reach(fit.estimate, smoothness, reach, runs, watch)?;
+        let fit = refine_within_reach(&fit, reach, runs, watch)?;
         Ok((trial_of(row, &fit, runs, range), fit))
     };
     let other = shapes.split_off(1).pop();

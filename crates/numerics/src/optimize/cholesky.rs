@@ -12,8 +12,8 @@ use multiversion::multiversion;
 use nalgebra::DMatrix;
 
 /// Columns that are computed together, and rows of a strip.
-const COLUMNS: usize = 8;
-const ROWS: usize = 8;
+const COLUMNS: usize = if cfg!(target_arch = "wasm32") { 4 } else { 8 };
+const ROWS: usize = COLUMNS;
 
 /// Smallest pivot, over the diagonal of A.
 pub(super) const MIN_PIVOT: f64 = 1e-14;
