@@ -4,8 +4,10 @@ use super::{Skipped, WEB, announced, build_workspace, built, cargo, for_the_web,
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The modules, which are features of piezoid-wasm. Limits of their sizes stand in web/tests/sizes.test.mjs.
-const MODULES: [&str; 4] = ["files", "models", "reports", "exports"];
+/// The modules, which are features of piezoid-wasm, and the profiles that they are built by. Limits of their sizes stand
+/// in web/tests/sizes.test.mjs.
+const MODULES: [(&str, &str); 4] =
+    [("files", "page"), ("models", "page-search"), ("reports", "page"), ("exports", "page")];
 
 /// What `npm run build` writes outside of web/dist: committed, so that cargo alone builds.
 pub(super) const COMMITTED: [&str; 5] = [
@@ -84,15 +86,16 @@ fn written(name: &str) -> PathBuf {
 
 /// The modules as they are handed out, and the lists.
 fn modules() -> Result<(), String> {
-    for name in MODULES {
-        module("page", &[name], &[name])?;
+    for (name, profile) in MODULES {
+        module(profile, &[name], &[name])?;
     }
     lists()
 }
 
 /// The same for tests: one build has the features of every module, which takes half as long.
 fn tested_modules() -> Result<(), String> {
-    module("page-test", &MODULES, &MODULES)?;
+    let names = MODULES.map(|(name, _)| name);
+    module("page-test", &names, &names)?;
     lists()
 }
 

@@ -12,6 +12,9 @@ use native::{TILE, tile};
 #[cfg(target_arch = "wasm32")]
 use simd128::{TILE, tile};
 
+/// Columns of the largest tile of all machines.
+const LARGEST_TILE: usize = 8;
+
 /// Panels beside each other that one thread computes.
 const GROUP: usize = 8;
 
@@ -30,9 +33,9 @@ impl Rows {
         Rows { size, capacity, len: 0, panels }
     }
 
-    /// The number of the first `columns` that fill panels.
+    /// The number of the first `columns` that fill panels, the same on every machine.
     pub(crate) fn whole(columns: usize) -> usize {
-        columns - columns % TILE
+        columns - columns % LARGEST_TILE
     }
 
     /// The number of further rows.
@@ -154,7 +157,7 @@ mod native {
 
 #[cfg(target_arch = "wasm32")]
 mod simd128 {
-    use core::arch::wasm32::{f64x2, f64x2_add, f64x2_extract_lane, f64x2_mul, f64x2_splat, v128};
+    use wide::f64x4;
 
     /// Columns of a tile.
     pub(super) const TILE: usize = 4;
@@ -162,25 +165,16 @@ mod simd128 {
     /// The products of each column of `below` with each of `right`, by the columns of `right`. The sums have names so
     /// that they stay in registers.
     pub(super) fn tile(below: &[[f64; TILE]], right: &[[f64; TILE]]) -> [[f64; TILE]; TILE] {
-        let zero = f64x2_splat(0.0);
-        let (mut a0, mut a1, mut b0, mut b1) = (zero, zero, zero, zero);
-        let (mut c0, mut c1, mut d0, mut d1) = (zero, zero, zero, zero);
-        for (&[p, q, r, s], by) in below.iter().zip(right) {
-            let (upper, lower, [a, b, c, d]) = (f64x2(p, q), f64x2(r, s), by.map(|x| f64x2_splat(x)));
-            a0 = f64x2_add(a0, f64x2_mul(upper, a));
-            a1 = f64x2_add(a1, f64x2_mul(lower, a));
-            b0 = f64x2_add(b0, f64x2_mul(upper, b));
-            b1 = f64x2_add(b1, f64x2_mul(lower, b));
-            c0 = f64x2_add(c0, f64x2_mul(upper, c));
-            c1 = f64x2_add(c1, f64x2_mul(lower, c));
-            d0 = f64x2_add(d0, f64x2_mul(upper, d));
-            d1 = f64x2_add(d1, f64x2_mul(lower, d));
+        let zero = f64x4::ZERO;
+        let (mut a, mut b, mut c, mut d) = (zero, zero, zero, zero);
+        for (column, by) in below.iter().zip(right) {
+            let column = f64x4::from(*column);
+            a += column * f64x4::splat(by[0]);
+            b += column * f64x4::splat(by[1]);
+            c += column * f64x4::splat(by[2]);
+            d += column * f64x4::splat(by[3]);
         }
-        let two = |v: v128| [f64x2_extract_lane::<0>(v), f64x2_extract_lane::<1>(v)];
-        [(a0, a1), (b0, b1), (c0, c1), (d0, d1)].map(|(upper, lower)| {
-            let ([p, q], [r, s]) = (two(upper), two(lower));
-            [p, q, r, s]
-        })
+        [a, b, c, d].map(f64x4::to_array)
     }
 }
 

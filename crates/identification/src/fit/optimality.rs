@@ -84,6 +84,7 @@ mod tests {
         );
         assert!(note.contains(" of 7 weights and creep gains are zero"), "{note}");
         fit.estimate = fit.estimate.with_linear(Arx::new(5e-4, vec![0.8], vec![0.2]).unwrap());
+        fit.segments = None;
         let Optimality { left_percent, note } = optimality(&fit, &runs);
         assert!(
             left_percent.is_some_and(|left| left > UNFINISHED_PERCENT)

@@ -157,4 +157,22 @@ mod tests {
         assert_eq!(plain, sums(0.0, 1e9));
         assert!((&plain - sums(1e6, 0.0)).amax() < 1e-9 * plain.amax());
     }
+
+    #[test]
+    fn products_after_a_step_in_the_weights_are_those_of_all_columns() {
+        let u: Vec<f64> = (0..600).map(|t| 20.0 * (0.1 * f64::from(t)).sin()).collect();
+        let record = Record::new(TS, u.clone(), u).unwrap();
+        let runs = [TrainingRecord::new(&record, "record", true, vec![true; 600]).unwrap()];
+        for row in OPERATORS {
+            let start = full_estimate(row, None);
+            let next = Estimate { weights: start.weights.iter().map(|w| w + 0.1).collect(), ..start.clone() };
+            let of = |estimate: &Estimate, before: &[Segment]| {
+                products(estimate, &runs, &[], FreeParameters::All, before).remove(0)
+            };
+            let before = of(&start, &[]);
+            let all = of(&next, &[]);
+            assert_ne!(all.gram, before.gram, "{}", row.name);
+            assert_eq!(of(&next, &[before]).gram, all.gram, "{}", row.name);
+        }
+    }
 }

@@ -152,7 +152,7 @@ fn descend(
             (1, FreeParameters::All) => FreeParameters::Creep,
             (_, free) => free,
         };
-        if step == 0 && !is_fixed {
+        if step == 0 && is_start {
             lambda = point.held_out(now, smoothness).lambda;
         }
         let cost = if is_start && step == 0 { f64::INFINITY } else { point.cost(lambda) };
