@@ -35,6 +35,13 @@ impl Fitted {
         mean(&self.residuals)
     }
 
+    /// The sum of squares and penalties of a fit whose errors are as large as the held-out ones of this fit.
+    pub(crate) fn held_out_minimum(&self, runs: &[TrainingRecord]) -> f64 {
+        let large_signal = self.residuals.iter().zip(runs).filter(|(_, run)| run.large_signal);
+        let fitted = mean(&large_signal.map(|(residual, _)| *residual).collect::<Vec<_>>());
+        self.minimum * (self.held_out.rms_pp().powi(2) / fitted).max(1.0)
+    }
+
     /// True if the runs have the initial conditions and the weights of this fit.
     pub(super) fn is_of(&self, runs: &[TrainingRecord]) -> bool {
         let of_fit = self.initial_conditions.iter().zip(&self.heavier);

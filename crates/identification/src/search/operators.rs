@@ -165,26 +165,42 @@ fn comparison(
     };
     let starts = side_by_side(starts, searched, report)?;
     let most = POLICY.refined_operator_ratio * least(&starts, |fits| fits[0].held_out.rms_pp());
-    let reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least(&starts, |fits| fits[0].minimum);
-    let finish = |(row, start): (&'static Operator, Result<Vec<Fitted>, Error>), watch: StepCallback| match start {
-        Err(why) => Ok(Trial { result: OperatorTrial::refused(row, why.to_string()), fitted: None }),
-        Ok(shapes) => {
-            let (result, fitted) = refined(row, shapes, (most, reach), &mut runs.to_vec(), design.range, watch)?;
-            Ok(Trial::of(result, fitted))
-        }
-    };
-    let report = |k: usize, trial: Option<&Result<Trial, Error>>| {
-        let trial = trial.and_then(|trial| trial.as_ref().ok());
-        let figures = trial.map(|trial| trial.result.figures());
-        let figures = figures.as_ref().map_or(&[][..], |figures| figures);
-        reporter.report(Stage { figures, ..Stage::new(operators[k].name, done(2, k), 0) })?;
-        reporter.keep_better(operators[k], trial.and_then(|trial| trial.fitted.as_ref()), runs)
-    };
     if let [Err(why)] = &starts[..] {
         return Err(why.clone());
     }
-    let starts: Vec<_> = operators.iter().copied().zip(starts).collect();
-    side_by_side(starts, finish, report)?.into_iter().collect()
+    let reachable = settings.effort.breadth().reachable_operator_ratio.powi(2);
+    let mut reach = reachable * least(&starts, |fits| fits[0].minimum);
+    // The best ones show what the others have to reach.
+    let mut order: Vec<usize> = (0..operators.len()).collect();
+    let start_error = |k: usize| starts[k].as_ref().map_or(f64::INFINITY, |fits| fits[0].held_out.rms_pp());
+    order.sort_by(|&j, &k| start_error(j).total_cmp(&start_error(k)));
+    let others = order.split_off(POLICY.first_refined.min(order.len()));
+    let mut starts: Vec<_> = starts.into_iter().map(Some).collect();
+    let mut trials: Vec<Option<Trial>> = operators.iter().map(|_| None).collect();
+    let mut number = 0;
+    for round in [order, others] {
+        let items: Vec<_> = round.iter().filter_map(|&k| Some((operators[k], starts[k].take()?))).collect();
+        let finish = |(row, start): (&'static Operator, Result<Vec<Fitted>, Error>), watch: StepCallback| match start {
+            Err(why) => Ok(Trial { result: OperatorTrial::refused(row, why.to_string()), fitted: None }),
+            Ok(shapes) => {
+                let (result, fitted) = refined(row, shapes, (most, reach), &mut runs.to_vec(), design.range, watch)?;
+                Ok(Trial::of(result, fitted))
+            }
+        };
+        let report = |k: usize, trial: Option<&Result<Trial, Error>>| {
+            let trial = trial.and_then(|trial| trial.as_ref().ok());
+            let figures = trial.map(|trial| trial.result.figures());
+            let (row, figures) = (operators[round[k]], figures.as_ref().map_or(&[][..], |figures| figures));
+            reporter.report(Stage { figures, ..Stage::new(row.name, done(2, number + k), 0) })?;
+            reporter.keep_better(row, trial.and_then(|trial| trial.fitted.as_ref()), runs)
+        };
+        let fits: Vec<Trial> = side_by_side(items, finish, report)?.into_iter().collect::<Result<_, Error>>()?;
+        let reached = fits.iter().filter_map(|trial| Some(trial.fitted.as_ref()?.held_out_minimum(runs)));
+        reach = reached.map(|minimum| reachable * minimum).fold(reach, f64::min);
+        number += fits.len();
+        round.iter().zip(fits).for_each(|(&k, trial)| trials[k] = Some(trial));
+    }
+    Ok(trials.into_iter().flatten().collect())
 }
 
 /// The least `error` of the fits that succeeded.
@@ -199,31 +215,27 @@ fn refit_closest(
     selected: usize,
     fitted: &Fitted,
     design: &BasisDesign,
-    runs: &mut [TrainingRecord],
+    runs: &[TrainingRecord],
     watch: StepCallback,
 ) -> Result<bool, Error> {
     let most = POLICY.close_operator_ratio * trials[selected].result.error();
     let Estimate { driver, seeks_lag, lags, linear, .. } = &fitted.estimate;
-    let mut is_any = false;
-    for (_, trial) in trials.iter_mut().enumerate().filter(|(k, trial)| *k != selected && trial.result.error() <= most)
-    {
-        let Some(other) = &trial.fitted else { continue };
-        let row = Operator::find(trial.result.operator)?;
+    let closest = (0..trials.len()).filter(|k| *k != selected && trials[*k].result.error() <= most);
+    let closest: Vec<_> = closest.filter_map(|k| Some((k, trials[k].fitted.clone()?))).collect();
+    let fit = |(k, other): (usize, Fitted), watch: StepCallback| -> Result<_, Error> {
+        let row = Operator::find(trials[k].result.operator)?;
         let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..design.clone() });
-        let start = with_other_blocks(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis);
+        let start = with_other_blocks(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
         let smoothness = Smoothness::Near(other.held_out.lambda);
-        other.apply_to(runs, design.range);
-        match start.and_then(|start| refine_from(start, smoothness, runs, FreeParameters::All, watch)) {
-            Err(why @ Error::Cancelled { .. }) => return Err(why),
-            // It keeps the fit of the comparison.
-            Err(_) => {}
-            Ok(fit) => {
-                let result = trial_of(row, &fit, runs, design.range);
-                *trial = Trial::of(result, fit);
-                is_any = true;
-            }
-        }
-    }
+        let mut runs = runs.to_vec();
+        other.apply_to(&mut runs, design.range);
+        let fit = refine_from(start, smoothness, &mut runs, FreeParameters::All, watch)?;
+        Ok((k, Trial::of(trial_of(row, &fit, &mut runs, design.range), fit)))
+    };
+    // An operator that cannot be fitted keeps its fit of the comparison.
+    let fits: Vec<_> = side_by_side(closest, fit, |_, _| watch(0))?.into_iter().flatten().collect();
+    let is_any = !fits.is_empty();
+    fits.into_iter().for_each(|(k, trial)| trials[k] = trial);
     Ok(is_any)
 }
 
@@ -269,14 +281,15 @@ fn refined(
     }
     shapes.retain(|fit| fit.held_out.rms_pp() <= near);
     shapes.truncate(POLICY.refined_shapes);
-    let mut refine = |fit: Fitted| {
+    let mut refine = |fit: Fitted, reach: f64| {
         fit.apply_to(runs, range);
         let fit = refine_within_reach(&fit, reach, runs, watch)?;
         Ok((trial_of(row, &fit, runs, range), fit))
     };
     let other = shapes.split_off(1).pop();
-    let best = refine(shapes.remove(0))?;
-    Ok(match other.map(refine).transpose()? {
+    let best = refine(shapes.remove(0), reach)?;
+    let lower = reach.min(best.1.minimum);
+    Ok(match other.map(|other| refine(other, lower)).transpose()? {
         Some(other) if other.0.error() < best.0.error() => other,
         _ => best,
     })
@@ -353,7 +366,7 @@ mod tests {
         let before = trials[2].result.held_out_percent / 100.0;
         let after = with_mode.held_out.rms_pp();
         assert!(is_worth_repeating((before, after)) && !is_worth_repeating((before, before)));
-        assert!(refit_closest(&mut trials, 2, &with_mode, &design, &mut runs, &mut |_| Ok(())).unwrap());
+        assert!(refit_closest(&mut trials, 2, &with_mode, &design, &runs, &mut |_| Ok(())).unwrap());
         assert!(trials[0].result.held_out_percent < 0.1 * stop, "{} {stop}", trials[0].result.held_out_percent);
         assert_eq!(trials[0].fitted.as_ref().unwrap().estimate.linear.a().len(), 2);
         assert_eq!(trials[1].result.held_out_percent, none);

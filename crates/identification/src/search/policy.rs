@@ -93,6 +93,8 @@ pub(crate) struct SearchPolicy {
     pub(crate) min_minor_loops: usize,
     /// Ratio of held-out errors, with the linear block held, up to which an operator is refined in all parameters.
     pub(crate) refined_operator_ratio: f64,
+    /// Number of operators, the best with the linear block held, that are refined before the others.
+    pub(crate) first_refined: usize,
     /// The ratio of held-out errors up to which other shapes and initial conditions of an operator are searched.
     pub(crate) searched_shape_ratio: f64,
     /// Ratio of errors in parts of the records up to which operators are compared in all samples: more data may favour
@@ -222,6 +224,7 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
     minor_loop_margin: 0.1,
     min_minor_loops: 8,
     refined_operator_ratio: 3.0,
+    first_refined: 2,
     searched_shape_ratio: 30.0,
     finalist_ratio: 1.5,
     refined_shapes: 2,
