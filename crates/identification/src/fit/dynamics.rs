@@ -34,13 +34,14 @@ pub(crate) fn slowest_observable<'r>(records: impl Iterator<Item = &'r Record>) 
     1.0 / (TAU * records.map(Record::duration).fold(f64::MIN_POSITIVE, f64::max))
 }
 
-/// The block with lags slower than `slowest` [Hz] replaced by lags of that frequency, which changes its static gain.
+/// The block with lags slower than `slowest` [Hz], and unstable ones, replaced by lags of that frequency, which changes
+/// its static gain.
 pub(crate) fn with_slow_lags_limited(arx: Arx, slowest: f64) -> Result<Arx, Error> {
     let ts = arx.ts();
+    let p = exp(-TAU * slowest * ts);
     let mut denominator = arx.denominator();
-    for pole in arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.hz < slowest) {
+    for pole in arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.z.re > p) {
         let rest = without_factor(&denominator, pole.z.re);
-        let p = exp(-TAU * slowest * ts);
         let shifted = std::iter::once(0.0).chain(rest.iter().map(|c| -p * c));
         denominator = rest.iter().chain(&[0.0]).zip(shifted).map(|(c, s)| c + s).collect();
     }

@@ -60,6 +60,11 @@ impl Estimate {
     /// The estimate with the parameters `x`, in the order of [`ColumnLayout`]; `None` if G is unstable or they are not
     /// valid.
     pub(crate) fn moved(&self, x: &[f64]) -> Option<Self> {
+        self.moved_within(x, &Some)
+    }
+
+    /// The same with the linear block that `limited` gives.
+    pub(super) fn moved_within(&self, x: &[f64], limited: &dyn Fn(Arx) -> Option<Arx>) -> Option<Self> {
         let layout = ColumnLayout::of(self);
         let coefficients = |range: Range<usize>| of_differences(&x[range]);
         let lags = self.lags.iter().zip(&x[layout.gains]).map(|(lag, &gain)| Lag { gain, ..*lag }).collect();
@@ -67,9 +72,7 @@ impl Estimate {
         let shape: Vec<f64> = self.basis.shape().into_iter().zip(&x[layout.shape.clone()]).map(within).collect();
         let delay = std::iter::repeat_n(0.0, self.linear.delay());
         let linear = Arx::new(self.ts(), coefficients(layout.a), delay.chain(coefficients(layout.b)).collect()).ok()?;
-        if !linear.is_stable() {
-            return None;
-        }
+        let linear = limited(linear).filter(Arx::is_stable)?;
         let basis = self.basis.reshaped(&shape).ok()?.into();
         let lag = x[layout.shape].last().filter(|_| self.seeks_lag);
         let driver = match lag {

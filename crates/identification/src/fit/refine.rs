@@ -3,7 +3,7 @@
 //!
 //! First only the weights, then also the gains of creep, then all parameters.
 
-use super::dynamics::{creep_pole, is_damped, slowest_observable};
+use super::dynamics::{creep_pole, is_damped, slowest_observable, with_slow_lags_limited};
 use super::estimate::Estimate;
 use super::fitted::Fitted;
 use super::held_out::{ROUNDING_ERROR, Smoothness};
@@ -37,6 +37,9 @@ const MAX_PREDICTED_DECREASE: f64 = 5e-4;
 
 /// Ratio of the costs with z alone up to which all columns decide: the scale of the penalty may have changed.
 const SCREENING_COST_RATIO: f64 = 1.01;
+
+/// Frequency of a lag at its limit, over this limit: more than rounding of the roots.
+const SLOWEST_RATIO: f64 = 1.0 + 1e-6;
 
 /// Number of steps, each as good as the last one, within which a cost is within reach.
 const EXTRAPOLATED_STEPS: f64 = 10.0;
@@ -239,9 +242,13 @@ fn lower(
         if cost.is_finite() && 1.0 - point.cost_at(&x, lambda) / cost < MIN_PREDICTED_DECREASE {
             return None;
         }
-        let moved = point.estimate.moved(x.as_slice());
         let possible = |linear: &Arx| creep_pole(linear, slowest).is_none() && is_damped(linear);
-        if let Some(estimate) = moved.filter(|next| possible(&next.linear) || !possible(&point.estimate.linear)) {
+        // Where a lag is at its limit, the other parameters go on.
+        let limited = |linear: Arx| match possible(&linear) || !possible(&point.estimate.linear) {
+            true => Some(linear),
+            false => with_slow_lags_limited(linear, SLOWEST_RATIO * slowest).ok().filter(possible),
+        };
+        if let Some(estimate) = point.estimate.moved_within(x.as_slice(), &limited) {
             let own = point.own(&x);
             // Any step lowers an infinite cost.
             let alone = cost.is_finite().then(|| point.cost_of(&estimate, runs, lambda)).flatten();
