@@ -4,8 +4,8 @@ use super::{Skipped, WEB, announced, build_workspace, built, cargo, for_the_web,
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The modules, which are features of piezoid-wasm, and the profiles that they are built by. Limits of their sizes stand
-/// in web/tests/sizes.test.mjs.
+/// The modules, which are features of piezoid-wasm, and the profiles that they are built by. Limits of their sizes
+/// stand in web/tests/sizes.test.mjs.
 const MODULES: [(&str, &str); 4] =
     [("files", "page"), ("models", "page-search"), ("reports", "page"), ("exports", "page")];
 

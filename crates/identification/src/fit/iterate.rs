@@ -186,7 +186,7 @@ impl Iterate {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{runs::training_records, testing::estimate};
+    use super::super::{refine::refine, runs::training_records, testing::estimate};
     use super::*;
     use piezoid_models::creep::Lag;
     use piezoid_models::driver::DriverModel;
@@ -222,5 +222,25 @@ mod tests {
                 assert!(off < 1e-9 && penalty > 0.01 * residual, "{initial:?} {alone:e} {residual:e} {penalty:e}");
             }
         }
+    }
+
+    #[test]
+    fn a_fit_goes_on_with_its_products_while_the_runs_are_its_own() {
+        let u: Vec<f64> = (0..900).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let rough = |(t, u): (usize, &f64)| u + 0.1 * ((t * t) as f64 * 0.618_034).fract();
+        let y = u.iter().enumerate().map(rough).collect();
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("prandtl-ishlinskii", 6);
+        let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
+        let segments = fit.segments.clone().unwrap();
+        let next = Iterate::at_end_of(&fit, &runs, FreeParameters::All);
+        assert!(Arc::ptr_eq(&next.segments, &segments));
+        let known = Iterate::known(fit.estimate.clone(), &runs, FreeParameters::All);
+        let lambda = fit.held_out.lambda;
+        assert!((next.cost(lambda) / known.cost(lambda) - 1.0).abs() < 1e-6);
+        assert!((next.predicted(lambda) / known.predicted(lambda) - 1.0).abs() < 1e-3);
+        runs[0].start_from(InitialCondition::FromAbove, (-28.0, 28.0));
+        assert!(!Arc::ptr_eq(&Iterate::at_end_of(&fit, &runs, FreeParameters::All).segments, &segments));
     }
 }

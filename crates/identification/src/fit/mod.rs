@@ -48,8 +48,8 @@ pub(super) use optimality::optimality;
 pub(super) use parts::Parts;
 pub(super) use reduced::Reduced;
 pub(crate) use refine::{
-    StepCallback, refine, refine_from, refine_from_unknown, refine_if_better, refine_promising, refine_to_minimum,
-    refine_within_reach,
+    StepCallback, refine, refine_from, refine_from_unknown, refine_further, refine_if_better, refine_promising,
+    refine_to_minimum, refine_within_reach,
 };
 pub(super) use runs::{TrainingRecord, training_records};
 pub(super) use solve::{FreeParameters, MAX_CREEP_GAIN};

@@ -49,8 +49,8 @@ impl Segment {
 }
 
 /// The products of each fold of each run. `own` are the last own coefficients of the runs; empty at first. The
-/// columns of the shape are zero if it is not among the `free` parameters. `before` are the products of an estimate that
-/// differs in the weights alone; empty if there are none.
+/// columns of the shape are zero if it is not among the `free` parameters. `before` are the products of an estimate
+/// that differs in the weights alone; empty if there are none.
 pub(crate) fn products(
     estimate: &Estimate,
     runs: &[TrainingRecord],

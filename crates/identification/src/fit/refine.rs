@@ -84,9 +84,20 @@ pub(crate) fn refine_from(
     descend(point, smoothness, &Goal::ANY, runs, watch)
 }
 
-/// Fits all parameters of a fit, with a smoothness near its own, as long as a cost of at most `most` seems within
-/// reach.
+/// The same with all parameters, as long as a cost of at most `most` seems within reach.
 pub(crate) fn refine_within_reach(
+    start: Estimate,
+    smoothness: Smoothness,
+    most: f64,
+    runs: &mut [TrainingRecord],
+    watch: StepCallback,
+) -> Result<Fitted, Error> {
+    let point = Iterate::known(start, runs, FreeParameters::All);
+    descend(point, smoothness, &Goal { most, ..Goal::ANY }, runs, watch)
+}
+
+/// The same from the end of a fit, with a smoothness near its own.
+pub(crate) fn refine_further(
     from: &Fitted,
     most: f64,
     runs: &mut [TrainingRecord],
@@ -300,5 +311,20 @@ mod tests {
         let start = estimate("prandtl-ishlinskii", 6).with_linear(block);
         let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
         assert!(fit.cost() < 1e-4, "{:e}", fit.cost());
+    }
+
+    #[test]
+    fn a_lag_slower_than_the_records_stays_at_its_limit_and_the_others_go_on() {
+        let lag = |p: f64| Arx::new(5e-4, vec![0.5 + p, -0.5 * p], vec![0.3, 0.3 * (p - 1.0)]).unwrap();
+        let wave = |t: f64| 28.0 * (0.01 * t).sin() * (0.13 * t).sin() + 0.02 * t;
+        let u: Vec<f64> = (0..900).map(|t| wave(f64::from(t))).collect();
+        let records = [Record::new(5e-4, u.clone(), lag(0.99995).simulate(&u)).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("prandtl-ishlinskii", 6).with_linear(lag(0.99));
+        let fit = refine_from(start, Smoothness::Any, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
+        let (slowest, poles) = (slowest_observable(records.iter()), fit.estimate.linear.poles());
+        assert!((poles[0].hz / slowest - 1.0).abs() < 1e-5, "{slowest} {poles:?}");
+        // Without the limit, the fit ends at 5.4e-5.
+        assert!(fit.cost() < 3e-5, "{:e}", fit.cost());
     }
 }

@@ -3,8 +3,8 @@
 //! Why: docs/decisions/initial-conditions.md, "The initial conditions are retried with the operator".
 
 use super::fit::{
-    Estimate, Fitted, FreeParameters, StepCallback, TrainingRecord, free_run_squares, refine, refine_if_better,
-    refine_within_reach,
+    Estimate, Fitted, FreeParameters, StepCallback, TrainingRecord, free_run_squares, refine, refine_further,
+    refine_if_better,
 };
 use super::{Candidate, POLICY, Search};
 use crate::side_by_side::side_by_side;
@@ -73,7 +73,7 @@ pub(super) fn retry_initial_conditions(candidate: &Candidate, search: &mut Searc
     if !select_initial_conditions(best, runs, design.range)? && other.is_none() {
         return Ok(None);
     }
-    Ok(Some(candidate.with_fit(refine_within_reach(best, f64::INFINITY, runs, watch)?)))
+    Ok(Some(candidate.with_fit(refine_further(best, f64::INFINITY, runs, watch)?)))
 }
 
 /// Selects the initial conditions of the records; true if one changed to another than before.

@@ -3,7 +3,7 @@
 
 use super::fit::{
     Estimate, Fitted, FreeParameters, Smoothness, StepCallback, TrainingRecord, free_run_residual, refine, refine_from,
-    refine_within_reach,
+    refine_further, refine_within_reach,
 };
 use super::initial_conditions::{fit_with_other_initial_conditions, select_initial_conditions};
 use super::shape_search::best_shape;
@@ -42,11 +42,12 @@ pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Res
     let _stage = trace_span!(target: "stage", "operators again").entered();
     let Some((before, after)) = search.errors_of(structure_search::NAME) else { return Ok(None) };
     let design = search.design_for(&candidate.fitted.estimate);
-    let Search { operators, runs, reporter, trials, notes, .. } = search;
+    let Search { settings, operators, runs, reporter, trials, notes, .. } = search;
     let operator = candidate.operator;
+    let reach = reachable(settings, &candidate.fitted, runs);
     let Some(previous) = trials.iter().position(|trial| trial.result.is_selected()) else { return Ok(None) };
     let watch = &mut reporter.last_stage(operator.name);
-    if !refit_closest(trials, previous, &candidate.fitted, &design, runs, watch)? {
+    if !refit_closest(trials, previous, &candidate.fitted, &design, reach, runs, watch)? {
         return Ok(None);
     }
     let result = trial_of(operator, &candidate.fitted, runs, design.range);
@@ -168,8 +169,7 @@ fn comparison(
     if let [Err(why)] = &starts[..] {
         return Err(why.clone());
     }
-    let reachable = settings.effort.breadth().reachable_operator_ratio.powi(2);
-    let mut reach = reachable * least(&starts, |fits| fits[0].minimum);
+    let mut reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least(&starts, |fits| fits[0].minimum);
     // The best ones show what the others have to reach.
     let mut order: Vec<usize> = (0..operators.len()).collect();
     let start_error = |k: usize| starts[k].as_ref().map_or(f64::INFINITY, |fits| fits[0].held_out.rms_pp());
@@ -195,12 +195,17 @@ fn comparison(
             reporter.keep_better(row, trial.and_then(|trial| trial.fitted.as_ref()), runs)
         };
         let fits: Vec<Trial> = side_by_side(items, finish, report)?.into_iter().collect::<Result<_, Error>>()?;
-        let reached = fits.iter().filter_map(|trial| Some(trial.fitted.as_ref()?.held_out_minimum(runs)));
-        reach = reached.map(|minimum| reachable * minimum).fold(reach, f64::min);
+        let reached = fits.iter().filter_map(|trial| trial.fitted.as_ref());
+        reach = reached.map(|fit| reachable(settings, fit, runs)).fold(reach, f64::min);
         number += fits.len();
         round.iter().zip(fits).for_each(|(&k, trial)| trials[k] = Some(trial));
     }
     Ok(trials.into_iter().flatten().collect())
+}
+
+/// The cost that another operator must come within reach of, beside this fit.
+fn reachable(settings: &JointOptions, fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
+    settings.effort.breadth().reachable_operator_ratio.powi(2) * fitted.held_out_minimum(runs)
 }
 
 /// The least `error` of the fits that succeeded.
@@ -215,6 +220,7 @@ fn refit_closest(
     selected: usize,
     fitted: &Fitted,
     design: &BasisDesign,
+    reach: f64,
     runs: &[TrainingRecord],
     watch: StepCallback,
 ) -> Result<bool, Error> {
@@ -229,7 +235,7 @@ fn refit_closest(
         let smoothness = Smoothness::Near(other.held_out.lambda);
         let mut runs = runs.to_vec();
         other.apply_to(&mut runs, design.range);
-        let fit = refine_from(start, smoothness, &mut runs, FreeParameters::All, watch)?;
+        let fit = refine_within_reach(start, smoothness, reach, &mut runs, watch)?;
         Ok((k, Trial::of(trial_of(row, &fit, &mut runs, design.range), fit)))
     };
     // An operator that cannot be fitted keeps its fit of the comparison.
@@ -283,7 +289,7 @@ fn refined(
     shapes.truncate(POLICY.refined_shapes);
     let mut refine = |fit: Fitted, reach: f64| {
         fit.apply_to(runs, range);
-        let fit = refine_within_reach(&fit, reach, runs, watch)?;
+        let fit = refine_further(&fit, reach, runs, watch)?;
         Ok((trial_of(row, &fit, runs, range), fit))
     };
     let other = shapes.split_off(1).pop();
@@ -366,7 +372,7 @@ mod tests {
         let before = trials[2].result.held_out_percent / 100.0;
         let after = with_mode.held_out.rms_pp();
         assert!(is_worth_repeating((before, after)) && !is_worth_repeating((before, before)));
-        assert!(refit_closest(&mut trials, 2, &with_mode, &design, &runs, &mut |_| Ok(())).unwrap());
+        assert!(refit_closest(&mut trials, 2, &with_mode, &design, f64::INFINITY, &runs, &mut |_| Ok(())).unwrap());
         assert!(trials[0].result.held_out_percent < 0.1 * stop, "{} {stop}", trials[0].result.held_out_percent);
         assert_eq!(trials[0].fitted.as_ref().unwrap().estimate.linear.a().len(), 2);
         assert_eq!(trials[1].result.held_out_percent, none);
