@@ -23,7 +23,7 @@ pub(crate) struct Fitted {
     pub(crate) residuals: Vec<f64>,
     /// The products of the columns of the weights with each other.
     pub(crate) products: DMatrix<f64>,
-    /// Those of all columns, if they are kept.
+    /// Those of all columns, if they are kept: at this estimate, for runs with these initial conditions and weights.
     pub(super) segments: Option<Arc<[Segment]>>,
     /// The minimised sum of squares and penalties.
     pub(crate) minimum: f64,
@@ -39,7 +39,13 @@ impl Fitted {
     pub(crate) fn held_out_minimum(&self, runs: &[TrainingRecord]) -> f64 {
         let large_signal = self.residuals.iter().zip(runs).filter(|(_, run)| run.large_signal);
         let fitted = mean(&large_signal.map(|(residual, _)| *residual).collect::<Vec<_>>());
-        self.minimum * (self.held_out.rms_pp().powi(2) / fitted).max(1.0)
+        // Not 0: a ratio of costs may be infinite.
+        self.minimum.max(f64::MIN_POSITIVE) * (self.held_out.rms_pp().powi(2) / fitted).max(1.0)
+    }
+
+    /// The same without the products of all columns, which take much memory.
+    pub(crate) fn without_segments(self) -> Self {
+        Fitted { segments: None, ..self }
     }
 
     /// True if the runs have the initial conditions and the weights of this fit.

@@ -85,8 +85,8 @@ impl Rows {
         }
     }
 
-    /// Adds the products of the rows to the lower triangle of `gram`, and empties the block. The products of the first
-    /// `known` columns with each other, which [`Rows::whole`] gives, stay as they are.
+    /// Adds the products of the rows to the lower triangle of `gram`, and empties the block. Those of the first `known`
+    /// columns with each other are not added; their number is one of [`Rows::whole`].
     pub(crate) fn add_to(&mut self, gram: &mut DMatrix<f64>, known: usize) {
         let _span = trace_span!("products").entered();
         let (size, rows) = (self.size, std::mem::take(&mut self.len));

@@ -61,20 +61,21 @@ impl Iterate {
     }
 
     /// The same after the weight of the small-signal records was multiplied by `factor`.
-    pub(super) fn reweighted(self, runs: &[TrainingRecord], factor: f64) -> Self {
+    pub(super) fn reweighted(mut self, runs: &[TrainingRecord], factor: f64) -> Self {
         if factor == 1.0 {
             return self;
         }
-        let mut segments = self.segments.to_vec();
-        segments.iter_mut().filter(|s| !runs[s.run].large_signal).for_each(|s| s.gram *= factor.powi(2));
-        Iterate::with(self.estimate, segments.into(), self.free)
+        let segments = Arc::make_mut(&mut self.segments).iter_mut();
+        segments.filter(|s| !runs[s.run].large_signal).for_each(|s| s.gram *= factor.powi(2));
+        Iterate::with(self.estimate, self.segments, self.free)
     }
 
-    /// At the end of a fit of these runs.
-    pub(super) fn at_end_of(fit: &Fitted, runs: &[TrainingRecord], free: FreeParameters) -> Self {
+    /// At the end of a fit of these runs, with all parameters free.
+    pub(super) fn at_end_of(fit: &Fitted, runs: &[TrainingRecord]) -> Self {
+        let (estimate, free) = (fit.estimate.clone(), FreeParameters::All);
         match &fit.segments {
-            Some(segments) if fit.is_of(runs) => Iterate::with(fit.estimate.clone(), segments.clone(), free),
-            _ => Iterate::known(fit.estimate.clone(), runs, free),
+            Some(segments) if fit.is_of(runs) => Iterate::with(estimate, segments.clone(), free),
+            _ => Iterate::known(estimate, runs, free),
         }
     }
 
@@ -234,13 +235,32 @@ mod tests {
         let start = estimate("prandtl-ishlinskii", 6);
         let fit = refine(start, &mut runs, FreeParameters::Weights, &mut |_| Ok(())).unwrap();
         let segments = fit.segments.clone().unwrap();
-        let next = Iterate::at_end_of(&fit, &runs, FreeParameters::All);
+        let next = Iterate::at_end_of(&fit, &runs);
         assert!(Arc::ptr_eq(&next.segments, &segments));
         let known = Iterate::known(fit.estimate.clone(), &runs, FreeParameters::All);
         let lambda = fit.held_out.lambda;
         assert!((next.cost(lambda) / known.cost(lambda) - 1.0).abs() < 1e-6);
         assert!((next.predicted(lambda) / known.predicted(lambda) - 1.0).abs() < 1e-3);
         runs[0].start_from(InitialCondition::FromAbove, (-28.0, 28.0));
-        assert!(!Arc::ptr_eq(&Iterate::at_end_of(&fit, &runs, FreeParameters::All).segments, &segments));
+        assert!(!Arc::ptr_eq(&Iterate::at_end_of(&fit, &runs).segments, &segments));
+    }
+
+    #[test]
+    fn products_with_another_weight_of_small_signal_records_are_those_of_all_samples() {
+        let u: Vec<f64> = (0..900).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let records = [0.1, 1.0].map(|k| {
+            let u: Vec<f64> = u.iter().map(|u| k * u).collect();
+            Record::new(5e-4, u.clone(), u).unwrap()
+        });
+        let mut runs = training_records(&records[..1], &records[1..], &mut Vec::new()).unwrap();
+        let at = |runs: &[TrainingRecord]| {
+            Iterate::at(estimate("prandtl-ishlinskii", 6), runs, &[], FreeParameters::Weights).normal.h
+        };
+        let before = Iterate::at(estimate("prandtl-ishlinskii", 6), &runs, &[], FreeParameters::Weights);
+        runs.iter_mut().filter(|run| !run.large_signal).for_each(|run| run.heavier = 3.0);
+        let (scaled, all) = (before.reweighted(&runs, 3.0).normal.h, at(&runs));
+        assert!((&scaled - &all).amax() < 1e-12 * all.amax());
+        runs.iter_mut().for_each(|run| run.heavier = 1.0);
+        assert!((&scaled - at(&runs)).amax() > 1e-3 * all.amax());
     }
 }

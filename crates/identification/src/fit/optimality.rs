@@ -4,7 +4,7 @@
 use super::fitted::Fitted;
 use super::iterate::Iterate;
 use super::runs::TrainingRecord;
-use super::solve::{FreeParameters, Prior};
+use super::solve::Prior;
 use piezoid_numerics::number::short;
 
 /// Decrease of the sum of squares from which a fit is not at its minimum, and one that is next to nothing [%].
@@ -29,7 +29,7 @@ pub(crate) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Optimality
         .filter(|p| p.value <= p.low || p.value >= p.high)
         .map(|p| format!("{} = {}", p.name, short(p.value)))
         .collect();
-    let point = Iterate::at_end_of(fitted, runs, FreeParameters::All);
+    let point = Iterate::at_end_of(fitted, runs);
     let (cost, predicted) = (point.cost(lambda), point.predicted(lambda));
     let left = match cost {
         0.0 => 0.0,
@@ -59,6 +59,7 @@ pub(crate) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Optimality
 mod tests {
     use super::super::held_out::Smoothness;
     use super::super::refine::refine_from;
+    use super::super::solve::FreeParameters;
     use super::super::{runs::training_records, testing::estimate};
     use super::*;
     use piezoid_models::linear::Arx;

@@ -75,7 +75,7 @@ fn of_run(mut columns: RunColumns, index: usize, thin: usize, before: Vec<&Segme
     let run = columns.run;
     columns.pass_earlier_inputs();
     let size = columns.layout.columns() + 1;
-    // The columns of the weights do not depend on these.
+    // The columns of the weights do not depend on the weights.
     let known = if before.is_empty() { 0 } else { Rows::whole(columns.layout.weights.len()) };
     let weight = run.scale * run.heavier * (thin as f64).sqrt();
     let selected = kept(run, thin);
@@ -137,7 +137,8 @@ fn kept(run: &TrainingRecord, thin: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::testing::{TS, full_estimate};
+    use super::super::runs::training_records;
+    use super::super::testing::{self, TS, full_estimate};
     use super::*;
     use piezoid_models::hysteresis::OPERATORS;
     use piezoid_records::record::Record;
@@ -160,19 +161,21 @@ mod tests {
 
     #[test]
     fn products_after_a_step_in_the_weights_are_those_of_all_columns() {
-        let u: Vec<f64> = (0..600).map(|t| 20.0 * (0.1 * f64::from(t)).sin()).collect();
-        let record = Record::new(TS, u.clone(), u).unwrap();
-        let runs = [TrainingRecord::new(&record, "record", true, vec![true; 600]).unwrap()];
-        for row in OPERATORS {
-            let start = full_estimate(row, None);
+        let u: Vec<f64> = (0..600).map(|t| 20.0 * (0.1 * f64::from(t)).sin() * (0.01 * f64::from(t)).sin()).collect();
+        let records = [Record::new(TS, u.clone(), u).unwrap()];
+        let runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        for name in ["prandtl-ishlinskii", "preisach", "krasnoselskii-pokrovskii"] {
+            let start = testing::estimate(name, 20);
+            let start = Estimate { weights: vec![0.5; start.weights.len()], ..start };
             let next = Estimate { weights: start.weights.iter().map(|w| w + 0.1).collect(), ..start.clone() };
             let of = |estimate: &Estimate, before: &[Segment]| {
-                products(estimate, &runs, &[], FreeParameters::All, before).remove(0)
+                products(estimate, &runs, &[], FreeParameters::Weights, before)
             };
-            let before = of(&start, &[]);
-            let all = of(&next, &[]);
-            assert_ne!(all.gram, before.gram, "{}", row.name);
-            assert_eq!(of(&next, &[before]).gram, all.gram, "{}", row.name);
+            let (before, all) = (of(&start, &[]), of(&next, &[]));
+            assert!(all.len() > 1 && all[0].gram != before[0].gram, "{name}");
+            for (reused, all) in of(&next, &before).iter().zip(&all) {
+                assert_eq!((reused.fold, &reused.gram), (all.fold, &all.gram), "{name}");
+            }
         }
     }
 }

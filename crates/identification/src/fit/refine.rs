@@ -30,6 +30,9 @@ const MAX_SMOOTHNESS_CHANGES: usize = 3;
 /// Relative decrease of the cost below which the search ends.
 const MIN_COST_DECREASE: f64 = 3e-4;
 
+/// The same for a fit to the minimum.
+const MIN_SLOW_DECREASE: f64 = 1e-5;
+
 /// The same by the linearised equations: below the first a step is not tried, and the last point promises less than the
 /// second.
 const MIN_PREDICTED_DECREASE: f64 = 1e-4;
@@ -103,7 +106,7 @@ pub(crate) fn refine_further(
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    let point = Iterate::at_end_of(from, runs, FreeParameters::All);
+    let point = Iterate::at_end_of(from, runs);
     descend(point, Smoothness::Near(from.held_out.lambda), &Goal { most, ..Goal::ANY }, runs, watch)
 }
 
@@ -113,7 +116,7 @@ pub(crate) fn refine_to_minimum(
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Fitted, Error> {
-    let point = Iterate::at_end_of(from, runs, FreeParameters::All);
+    let point = Iterate::at_end_of(from, runs);
     let goal = Goal { left: MAX_PREDICTED_DECREASE, ..Goal::ANY };
     descend(point, Smoothness::Fixed(from.held_out.lambda), &goal, runs, watch)
 }
@@ -174,7 +177,8 @@ fn descend(
         let is_lower = next.is_some();
         let fall = next.as_ref().map_or(0.0, |next| 1.0 - next.cost(lambda) / cost);
         point = next.unwrap_or(point);
-        let is_within_reach = point.cost(lambda) * pow(1.0 - fall, EXTRAPOLATED_STEPS) <= goal.most;
+        let most = goal.most.max(ROUNDING_ERROR * point.normal.samples);
+        let is_within_reach = point.cost(lambda) * pow(1.0 - fall, EXTRAPOLATED_STEPS) <= most;
         if !(goal.possible)(&point.estimate.linear) || !is_within_reach {
             break;
         }
@@ -184,7 +188,7 @@ fn descend(
         }
         let is_left =
             |point: &Iterate| goal.left < 1.0 && point.predicted(lambda) < (1.0 - goal.left) * point.cost(lambda);
-        let goes_on = is_lower && (fall >= MIN_COST_DECREASE || is_left(&point));
+        let goes_on = is_lower && (fall >= MIN_COST_DECREASE || fall >= MIN_SLOW_DECREASE && is_left(&point));
         let ends = !goes_on || point.cost(lambda) < ROUNDING_ERROR * point.normal.samples;
         if ends && now != free {
             // More parameters are free in the next step.
@@ -255,9 +259,13 @@ fn lower(
         }
         let possible = |linear: &Arx| creep_pole(linear, slowest).is_none() && is_damped(linear);
         // Where a lag is at its limit, the other parameters go on.
+        let same_sign = |linear: &Arx| linear.dc_gain() * point.estimate.linear.dc_gain() > 0.0;
         let limited = |linear: Arx| match possible(&linear) || !possible(&point.estimate.linear) {
             true => Some(linear),
-            false => with_slow_lags_limited(linear, SLOWEST_RATIO * slowest).ok().filter(possible),
+            false => {
+                let limited = with_slow_lags_limited(linear, SLOWEST_RATIO * slowest).ok();
+                limited.filter(|limited| possible(limited) && same_sign(limited))
+            }
         };
         if let Some(estimate) = point.estimate.moved_within(x.as_slice(), &limited) {
             let own = point.own(&x);
@@ -278,19 +286,17 @@ fn lower(
     None
 }
 
-/// Weights the two kinds of records by their residuals; returns the factor of the weights of small-signal records.
+/// Weights the two kinds of records by their residuals; returns the factor by which the
+/// weight of the small-signal records changed.
 fn weigh(runs: &mut [TrainingRecord], residuals: &[f64]) -> f64 {
     let of = |large_signal: bool| {
         let kind = runs.iter().zip(residuals).filter(|(run, _)| run.large_signal == large_signal);
         mean(&kind.map(|(_, residual)| *residual).collect::<Vec<_>>())
     };
     let heavier = (of(true) / of(false)).sqrt().clamp(1.0, MAX_SMALL_SIGNAL_WEIGHT);
-    let mut factor = 1.0;
-    for run in runs.iter_mut().filter(|run| !run.large_signal && heavier.is_finite()) {
-        factor = heavier / run.heavier;
-        run.heavier = heavier;
-    }
-    factor
+    let small_signal = runs.iter_mut().filter(|run| !run.large_signal && heavier.is_finite());
+    // All of them have the same weight.
+    small_signal.fold(1.0, |_, run| heavier / std::mem::replace(&mut run.heavier, heavier))
 }
 
 #[cfg(test)]

@@ -169,12 +169,14 @@ fn comparison(
     if let [Err(why)] = &starts[..] {
         return Err(why.clone());
     }
-    let mut reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least(&starts, |fits| fits[0].minimum);
+    let least_minimum = least(&starts, |fits| fits[0].minimum).max(f64::MIN_POSITIVE);
+    let mut reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least_minimum;
     // The best ones show what the others have to reach.
     let mut order: Vec<usize> = (0..operators.len()).collect();
     let start_error = |k: usize| starts[k].as_ref().map_or(f64::INFINITY, |fits| fits[0].held_out.rms_pp());
     order.sort_by(|&j, &k| start_error(j).total_cmp(&start_error(k)));
-    let others = order.split_off(POLICY.first_refined.min(order.len()));
+    let first = if reach.is_finite() { POLICY.first_refined.min(order.len()) } else { order.len() };
+    let others = order.split_off(first);
     let mut starts: Vec<_> = starts.into_iter().map(Some).collect();
     let mut trials: Vec<Option<Trial>> = operators.iter().map(|_| None).collect();
     let mut number = 0;
@@ -227,8 +229,8 @@ fn refit_closest(
     let most = POLICY.close_operator_ratio * trials[selected].result.error();
     let Estimate { driver, seeks_lag, lags, linear, .. } = &fitted.estimate;
     let closest = (0..trials.len()).filter(|k| *k != selected && trials[*k].result.error() <= most);
-    let closest: Vec<_> = closest.filter_map(|k| Some((k, trials[k].fitted.clone()?))).collect();
-    let fit = |(k, other): (usize, Fitted), watch: StepCallback| -> Result<_, Error> {
+    let closest: Vec<_> = closest.filter_map(|k| Some((k, trials[k].fitted.as_ref()?))).collect();
+    let fit = |(k, other): (usize, &Fitted), watch: StepCallback| -> Result<_, Error> {
         let row = Operator::find(trials[k].result.operator)?;
         let basis = |ts: f64| (row.basis)(&BasisDesign { ts, ..design.clone() });
         let start = with_other_blocks(&other.estimate, (*driver, *seeks_lag), lags, linear.clone(), &basis)?;
@@ -238,10 +240,14 @@ fn refit_closest(
         let fit = refine_within_reach(start, smoothness, reach, &mut runs, watch)?;
         Ok((k, Trial::of(trial_of(row, &fit, &mut runs, design.range), fit)))
     };
-    // An operator that cannot be fitted keeps its fit of the comparison.
     let fits: Vec<_> = side_by_side(closest, fit, |_, _| watch(0))?.into_iter().flatten().collect();
     let is_any = !fits.is_empty();
-    fits.into_iter().for_each(|(k, trial)| trials[k] = trial);
+    for (k, trial) in fits {
+        // A fit of the comparison stays if this one ended because it cannot win.
+        if trial.result.error() < trials[k].result.error() {
+            trials[k] = trial;
+        }
+    }
     Ok(is_any)
 }
 
@@ -287,15 +293,16 @@ fn refined(
     }
     shapes.retain(|fit| fit.held_out.rms_pp() <= near);
     shapes.truncate(POLICY.refined_shapes);
-    let mut refine = |fit: Fitted, reach: f64| {
+    let mut refine = |fit: Fitted, reach: f64, runs: &mut [TrainingRecord]| {
         fit.apply_to(runs, range);
         let fit = refine_further(&fit, reach, runs, watch)?;
         Ok((trial_of(row, &fit, runs, range), fit))
     };
     let other = shapes.split_off(1).pop();
-    let best = refine(shapes.remove(0), reach)?;
-    let lower = reach.min(best.1.minimum);
-    Ok(match other.map(|other| refine(other, lower)).transpose()? {
+    let best = refine(shapes.remove(0), reach, runs)?;
+    // In a thorough search, no fit ends early.
+    let lower = if reach.is_finite() { reach.min(best.1.held_out_minimum(runs)) } else { reach };
+    Ok(match other.map(|other| refine(other, lower, runs)).transpose()? {
         Some(other) if other.0.error() < best.0.error() => other,
         _ => best,
     })

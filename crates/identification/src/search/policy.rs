@@ -137,7 +137,7 @@ pub(crate) struct Breadth {
     pub(crate) shapes_per_parameter: usize,
     /// Number of them, the best, from which the search of the shape goes on.
     pub(crate) shape_starts: usize,
-    /// Ratio of rms errors to the least before the refinement up to which a refinement goes on.
+    /// Ratio of rms errors to the least, before the refinement or held out after it, up to which a refinement goes on.
     pub(crate) reachable_operator_ratio: f64,
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Structure {
 
 impl Structure {
     pub(super) fn new(extension: String, fitted: Fitted) -> Self {
-        Structure { extension, fitted, promises: RefCell::new(None) }
+        Structure { extension, fitted: fitted.without_segments(), promises: RefCell::new(None) }
     }
 
     /// What the linearised equations promise for changes of the fit; `slowest` is the frequency of the slowest lag that

@@ -142,6 +142,9 @@ pub(super) fn select(trials: &mut [Trial]) -> Result<(usize, Fitted), Error> {
         return Err(Error::Unidentifiable { what: "a hysteresis block of any kind".into(), because });
     };
     trials[k].result.verdict = SELECTED;
+    for trial in trials.iter_mut() {
+        trial.fitted = trial.fitted.take().map(Fitted::without_segments);
+    }
     Ok((k, fitted))
 }
 
