@@ -6,11 +6,10 @@ import { gzipSync } from "node:zlib";
 import { DIST } from "./modules.mjs";
 
 /** The largest sizes [bytes, gzipped], for a line of 1.6 Mbit/s: 4 s for each module that a first identification needs,
- * 5 s for the others, which are loaded when their views are opened. The module that identifies takes 6 s, because it is
- * compiled for speed: a search of 45 s takes 15 s. */
+ * 5 s for the others, which are loaded when their views are opened. */
 const LARGEST = {
   "files.wasm": 800_000,
-  "models.wasm": 1_200_000,
+  "models.wasm": 800_000,
   "reports.wasm": 1_000_000,
   "exports.wasm": 1_000_000,
   "lists.json": 10_000,

@@ -2,7 +2,7 @@
 
 use multiversion::multiversion;
 
-/// Signals that are filtered together: several vectors of a vector unit, or one.
+/// Signals that are filtered together: several vectors of a vector unit, as far as it has registers, or one.
 const WIDE: usize = if cfg!(target_arch = "wasm32") { NARROW } else { 32 };
 const NARROW: usize = 8;
 

@@ -172,37 +172,37 @@ fn comparison(
     let least_minimum = least(&starts, |fits| fits[0].minimum).max(f64::MIN_POSITIVE);
     let mut reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least_minimum;
     // The best ones show what the others have to reach.
-    let mut order: Vec<usize> = (0..operators.len()).collect();
-    let start_error = |k: usize| starts[k].as_ref().map_or(f64::INFINITY, |fits| fits[0].held_out.rms_pp());
-    order.sort_by(|&j, &k| start_error(j).total_cmp(&start_error(k)));
-    let first = if reach.is_finite() { POLICY.first_refined.min(order.len()) } else { order.len() };
-    let others = order.split_off(first);
-    let mut starts: Vec<_> = starts.into_iter().map(Some).collect();
-    let mut trials: Vec<Option<Trial>> = operators.iter().map(|_| None).collect();
-    let mut number = 0;
-    for round in [order, others] {
-        let items: Vec<_> = round.iter().filter_map(|&k| Some((operators[k], starts[k].take()?))).collect();
-        let finish = |(row, start): (&'static Operator, Result<Vec<Fitted>, Error>), watch: StepCallback| match start {
-            Err(why) => Ok(Trial { result: OperatorTrial::refused(row, why.to_string()), fitted: None }),
+    let start_error =
+        |start: &Result<Vec<Fitted>, Error>| start.as_ref().map_or(f64::INFINITY, |fits| fits[0].held_out.rms_pp());
+    let mut starts: Vec<(usize, _)> = starts.into_iter().enumerate().collect();
+    starts.sort_by(|(_, p), (_, q)| start_error(p).total_cmp(&start_error(q)));
+    let first = if reach.is_finite() { POLICY.first_refined.min(starts.len()) } else { starts.len() };
+    let others = starts.split_off(first);
+    let mut trials: Vec<(usize, Trial)> = Vec::new();
+    for round in [starts, others] {
+        let numbers: Vec<usize> = round.iter().map(|(k, _)| *k).collect();
+        let finish = |(k, start): (usize, Result<Vec<Fitted>, Error>), watch: StepCallback| match start {
+            Err(why) => Ok(Trial { result: OperatorTrial::refused(operators[k], why.to_string()), fitted: None }),
             Ok(shapes) => {
-                let (result, fitted) = refined(row, shapes, (most, reach), &mut runs.to_vec(), design.range, watch)?;
+                let limits = (most, reach);
+                let (result, fitted) = refined(operators[k], shapes, limits, &mut runs.to_vec(), design.range, watch)?;
                 Ok(Trial::of(result, fitted))
             }
         };
         let report = |k: usize, trial: Option<&Result<Trial, Error>>| {
             let trial = trial.and_then(|trial| trial.as_ref().ok());
             let figures = trial.map(|trial| trial.result.figures());
-            let (row, figures) = (operators[round[k]], figures.as_ref().map_or(&[][..], |figures| figures));
-            reporter.report(Stage { figures, ..Stage::new(row.name, done(2, number + k), 0) })?;
+            let (row, figures) = (operators[numbers[k]], figures.as_ref().map_or(&[][..], |figures| figures));
+            reporter.report(Stage { figures, ..Stage::new(row.name, done(2, trials.len() + k), 0) })?;
             reporter.keep_better(row, trial.and_then(|trial| trial.fitted.as_ref()), runs)
         };
-        let fits: Vec<Trial> = side_by_side(items, finish, report)?.into_iter().collect::<Result<_, Error>>()?;
+        let fits: Vec<Trial> = side_by_side(round, finish, report)?.into_iter().collect::<Result<_, Error>>()?;
         let reached = fits.iter().filter_map(|trial| trial.fitted.as_ref());
         reach = reached.map(|fit| reachable(settings, fit, runs)).fold(reach, f64::min);
-        number += fits.len();
-        round.iter().zip(fits).for_each(|(&k, trial)| trials[k] = Some(trial));
+        trials.extend(numbers.into_iter().zip(fits));
     }
-    Ok(trials.into_iter().flatten().collect())
+    trials.sort_by_key(|(k, _)| *k);
+    Ok(trials.into_iter().map(|(_, trial)| trial).collect())
 }
 
 /// The cost that another operator must come within reach of, beside this fit.

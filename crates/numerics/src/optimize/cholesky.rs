@@ -11,7 +11,7 @@
 use multiversion::multiversion;
 use nalgebra::DMatrix;
 
-/// Columns that are computed together, and rows of a strip.
+/// Columns that are computed together, and rows of a strip: as many as registers hold.
 const COLUMNS: usize = if cfg!(target_arch = "wasm32") { 4 } else { 8 };
 const ROWS: usize = COLUMNS;
 
