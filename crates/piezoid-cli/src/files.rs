@@ -2,10 +2,11 @@
 
 use crate::console::Console;
 use crate::values::apart;
-use anyhow::{Error, Result, anyhow};
+use anyhow::{Error, Result};
 use piezoid_host::files::{self, FileSet};
-use piezoid_verbs::File;
+use piezoid_verbs::{DataFile, File};
 use serde_json::Value;
+use std::fs;
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
@@ -15,22 +16,32 @@ fn named(path: &Path) -> String {
 
 /// Reads the file at `path` once, because it may be a pipe.
 pub(crate) fn read(path: &Path) -> Result<File> {
-    let name = named(path);
-    let bytes = std::fs::read(path).map_err(|error| match error.kind() {
-        ErrorKind::NotFound => anyhow!("{name}: there is no such file: check its name and folder"),
-        ErrorKind::PermissionDenied => anyhow!("{name}: no permission to read this file: check its permissions"),
-        _ if path.is_dir() => anyhow!("{name}: this is a folder: name a file in it"),
-        _ => Error::new(error).context(format!("cannot read {name}")),
-    })?;
-    if let Some(remark) = files::unfinished(path) {
-        crate::console::say(&format!("note: {remark}"));
-    }
-    Ok(File::new(name, bytes))
+    let file = files::read(path)?;
+    warn_of_unfinished(path);
+    Ok(file)
 }
 
 /// Reads the files at these paths.
 pub(crate) fn read_all<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Result<Vec<File>> {
     paths.into_iter().map(|path| read(path)).collect()
+}
+
+/// The file of samples at `path`.
+pub(crate) fn data(path: &Path) -> Result<DataFile> {
+    let file = files::data(path)?;
+    warn_of_unfinished(path);
+    Ok(file)
+}
+
+/// The files of samples at these paths.
+pub(crate) fn all_data<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Result<Vec<DataFile>> {
+    paths.into_iter().map(|path| data(path)).collect()
+}
+
+fn warn_of_unfinished(path: &Path) {
+    if let Some(remark) = files::unfinished(path) {
+        crate::console::say(&format!("note: {remark}"));
+    }
 }
 
 /// The results of a verb: files, which are written together, and what goes to stdout, pipes and devices, afterwards.
@@ -55,9 +66,7 @@ impl Results {
     pub(crate) fn file_with<C: Into<Vec<u8>>>(mut self, path: Option<&Path>, content: impl FnOnce() -> C) -> Self {
         let Some(path) = path else { return self };
         let content = content();
-        // A pipe or a device is written to and not replaced.
-        let is_stream = std::fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir());
-        if is_stream || path == Path::new("-") {
+        if is_stream(path) {
             self.streams.push((path.into(), content.into()));
         } else {
             self.files = self.files.with(path, content);
@@ -92,9 +101,31 @@ impl Results {
     }
 }
 
+/// Writes a record that `fill` makes piece by piece, for a file of this name. What goes to stdout, a pipe or a device is
+/// complete before it goes there.
+pub(crate) fn write_in_pieces<T>(
+    path: &Path,
+    console: &Console,
+    fill: impl FnOnce((&str, &mut dyn Write)) -> Result<T, piezoid::Error>,
+) -> Result<T> {
+    let name = named(path);
+    if !is_stream(path) {
+        return files::write_in_pieces(path, |to| fill((&name, to))).map_err(crate::flags::failed);
+    }
+    let mut content = Vec::new();
+    let result = fill((&name, &mut content)).map_err(crate::flags::failed)?;
+    Results::default().file(Some(path), content).write(console)?;
+    Ok(result)
+}
+
+/// True for stdout, a pipe or a device, which is written to and not replaced.
+fn is_stream(path: &Path) -> bool {
+    path == Path::new("-") || fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir())
+}
+
 /// Writes to a pipe or a device.
 fn stream(path: &Path, content: &[u8]) -> Result<()> {
-    let open = std::fs::OpenOptions::new().write(true).open(path);
+    let open = fs::OpenOptions::new().write(true).open(path);
     open.and_then(|mut file| file.write_all(content)).or_else(|error| match error.kind() {
         ErrorKind::BrokenPipe => Ok(()),
         _ => Err(Error::new(error).context(format!("cannot write {}", named(path)))),
@@ -112,6 +143,6 @@ pub(crate) fn check(outputs: &[Option<&Path>], inputs: &[&PathBuf]) -> Result<bo
 /// Returns an error, before the work begins, if a result could not be written.
 pub(crate) fn ready(paths: &[Option<&Path>]) -> Result<()> {
     let named = paths.iter().copied().flatten().filter(|path| *path != Path::new("-"));
-    let plain = |path: &&Path| std::fs::metadata(path).map_or(true, |what| what.is_file() || what.is_dir());
+    let plain = |path: &&Path| fs::metadata(path).map_or(true, |what| what.is_file() || what.is_dir());
     Ok(named.filter(plain).try_for_each(files::ready)?)
 }

@@ -34,7 +34,7 @@ use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::{Error, Model, StatedVerdict};
 use piezoid_models::program::Counts;
 use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
-use piezoid_verbs::{File, TuneOptions};
+use piezoid_verbs::{DataFile, File, TuneOptions};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
@@ -92,14 +92,14 @@ impl ExportOptions {
         &self,
         target: &str,
         file: &File,
-        reference: Option<(&File, &ColumnSelection)>,
+        reference: Option<(&DataFile, &ColumnSelection)>,
         compiler: Option<Compiler>,
     ) -> Result<Exported, Error> {
         let model = file.model()?;
         let r = reference.map(|(file, columns)| file.reference(columns, &model)).transpose()?;
         // If there is a reference, it is what asks too much.
-        let asks = reference.map_or(file, |(reference, _)| reference);
-        let mut result = self.of(target, &model, r.as_deref(), compiler).map_err(|e| e.about(&asks.name))?;
+        let asks = reference.map_or(&file.name, |(reference, _)| &reference.name);
+        let mut result = self.of(target, &model, r.as_deref(), compiler).map_err(|e| e.about(asks))?;
         result.notes.push(model.proven());
         Ok(result)
     }

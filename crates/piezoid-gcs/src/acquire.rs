@@ -9,7 +9,7 @@ use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
 use piezoid::{Error, Record, Units};
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
-use piezoid_verbs::File;
+use piezoid_verbs::DataFile;
 use serde_json::{Value, json};
 
 const SECONDS: OptionRow =
@@ -58,7 +58,7 @@ impl AcquireOptions {
     /// Returns an error for a file without a drive, a drive that the controller cannot play or record or that leaves
     /// the range, a `gain` that differs from that of the controller, a controller that does not answer or refuses, and
     /// a cancelled measurement.
-    pub fn run(&self, drive: &File, columns: &ColumnSelection, progress: &mut Progress) -> Result<Acquired, Error> {
+    pub fn run(&self, drive: &DataFile, columns: &ColumnSelection, progress: &mut Progress) -> Result<Acquired, Error> {
         let signal = drive.input(columns)?;
         let factor = Units::factor(&signal.unit, "V").ok_or_else(|| {
             let (what, found) = (format!("the drive in {}", drive.name), signal.unit.clone());

@@ -3,7 +3,7 @@
 //!
 //! ```
 //! use piezoid::{formats::ColumnSelection, progress::Stage};
-//! use piezoid_verbs::File;
+//! use piezoid_verbs::{DataFile, File};
 //! use piezoid_gcs::{AcquireOptions, ConnectOptions, Simulation};
 //! use std::net::TcpListener;
 //!
@@ -12,7 +12,7 @@
 //! let mut controller = Simulation::default().controller()?;
 //! std::thread::spawn(move || controller.serve(&listener));
 //!
-//! let drive = File::new("drive.csv", "t_s,u_V\n0,0\n0.001,5\n0.002,10\n0.003,5\n0.004,0\n");
+//! let drive: DataFile = File::new("drive.csv", "t_s,u_V\n0,0\n0.001,5\n0.002,10\n0.003,5\n0.004,0\n").into();
 //! let connection = ConnectOptions { port, ..ConnectOptions::default() };
 //! let options = AcquireOptions { connection, ramp: 0.0, settle: 0.0, ..AcquireOptions::default() };
 //! let acquired = options.run(&drive, &ColumnSelection::default(), &mut Stage::ignore)?;

@@ -4,7 +4,7 @@ use crate::controller::Controller;
 use crate::line::Line;
 use piezoid::formats::ColumnSelection;
 use piezoid::{Error, Record};
-use piezoid_verbs::File;
+use piezoid_verbs::{DataFile, File};
 
 /// What is recorded, by the options that `HDR?` lists.
 pub(crate) struct Sources {
@@ -62,7 +62,7 @@ pub(crate) fn record(lines: Vec<String>, count: usize, unit: &str, identity: &st
         output_unit: Some(unit.into()),
         ..ColumnSelection::default()
     };
-    let read = File::new("the answer of the recorder", lines.join("\n")).record(&columns)?;
+    let read = DataFile::from(File::new("the answer of the recorder", lines.join("\n"))).record(&columns)?;
     if read.len() != count {
         let have = read.len();
         return Err(Error::Content(format!("the recorder answers {have} samples, not the {count} of the drive")));

@@ -5,7 +5,7 @@ use piezoid::formats::{ColumnSelection, Table};
 use piezoid::plant::Plant;
 use piezoid::progress::{Progress, Stage};
 use piezoid::{Error, System};
-use piezoid_verbs::File;
+use piezoid_verbs::{DataFile, File};
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::ops::ControlFlow;
@@ -37,19 +37,19 @@ fn at(port: u16) -> AcquireOptions {
     AcquireOptions { connection, ramp: 0.1, settle: 0.0, ..AcquireOptions::default() }
 }
 
-fn drive(ts: f64, u: &[f64]) -> File {
-    File::new("drive.csv", Table::write("drive.csv", ts, &[("u_V", u)]).unwrap())
+fn drive(ts: f64, u: &[f64]) -> DataFile {
+    File::new("drive.csv", Table::write("drive.csv", ts, &[("u_V", u)]).unwrap()).into()
 }
 
 fn sine(n: usize) -> Vec<f64> {
     (0..n).map(|t| 20.0 * (0.05 * t as f64).sin()).collect()
 }
 
-fn run(options: &AcquireOptions, drive: &File, progress: &mut Progress) -> Result<Acquired, Error> {
+fn run(options: &AcquireOptions, drive: &DataFile, progress: &mut Progress) -> Result<Acquired, Error> {
     options.run(drive, &ColumnSelection::default(), progress)
 }
 
-fn refused(options: &AcquireOptions, drive: &File) -> String {
+fn refused(options: &AcquireOptions, drive: &DataFile) -> String {
     run(options, drive, &mut Stage::ignore).unwrap_err().to_string()
 }
 

@@ -3,10 +3,10 @@
 use crate::temporary::{Own, beside, folder_of, forsake, make, own, sweep_files};
 use piezoid::Error;
 use piezoid_export::{EXPORT_LIST_FILE, ExportTarget, Exported, Placement};
-use piezoid_verbs::File;
+use piezoid_verbs::{DataFile, File};
 use std::collections::BTreeSet;
 use std::fs::TryLockError;
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use tempfile::NamedTempFile;
@@ -40,12 +40,66 @@ pub struct FileSet {
     folder: Option<PathBuf>,
 }
 
+/// Reads a file, once: it may be a pipe.
+///
+/// # Errors
+/// Returns the reason why it cannot be read, and what to do.
+pub fn read(path: &Path) -> Result<File, Error> {
+    let mut bytes = Vec::new();
+    open(path)?.read_to_end(&mut bytes).map_err(|error| unreadable(path, &error))?;
+    Ok(File::new(path.display().to_string(), bytes))
+}
+
+/// A file of samples, which is read in pieces when it is needed; a pipe is read now, because it can be read only once.
+///
+/// # Errors
+/// The errors of [`read`].
+pub fn data(path: &Path) -> Result<DataFile, Error> {
+    if !std::fs::metadata(path).is_ok_and(|what| what.is_file()) {
+        return Ok(read(path)?.into());
+    }
+    open(path)?;
+    let (name, place) = (path.display().to_string(), path.to_path_buf());
+    Ok(DataFile::new(name, move || Ok(Box::new(std::fs::File::open(&place)?))))
+}
+
+fn open(path: &Path) -> Result<std::fs::File, Error> {
+    std::fs::File::open(path).map_err(|error| unreadable(path, &error))
+}
+
+/// Why `path` cannot be read, and what to do.
+fn unreadable(path: &Path, error: &io::Error) -> Error {
+    let why = match error.kind() {
+        ErrorKind::NotFound => "there is no such file: check its name and folder".to_string(),
+        ErrorKind::PermissionDenied => "no permission to read this file: check its permissions".into(),
+        _ if path.is_dir() => "this is a folder: name a file in it".into(),
+        _ => format!("cannot be read: {error}"),
+    };
+    Error::Content(why).of(&path.display().to_string())
+}
+
 /// Writes a file. An existing file stays until the new one is complete. A link stays a link; its target is replaced.
 ///
 /// # Errors
 /// Returns the reason why the file cannot be written, and what to do.
 pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
     FileSet::default().with(path, bytes).write()
+}
+
+/// The same for a file that `fill` writes piece by piece; an error of `fill` leaves everything as it was.
+///
+/// # Errors
+/// The errors of [`write`] and of `fill`.
+pub fn write_in_pieces<T>(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> Result<T, Error>,
+) -> Result<T, Error> {
+    let place = end(path)?;
+    let staged = beside(&mut own(), &place);
+    let mut staged = staged.map_err(|error| unwritable(path, &error))?;
+    let result = fill(&mut staged)?;
+    FileSet::default().place(vec![(staged, place)])?;
+    Ok(result)
 }
 
 /// Checks that a file can be written, before the work begins.
@@ -322,6 +376,24 @@ mod tests {
         std::fs::remove_file(&r).unwrap();
         FileSet::default().with(&other, "").with(&folder.path().join("more"), "").write().unwrap();
         assert!(!folder.path().join(UNFINISHED).exists());
+    }
+
+    #[test]
+    fn a_file_that_is_not_filled_leaves_the_older_one() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("r.csv");
+        let fill = |text: &str, result: Result<(), Error>| {
+            write_in_pieces(&path, |to| {
+                to.write_all(text.as_bytes()).unwrap();
+                result
+            })
+        };
+        fill("old", Ok(())).unwrap();
+        assert!(fill("new", Err(Error::Content("overflow".into()))).is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"old");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+        fill("new", Ok(())).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), b"new");
     }
 
     #[test]

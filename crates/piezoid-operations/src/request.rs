@@ -4,7 +4,7 @@ use crate::Role;
 use piezoid::Error;
 use piezoid::formats::ColumnSelection;
 use piezoid_numerics::options::Options;
-use piezoid_verbs::{File, Origin, Source, Step};
+use piezoid_verbs::{DataFile, File, Origin, Source, Step};
 use serde::Deserialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
@@ -120,6 +120,11 @@ impl Inputs<'_> {
     /// The first file with a role, if there is one.
     pub(crate) fn some(&self, role: &str) -> Result<Option<File>, Error> {
         Ok(self.all(role)?.into_iter().next())
+    }
+
+    /// The only file of samples with a role.
+    pub(crate) fn data(&self, role: &str) -> Result<DataFile, Error> {
+        Ok(self.one(role)?.into())
     }
 
     /// The only file with a role.

@@ -6,7 +6,7 @@ use crate::record::Record;
 use crate::watch::{watched, watched_until};
 use piezoid::progress::Progress;
 use piezoid::{IdentifyOptions, Records};
-use piezoid_verbs::{File, identify_again};
+use piezoid_verbs::{DataFile, File, identify_again};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
@@ -41,7 +41,7 @@ pub(crate) fn again(
     files: Vec<(String, Vec<u8>)>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Model> {
-    let files: Vec<File> = files.into_iter().map(|(name, bytes)| File::new(name, bytes)).collect();
+    let files: Vec<DataFile> = files.into_iter().map(|(name, bytes)| File::new(name, bytes).into()).collect();
     let again = watched(py, progress, |progress| identify_again(&model.get().model, &files, progress))?;
     Ok(again.found.model.into())
 }

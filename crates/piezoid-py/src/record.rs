@@ -3,7 +3,7 @@
 use crate::error::{raised, refused};
 use crate::json::{object, options};
 use crate::samples::{Array, array, frozen, samples, slice};
-use piezoid::formats::{Channel, ColumnSelection, Format, Signal, Table};
+use piezoid::formats::{Channel, ColumnSelection, Signal, Table};
 use piezoid::{PrepareOptions, Units};
 use piezoid_host::files;
 use piezoid_verbs::{Origin, Step, inspect};
@@ -166,10 +166,11 @@ impl Columns {
 #[pymethods]
 impl Columns {
     #[staticmethod]
-    fn from_file(py: Python<'_>, name: &str, bytes: &[u8]) -> PyResult<Self> {
+    fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         py.detach(|| {
-            let table = Table::read(name, bytes)?;
-            Ok(Columns { table, file: Some((Format::of(bytes).name, Origin::of(name, bytes))) })
+            let file = files::data(&path)?;
+            let (table, format) = file.table()?;
+            Ok(Columns { table, file: Some((format.name, Origin::of(&file)?)) })
         })
         .map_err(raised)
     }

@@ -134,7 +134,7 @@ def test_a_file_of_matlab_itself_is_read() -> None:
         pytest.skip("this scipy comes without MATLAB's files")
     expected = np.arange(9) * np.pi / 4
     for name in ["testhdf5_7.4_GLNX86.mat", "testdouble_4.2c_SOL2.mat", "testdouble_6.1_SOL2.mat", "testdouble_7.4_GLNX86.mat"]:
-        columns = Columns.from_file(name, (folder / name).read_bytes())
+        columns = Columns.from_file(str(folder / name))
         _, samples = columns.reference({"ts": 1.0, "output_col": "testdouble", "output_unit": "um"}, "um")
         assert np.allclose(samples, expected, rtol=1e-15), name
 

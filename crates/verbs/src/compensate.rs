@@ -1,7 +1,7 @@
 //! The voltage for a requested displacement.
 
 use super::verdict::StatedVerdict;
-use super::{File, Verdict, blamed, verdict};
+use super::{DataFile, File, Verdict, blamed, verdict};
 use libm::hypot;
 use piezoid_control::compensation::shaping::Shaping;
 use piezoid_control::compensation::{Compensated, FeedForward, FeedForwardSettings};
@@ -70,7 +70,7 @@ impl CompensateOptions {
     ///
     /// # Errors
     /// The errors of [`CompensateOptions::of`], and errors for files without a model or a reference.
-    pub fn run(&self, model: &File, reference: &File, columns: &ColumnSelection) -> Result<Compensation, Error> {
+    pub fn run(&self, model: &File, reference: &DataFile, columns: &ColumnSelection) -> Result<Compensation, Error> {
         let (file, model) = (model, model.model()?);
         let result = self.of(&model, reference.reference(columns, &model)?);
         result.map_err(|e| blamed(e, file).about(&reference.name))

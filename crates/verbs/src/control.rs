@@ -2,7 +2,7 @@
 
 use super::same_actuator::matched;
 use super::verdict::StatedVerdict;
-use super::{File, blamed};
+use super::{DataFile, File, blamed};
 use piezoid_control::compensation::{FeedForward, FeedForwardSettings};
 use piezoid_control::feedback::{
     ClosedLoopRun, Comparison, ControlLoop, MarginTarget, NamedReference, Reference, ReferenceResult, Scheme,
@@ -126,7 +126,7 @@ impl ControlOptions {
         &self,
         (plant, spec): (&str, &Spec),
         model: &File,
-        files: &[File],
+        files: &[DataFile],
         columns: &ColumnSelection,
         progress: &mut Progress,
     ) -> Result<Comparison, Error> {

@@ -40,7 +40,7 @@ impl IdentifyOptions {
         self.check()?;
         let (mut names, mut origins) = (Vec::new(), Vec::new());
         let mut read = |source: Source| {
-            origins.push(source.origin());
+            origins.push(source.origin()?);
             let record = source.record()?;
             names.push(source.file.name);
             Ok(record)

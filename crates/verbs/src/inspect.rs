@@ -1,14 +1,14 @@
 //! What a file holds, how it is read, and what seems wrong with it.
 
-use super::File;
+use super::DataFile;
 use piezoid_numerics::error::Error;
-use piezoid_records::formats::{ColumnSelection, Format, Table};
+use piezoid_records::formats::{ColumnSelection, Table};
 use piezoid_records::quality::{self, Finding};
 use piezoid_records::record::Record;
 use serde_json::{Value, json};
 use std::ops::Range;
 
-impl File {
+impl DataFile {
     /// What this file holds as a document: `format`; `channels`, each with `name`, `unit`, `samples`, `low`, `high` and
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
     /// `history`, the steps from the channels to the record; `problems`, which are reasons why there is no record, and
@@ -17,8 +17,8 @@ impl File {
     ///
     /// ```
     /// use piezoid::formats::ColumnSelection;
-    /// use piezoid_verbs::File;
-    /// let file = File::new("log.csv", "Time (ms),Drive (V),Position (um)\n0,0,0.1\n1,1,5.2\n2,0,0.3\n");
+    /// use piezoid_verbs::{DataFile, File};
+    /// let file: DataFile = File::new("log.csv", "Time (ms),Drive (V),Position (um)\n0,0,0.1\n1,1,5.2\n2,0,0.3\n").into();
     /// let (seen, record) = file.inspect(&ColumnSelection::default())?;
     /// assert_eq!(seen["channels"][2]["role"], "output");
     /// assert_eq!(record?.ts(), 0.001);
@@ -28,27 +28,22 @@ impl File {
     /// # Errors
     /// Returns an error if the file has no format that is read, or is damaged.
     pub fn inspect(&self, columns: &ColumnSelection) -> Result<(Value, Result<Record, Error>), Error> {
-        let table = Table::read(&self.name, &self.bytes).map_err(|error| error.of(&self.name))?;
-        Ok(inspect(&table, &self.name, Format::of(&self.bytes).name, columns))
-    }
-
-    /// The selection that reads records like this one: the columns and units that were found, and the options in
-    /// `columns`.
-    ///
-    /// # Errors
-    /// The errors of [`File::record`].
-    pub fn profile(&self, columns: &ColumnSelection) -> Result<ColumnSelection, Error> {
-        self.read(|table| {
-            table.record(columns)?;
-            Ok(table.profile(columns))
-        })
+        let (table, format) = self.table()?;
+        let (channels, read) = (table.described(columns), table.record(columns));
+        drop(table);
+        Ok((inspection(channels, &read, &self.name, format.name), read))
     }
 }
 
 /// What a table with this name and format holds, as [`File::inspect`] gives it.
 pub fn inspect(table: &Table, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
     let read = table.record(columns);
-    let (record, history, problems, defects) = match &read {
+    (inspection(table.described(columns), &read, name, format), read)
+}
+
+/// The document of a file with these channels, and the record that was read from it.
+fn inspection(channels: Vec<Value>, read: &Result<Record, Error>, name: &str, format: &str) -> Value {
+    let (record, history, problems, defects) = match read {
         Ok(record) => {
             let found = quality::inspect(record).findings;
             let defects = found.iter().map(|finding| placed(finding, record.ts())).collect();
@@ -57,11 +52,10 @@ pub fn inspect(table: &Table, name: &str, format: &str, columns: &ColumnSelectio
         }
         Err(error) => (Value::Null, Vec::new(), vec![error.to_string()], Vec::new()),
     };
-    let inspection = json!({
-        "file": name, "format": format, "channels": table.described(columns), "record": record, "history": history,
+    json!({
+        "file": name, "format": format, "channels": channels, "record": record, "history": history,
         "problems": problems, "defects": defects,
-    });
-    (inspection, read)
+    })
 }
 
 fn described(record: &Record) -> Value {

@@ -7,6 +7,7 @@
 mod compare;
 mod compensate;
 mod control;
+mod data;
 mod excite;
 mod identification;
 mod identify;
@@ -22,6 +23,7 @@ mod verdict;
 pub use compare::{CompareOptions, ComparedModel, ModelComparison};
 pub use compensate::{CompensateOptions, Compensation};
 pub use control::{ComparisonReport, ControlOptions, PATHS, SCHEMES, TuneOptions};
+pub use data::DataFile;
 pub use excite::{ExciteOptions, Excited};
 pub use identification::{IdentifyOptions, Method, Records, identify};
 pub use identify::Identification;
@@ -29,15 +31,13 @@ pub use inspect::inspect;
 pub use origin::{Origin, identify_again};
 pub use plan::{Plan, PlanOptions, PlannedDrive};
 pub use prepare::{Source, Step};
-pub use simulate::{SimulateOptions, Simulated};
+pub use simulate::{SimulateOptions, Simulated, Subject};
 pub use validate::{Compared, ValidateRecords, Validated};
 pub use verdict::{StatedVerdict, Verdict};
 
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
-use piezoid_numerics::system::System;
-use piezoid_records::formats::{ColumnSelection, Signal, Table, archive};
-use piezoid_records::record::Record;
+use piezoid_records::formats::archive;
 use serde_json::Value;
 
 /// A file that a verb reads or writes: bytes with a name.
@@ -81,40 +81,6 @@ impl File {
     pub fn text(&self) -> Result<&str, Error> {
         let none = |_| Error::Content("this is not a text file (it is not UTF-8)".into()).of(&self.name);
         std::str::from_utf8(&self.bytes).map_err(none)
-    }
-
-    /// Applies `part` to the table in it.
-    fn read<T>(&self, part: impl FnOnce(Table) -> Result<T, Error>) -> Result<T, Error> {
-        Table::read(&self.name, &self.bytes).and_then(part).map_err(|e| e.of(&self.name))
-    }
-
-    /// The record in it.
-    ///
-    /// # Errors
-    /// Returns an error if it contains no record, or not the selected columns.
-    pub fn record(&self, columns: &ColumnSelection) -> Result<Record, Error> {
-        self.read(|table| table.record(columns))
-    }
-
-    /// The input in it; other columns are not needed.
-    ///
-    /// # Errors
-    /// The errors of [`File::record`].
-    pub fn input(&self, columns: &ColumnSelection) -> Result<Signal, Error> {
-        self.read(|table| table.input(columns))
-    }
-
-    /// The reference in it, in the unit of the model's output; other columns are not needed.
-    ///
-    /// # Errors
-    /// The errors of [`File::record`], and errors for another sampling period than the model's and for a unit that
-    /// cannot be converted.
-    pub fn reference(&self, columns: &ColumnSelection, model: &Model) -> Result<Vec<f64>, Error> {
-        self.read(|table| {
-            let reference = table.reference(columns)?;
-            Record::same_sampling("the model", model.ts(), "the reference", reference.ts)?;
-            reference.samples_in(&model.units().y, "the reference")
-        })
     }
 
     /// The model in it.

@@ -17,7 +17,7 @@
 //! others. `options`, `columns` and `preparation` hold what differs from the defaults. `steps` are the history of the
 //! record for people. The `command` is the front end, the only member in which front ends differ.
 
-use super::{File, Identification, Source, Step, short};
+use super::{DataFile, Identification, Source, Step, short};
 use crate::identification::{IdentifyOptions, Records};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
@@ -28,7 +28,6 @@ use piezoid_records::formats::ColumnSelection;
 use piezoid_records::record::Record;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 
 /// Where a record comes from.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
@@ -84,26 +83,27 @@ fn is_usual(columns: &ColumnSelection) -> bool {
     *columns == ColumnSelection::default()
 }
 
-fn sha256(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
 impl Origin {
-    /// The origin of a record in a file of this name and content.
-    pub fn of(name: &str, bytes: &[u8]) -> Self {
-        Origin { file: short(name).into(), sha256: sha256(bytes), ..Origin::default() }
+    /// The origin of a record in this file.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn of(file: &DataFile) -> Result<Self, Error> {
+        Ok(Origin { file: file.short().into(), sha256: file.sha256()?, ..Origin::default() })
     }
 }
 
 impl Source {
     /// Where its record comes from.
-    pub fn origin(&self) -> Origin {
-        let own = || Origin {
-            columns: self.columns.clone(),
-            preparation: self.preparation.clone(),
-            ..Origin::of(&self.file.name, &self.file.bytes)
-        };
-        self.origin.clone().unwrap_or_else(own)
+    ///
+    /// # Errors
+    /// The errors of [`Origin::of`].
+    pub fn origin(&self) -> Result<Origin, Error> {
+        if let Some(origin) = &self.origin {
+            return Ok(origin.clone());
+        }
+        let (columns, preparation) = (self.columns.clone(), self.preparation.clone());
+        Ok(Origin { columns, preparation, ..Origin::of(&self.file)? })
     }
 }
 
@@ -125,7 +125,7 @@ const ROUNDING: f64 = 1e-6;
 /// # Errors
 /// Returns an error if the model does not state how it was identified, or if one of its records was in no file; if a
 /// file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
-pub fn identify_again(model: &Model, files: &[File], progress: &mut Progress) -> Result<Identification, Error> {
+pub fn identify_again(model: &Model, files: &[DataFile], progress: &mut Progress) -> Result<Identification, Error> {
     let older = |e| {
         let why = "an older version wrote it, or another program than `identify`: identify it again";
         Error::Content(format!("the model does not state how it was identified ({e}): {why}"))
@@ -173,21 +173,21 @@ fn apart(model: &Model, other: &Model, record: &Record) -> Result<f64, Error> {
 }
 
 /// The sources of a model among these files, in the order of its origins.
-fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
-    let hashes: Vec<String> = files.iter().map(|file| sha256(&file.bytes)).collect();
+fn sources(origins: &[&Origin], files: &[DataFile]) -> Result<Vec<Source>, Error> {
+    let hashes = files.iter().map(DataFile::sha256).collect::<Result<Vec<String>, Error>>()?;
     let found = |origin: &&Origin| {
         if origin.sha256.is_empty() {
             let why = "was identified from a record that was in no file";
             return Err(Error::Content(format!("the model {why}: repeat it in the program that has this record")));
         }
         if let Some((file, _)) = files.iter().zip(&hashes).find(|(_, hash)| **hash == origin.sha256) {
-            let file = File::new(&origin.file, file.bytes.clone());
+            let file = file.clone().named(&origin.file);
             return Ok(Source::new(file, origin.columns.clone(), origin.preparation.clone()));
         }
         let (name, hash) = (&origin.file, &origin.sha256);
         let named = files.iter().zip(&hashes).find(|(file, _)| short(&file.name) == name);
         Err(Error::Content(match named {
-            Some((File { name, .. }, other)) => format!(
+            Some((DataFile { name, .. }, other)) => format!(
                 "{name} is not the file that the model was identified from: its SHA-256 is {other}, but was {hash}: \
                  give the file as it was"
             ),
@@ -196,7 +196,7 @@ fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
     };
     let sources = origins.iter().map(found).collect::<Result<_, _>>()?;
     match files.iter().zip(&hashes).find(|(_, hash)| origins.iter().all(|origin| origin.sha256 != **hash)) {
-        Some((File { name, .. }, _)) => {
+        Some((DataFile { name, .. }, _)) => {
             let names: Vec<&str> = origins.iter().map(|origin| &*origin.file).collect();
             let known = piezoid_numerics::number::join(&names);
             let why = format!("is none of the files that the model was identified from ({known}): leave it out");
@@ -209,17 +209,18 @@ fn sources(origins: &[&Origin], files: &[File]) -> Result<Vec<Source>, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::File;
     use piezoid_numerics::progress::Stage;
     use piezoid_records::preparation::PrepareOptions;
     use serde_json::json;
 
     /// A record of 4 Hz at 1 kHz, of a plant of this gain.
-    fn file(name: &str, gain: f64) -> File {
+    fn file(name: &str, gain: f64) -> DataFile {
         let row = |k: i32| {
             let u = 20.0 * (0.025 * f64::from(k)).sin();
             format!("{},{u},{}\n", 1e-3 * f64::from(k), gain * u)
         };
-        File::new(name, format!("t_s,u_V,y_um\n{}", (0..1000).map(row).collect::<String>()))
+        File::new(name, format!("t_s,u_V,y_um\n{}", (0..1000).map(row).collect::<String>())).into()
     }
 
     /// A model of `lab/a.csv`, scaled and decimated, and of `b.csv`.
@@ -232,7 +233,7 @@ mod tests {
         options.run((Vec::new(), data.into()), "a program", &mut Stage::ignore).unwrap().found.model
     }
 
-    fn again(model: &Model, files: &[File]) -> Result<Identification, String> {
+    fn again(model: &Model, files: &[DataFile]) -> Result<Identification, String> {
         identify_again(model, files, &mut Stage::ignore).map_err(|e| e.to_string())
     }
 
@@ -246,7 +247,7 @@ mod tests {
         assert_eq!((&a["file"], &a["role"]), (&json!("a.csv"), &json!("large_signal")));
         assert_eq!((&a["columns"], b.get("columns")), (&json!({"input_scale": "2"}), None));
         assert_eq!(b["preparation"], json!([{"prepare": {"decimate": 2}}]));
-        assert_eq!(b["sha256"], sha256(&file("", 0.25).bytes));
+        assert_eq!(b["sha256"], file("", 0.25).sha256().unwrap());
         let steps = a["steps"].as_array().unwrap();
         assert!(steps.iter().any(|step| step.as_str().unwrap().contains("decimated")), "{steps:?}");
     }
@@ -263,7 +264,7 @@ mod tests {
     fn the_file_that_differs_is_named() {
         let model = identified();
         let [a, b] = [file("a.csv", 0.5), file("b.csv", 0.25)];
-        let text = |files: &[File]| again(&model, files).unwrap_err();
+        let text = |files: &[DataFile]| again(&model, files).unwrap_err();
         assert!(text(std::slice::from_ref(&a)).contains("identified from b.csv (SHA-256 "));
         let changed = text(&[a.clone(), file("lab/b.csv", 0.26)]);
         assert!(changed.starts_with("lab/b.csv is not the file"), "{changed}");

@@ -1,6 +1,6 @@
 //! The record of a file: how its columns are read, and the steps of its preparation.
 
-use super::{File, Origin};
+use super::{DataFile, Origin};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::options::by_name;
 use piezoid_records::formats::ColumnSelection;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone)]
 pub struct Source {
     /// The file.
-    pub file: File,
+    pub file: DataFile,
     /// How its columns are read.
     pub columns: ColumnSelection,
     /// What is done to the record, in this order.
@@ -40,14 +40,14 @@ pub enum Step {
 
 impl Source {
     /// Files whose columns are read in the same way, and whose records are used as they are.
-    pub fn all(files: Vec<File>, columns: &ColumnSelection) -> Vec<Source> {
+    pub fn all<F: Into<DataFile>>(files: Vec<F>, columns: &ColumnSelection) -> Vec<Source> {
         files.into_iter().map(|file| Source::new(file, columns.clone(), Vec::new())).collect()
     }
 
     /// A file with the selection of its columns and the preparation of its record.
-    pub fn new(file: File, columns: ColumnSelection, preparation: Vec<Step>) -> Self {
+    pub fn new(file: impl Into<DataFile>, columns: ColumnSelection, preparation: Vec<Step>) -> Self {
         Source {
-            file,
+            file: file.into(),
             columns,
             preparation: preparation.into_iter().filter(|step| !step.is_empty()).collect(),
             origin: None,
@@ -58,7 +58,7 @@ impl Source {
     /// record's history says so.
     ///
     /// # Errors
-    /// The errors of [`File::record`] and of the steps.
+    /// The errors of [`DataFile::record`] and of the steps.
     pub fn record(&self) -> Result<Record, Error> {
         let resample = match self.preparation.first() {
             Some(Step::Prepare(options)) => options.resample,
@@ -99,6 +99,7 @@ impl Step {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::File;
 
     /// A record with a period of 1 ms whose stamps are off by up to `jitter` [ms].
     fn file(jitter: f64) -> File {

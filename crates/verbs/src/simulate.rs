@@ -1,15 +1,16 @@
 //! The response of a plant or a model to a drive signal.
 
-use super::File;
-use piezoid_models::hammerstein::InitialCondition;
+use super::DataFile;
+use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::quantity;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_numerics::series::ends;
 use piezoid_numerics::system::System;
-use piezoid_records::formats::{ColumnSelection, Table};
+use piezoid_records::formats::{ColumnSelection, Signal, Table, TableWriter};
 use piezoid_records::record::{Record, Units};
 use piezoid_twins::{Plant, Spec};
+use std::io::Write;
 
 const INITIAL_CONDITIONS: OptionKind = OptionKind::Choice(&[
     ("rest", "At rest, with a jump to the first input"),
@@ -46,24 +47,115 @@ pub struct Simulated {
     pub reached: String,
 }
 
+/// What is simulated.
+#[derive(Debug)]
+pub enum Subject {
+    /// A plant, in V and um.
+    Plant(Spec),
+    /// A model.
+    Model(Model),
+}
+
+/// A simulation that goes on from piece to piece of its input.
+struct Run<'a> {
+    subject: &'a Subject,
+    ts: f64,
+    system: Simulator<'a>,
+    state: Vec<f64>,
+    /// Number of samples so far.
+    samples: usize,
+    jumps: Jumps,
+}
+
+enum Simulator<'a> {
+    Plant(Box<Plant>),
+    Model(&'a Model),
+}
+
 impl SimulateOptions {
-    /// The response [um] of a plant to the input [V] in a file.
+    /// The response to the input in a file.
     ///
     /// # Errors
-    /// Returns an error for a file without an input. The errors of [`Plant::new`].
-    pub fn plant(&self, plant: &Spec, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
-        let (ts, u) = input_in("V", input, columns)?;
-        let spec = plant;
-        let plant = Plant::new(spec, ts)?.with_seed(self.seed);
-        let mut x = self.before(&plant, &u);
-        let y = plant.resume(&mut x, &u);
-        let saturation = plant.saturation(&x);
-        let mut reached = if saturation.any() { saturation.to_string() } else { String::new() };
-        if saturation.current_limited > 0 {
-            let first = if self.begin == InitialCondition::Rest { 0.0 } else { u.first().copied().unwrap_or_default() };
-            reached += &jumps(spec, first, &u, ts).unwrap_or_default();
+    /// Returns an error for a file without an input, for an input with another unit or, of a model, another sampling
+    /// period, and for a response that overflows. The errors of [`Plant::new`].
+    pub fn run(&self, subject: &Subject, input: &DataFile, columns: &ColumnSelection) -> Result<Simulated, Error> {
+        let units = subject.units();
+        let mut result = Simulated { ts: 0.0, u: Vec::new(), y: Vec::new(), units, reached: String::new() };
+        result.reached = self.in_pieces(subject, input, columns, &mut |ts, u, y| {
+            result.ts = ts;
+            result.u.extend(u);
+            result.y.extend(y);
+            Ok(())
+        })?;
+        Ok(result)
+    }
+
+    /// The same, written piece by piece to a file of this name; returns the limits that were reached. A record of any
+    /// length needs little memory, if it is read and written as CSV, begins settled or at rest, and is not cut.
+    ///
+    /// # Errors
+    /// The errors of [`run`](SimulateOptions::run) and [`TableWriter`].
+    pub fn write(
+        &self,
+        subject: &Subject,
+        (input, columns): (&DataFile, &ColumnSelection),
+        (name, to): (&str, &mut dyn Write),
+    ) -> Result<String, Error> {
+        let Units { u, y } = subject.units();
+        let (mut to, mut writer) = (Some(to), None);
+        let reached = self.in_pieces(subject, input, columns, &mut |ts, inputs, response| {
+            if let Some(to) = to.take() {
+                writer = Some(TableWriter::new(to, name, ts, &[&format!("u_{u}"), &format!("y_{y}")])?);
+            }
+            writer.as_mut().map_or(Ok(()), |writer| writer.rows(&[&inputs, &response]))
+        })?;
+        writer.map_or(Ok(()), TableWriter::end).map_err(|error| error.of(name))?;
+        Ok(reached)
+    }
+
+    /// Simulates piece by piece: `take` gets the sampling period, the inputs and the responses of each. Returns the
+    /// limits that were reached.
+    fn in_pieces(
+        &self,
+        subject: &Subject,
+        input: &DataFile,
+        columns: &ColumnSelection,
+        take: &mut dyn FnMut(f64, Vec<f64>, Vec<f64>) -> Result<(), Error>,
+    ) -> Result<String, Error> {
+        let mut run = None;
+        // All other initial conditions depend on the whole input.
+        let pieces: Box<dyn Iterator<Item = _>> = match self.begin {
+            InitialCondition::Rest | InitialCondition::Settled => Box::new(input.input_in_pieces(columns)?),
+            _ => Box::new(std::iter::once(input.input(columns))),
+        };
+        for piece in pieces {
+            let Signal { ts, .. } = *piece.as_ref().map_err(Clone::clone)?;
+            let u = piece?.samples_in(&subject.units().u, "the input").map_err(|error| error.of(&input.name))?;
+            let run = match &mut run {
+                Some(run) => run,
+                none => none.insert(self.begin(subject, ts, &u).map_err(|error| error.about(&input.name))?),
+            };
+            let y = run.respond(&u)?;
+            take(ts, u, y)?;
         }
-        Simulated { ts, u, y, units: Units::default(), reached }.bounded()
+        Ok(run.map(Run::reached).unwrap_or_default())
+    }
+
+    /// A simulation at the beginning of the inputs `u`.
+    fn begin<'a>(&self, subject: &'a Subject, ts: f64, u: &[f64]) -> Result<Run<'a>, Error> {
+        let (system, state, jumps) = match subject {
+            Subject::Model(model) => {
+                Record::same_sampling("the model", model.ts(), "the input", ts)?;
+                (Simulator::Model(model), model.before(u, self.begin), Jumps::default())
+            }
+            Subject::Plant(spec) => {
+                let plant = Plant::new(spec, ts)?.with_seed(self.seed);
+                let state = self.before(&plant, u);
+                let first = u.first().copied().filter(|_| self.begin != InitialCondition::Rest).unwrap_or_default();
+                (Simulator::Plant(Box::new(plant)), state, Jumps { last: limited(spec, first), most: 0.0 })
+            }
+        };
+        Ok(Run { subject, ts, system, state, samples: 0, jumps })
     }
 
     /// The state of a plant before the input `u` [V].
@@ -86,58 +178,86 @@ impl SimulateOptions {
             }
         }
     }
+}
 
-    /// The response of a model to the input in a file.
-    ///
-    /// # Errors
-    /// Returns an error for files without an input or a model, and for an input with another unit or sampling period.
-    pub fn model(&self, model: &File, input: &File, columns: &ColumnSelection) -> Result<Simulated, Error> {
-        let model = model.model()?;
-        let units = model.units().clone();
-        let (ts, u) = input_in(&units.u, input, columns)?;
-        Record::same_sampling("the model", model.ts(), "the input", ts).map_err(|e| e.of(&input.name))?;
-        let mut x = model.before(&u, self.begin);
-        let y = model.resume(&mut x, &u);
-        Simulated { ts, u, y, units, reached: String::new() }.bounded()
+impl Subject {
+    /// Units of input and response.
+    fn units(&self) -> Units {
+        match self {
+            Subject::Plant(_) => Units::default(),
+            Subject::Model(model) => model.units().clone(),
+        }
     }
 }
 
-/// Why the current is at its limit although the drive is slow enough for the driver, after the voltage `first` [V]: a
-/// held voltage jumps from sample to sample, and a plan counts the mean current over a sampling period. `None` if the
-/// drive is too fast.
-fn jumps(spec: &Spec, first: f64, u: &[f64], ts: f64) -> Option<String> {
-    let (limit, farad) = (spec.driver.current_a?, spec.driver.capacitance_f);
-    let inside = std::iter::once(first).chain(u.iter().copied()).map(|u| u.clamp(spec.driver.min_v, spec.driver.max_v));
-    let inside: Vec<f64> = inside.collect();
-    let most = inside.windows(2).map(|w| (w[1] - w[0]).abs()).fold(0.0, f64::max) * farad / ts;
-    let rounded = |current: f64| format!("{current:.3e}").parse().unwrap_or(current);
-    (most <= limit).then(|| {
-        format!(
-            " at the jump from one held voltage to the next, and only there. The driver can follow the drive: the mean \
-             current over a sampling period, which plans compare with the limit, is at most {} of {}. A shorter \
-             sampling period makes the jumps smaller",
-            quantity(rounded(most), "A"),
-            quantity(limit, "A")
-        )
-    })
+impl Run<'_> {
+    /// The response to the next inputs; an error if it is not finite.
+    fn respond(&mut self, u: &[f64]) -> Result<Vec<f64>, Error> {
+        let y = match &self.system {
+            Simulator::Plant(plant) => plant.resume(&mut self.state, u),
+            Simulator::Model(model) => model.resume(&mut self.state, u),
+        };
+        if let Some(k) = y.iter().position(|y| !y.is_finite()) {
+            let time = (self.samples + k) as f64 * self.ts;
+            let why = "the model is unstable, or the input far too large";
+            return Err(Error::Content(format!("the output overflows at {time} s: {why}")));
+        }
+        if let Subject::Plant(spec) = self.subject {
+            u.iter().for_each(|u| self.jumps.add(limited(spec, *u)));
+        }
+        self.samples += u.len();
+        Ok(y)
+    }
+
+    /// The limits that a plant has reached, as text.
+    fn reached(self) -> String {
+        let (Simulator::Plant(plant), Subject::Plant(spec)) = (&self.system, self.subject) else { return String::new() };
+        let saturation = plant.saturation(&self.state);
+        let mut reached = if saturation.any() { saturation.to_string() } else { String::new() };
+        if saturation.current_limited > 0 {
+            reached += &self.jumps.only(spec, self.ts).unwrap_or_default();
+        }
+        reached
+    }
 }
 
-/// The sampling period and the input in a file, in a unit.
-fn input_in(unit: &str, file: &File, columns: &ColumnSelection) -> Result<(f64, Vec<f64>), Error> {
-    let input = file.input(columns)?;
-    let ts = input.ts;
-    Ok((ts, input.samples_in(unit, "the input").map_err(|error| error.of(&file.name))?))
+/// The largest change of the voltage from one sample to the next [V].
+#[derive(Default)]
+struct Jumps {
+    last: f64,
+    most: f64,
+}
+
+impl Jumps {
+    fn add(&mut self, u: f64) {
+        self.most = self.most.max((u - self.last).abs());
+        self.last = u;
+    }
+
+    /// Why the current is at its limit although the drive is slow enough for the driver: a held voltage jumps from
+    /// sample to sample, and a plan counts the mean current over a sampling period. `None` if the drive is too fast.
+    fn only(&self, spec: &Spec, ts: f64) -> Option<String> {
+        let (limit, farad) = (spec.driver.current_a?, spec.driver.capacitance_f);
+        let most = self.most * farad / ts;
+        let rounded = |current: f64| format!("{current:.3e}").parse().unwrap_or(current);
+        (most <= limit).then(|| {
+            format!(
+                " at the jump from one held voltage to the next, and only there. The driver can follow the drive: the \
+                 mean current over a sampling period, which plans compare with the limit, is at most {} of {}. A \
+                 shorter sampling period makes the jumps smaller",
+                quantity(rounded(most), "A"),
+                quantity(limit, "A")
+            )
+        })
+    }
+}
+
+/// A voltage within the range of a driver.
+fn limited(spec: &Spec, u: f64) -> f64 {
+    u.clamp(spec.driver.min_v, spec.driver.max_v)
 }
 
 impl Simulated {
-    /// Returns an error if the response is not finite.
-    fn bounded(self) -> Result<Self, Error> {
-        let Some(k) = self.y.iter().position(|y| !y.is_finite()) else { return Ok(self) };
-        let time = k as f64 * self.ts;
-        let why = "the model is unstable, or the input far too large";
-        Err(Error::Content(format!("the output overflows at {time} s: {why}")))
-    }
-
     /// Input and response as a file of this name.
     ///
     /// # Errors
@@ -151,6 +271,7 @@ impl Simulated {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::File;
     use piezoid_twins::Preset;
 
     /// A sine of 50 Hz every 1 ms is planned with a seventh of the driver's current; the twin then reported that the
@@ -159,9 +280,9 @@ mod tests {
     fn a_drive_that_the_driver_follows_is_told_to_reach_the_limit_in_jumps_only() {
         let reached = |volts: f64, ts: f64| {
             let u: Vec<f64> = (0..200).map(|t| volts * (0.314_159 * f64::from(t)).sin()).collect();
-            let input = File::new("u.csv", Table::write("u.csv", ts, &[("u_V", &u)]).unwrap());
-            let spec = Preset::find("pl140").unwrap().spec();
-            SimulateOptions::default().plant(&spec, &input, &ColumnSelection::default()).unwrap().reached
+            let input: DataFile = File::new("u.csv", Table::write("u.csv", ts, &[("u_V", &u)]).unwrap()).into();
+            let plant = Subject::Plant(Preset::find("pl140").unwrap().spec());
+            SimulateOptions::default().run(&plant, &input, &ColumnSelection::default()).unwrap().reached
         };
         let (slow, fast) = (reached(28.0, 1e-3), reached(28.0, 5e-5));
         assert!(slow.contains("samples limited by the driver's current at the jump from one held"), "{slow}");

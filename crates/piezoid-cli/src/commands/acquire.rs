@@ -48,7 +48,7 @@ impl Run for Acquire {
             return Results::default().json(self.json.as_deref(), &controller.to_json()).write(console);
         };
         let Some(output) = &self.output else { bail!("name the file of the record by -o") };
-        let (drive, columns) = (files::read(drive)?, self.columns.read()?);
+        let (drive, columns) = (files::data(drive)?, self.columns.read()?);
         let stopped = "the wave generator is stopped; the axis is in open loop, and its voltage stays where it is";
         let result = console.work(|progress| {
             let outcome = options.run(&drive, &columns, progress);

@@ -48,7 +48,7 @@ impl Run for Compensate {
         };
         let is_free = files::check(&[Some(&self.output), self.json.as_deref()], &[&self.model, &reference])?;
         let columns = self.columns.read()?;
-        let (model, reference) = (files::read(&self.model)?, files::read(&reference)?);
+        let (model, reference) = (files::read(&self.model)?, files::data(&reference)?);
         let result = self.options.0.run(&model, &reference, &columns).map_err(failed)?;
         if is_free {
             console.print(&tables(&result, console))?;

@@ -58,7 +58,7 @@ impl Run for Export {
         }
         files::ready(&[self.json.as_deref()])?;
         let file = files::read(&self.model)?;
-        let reference = self.reference.as_deref().map(files::read).transpose()?;
+        let reference = self.reference.as_deref().map(files::data).transpose()?;
         let along = reference.as_ref().map(|file| (file, &columns));
         let result = options.run(&self.target, &file, along, compiler::here()).map_err(failed)?;
         let named = (self.target.as_str(), options.name.as_str());

@@ -41,7 +41,7 @@ pub(crate) struct Prepare {
 impl Run for Prepare {
     fn run(self, console: &Console) -> Result<()> {
         files::check(&[Some(&self.output)], &[&self.file])?;
-        let (columns, file) = (self.columns.read()?, files::read(&self.file)?);
+        let (columns, file) = (self.columns.read()?, files::data(&self.file)?);
         let result = Source::new(file, columns, vec![Step::Prepare(self.options.0)]).record().map_err(failed)?;
         console.remarks(result.history());
         Results::default().record(Some(&self.output), |name| result.written(name))?.write(console)

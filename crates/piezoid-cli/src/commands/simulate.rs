@@ -4,7 +4,7 @@ use super::lists;
 use super::prelude::*;
 use crate::values::record;
 use piezoid::hammerstein::InitialCondition;
-use piezoid_verbs::SimulateOptions;
+use piezoid_verbs::{SimulateOptions, Subject};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -55,14 +55,15 @@ impl Run for Simulate {
         if self.settled {
             options.begin = InitialCondition::Settled;
         }
-        let input = files::read(&input)?;
-        let result = match (&self.plant, &self.model) {
-            (Some(plant), _) => options.plant(&lists::plant(plant)?, &input, columns),
-            (_, Some(model)) => options.model(&files::read(model)?, &input, columns),
+        let input = files::data(&input)?;
+        let subject = match (&self.plant, &self.model) {
+            (Some(plant), _) => Subject::Plant(lists::plant(plant)?),
+            (_, Some(model)) => Subject::Model(files::read(model)?.model().map_err(failed)?),
             _ => bail!("name a --plant or a --model"),
         };
-        let result = result.map_err(failed)?;
-        console.remarks(Some(&result.reached).filter(|text| !text.is_empty()));
-        Results::default().record(Some(&self.output), |name| result.written(name))?.write(console)
+        let reached =
+            files::write_in_pieces(&self.output, console, |to| options.write(&subject, (&input, columns), to))?;
+        console.remarks(Some(&reached).filter(|text| !text.is_empty()));
+        Ok(())
     }
 }

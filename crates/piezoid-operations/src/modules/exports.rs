@@ -5,6 +5,7 @@ use crate::{Inputs, Operation, Output};
 use piezoid::Error;
 use piezoid_export::ExportOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
+use piezoid_verbs::DataFile;
 
 pub(super) const OPERATIONS: &[Operation] = &[Operation {
     name: "export",
@@ -25,7 +26,7 @@ options! {
 
 fn export(inputs: &Inputs) -> Result<Output, Error> {
     let (ExportCall { target, export }, columns) = (inputs.options()?, inputs.columns()?);
-    let reference = inputs.some("reference")?;
+    let reference = inputs.some("reference")?.map(DataFile::from);
     let along = reference.as_ref().map(|file| (file, &columns));
     let outcome = export.run(&target, &inputs.one("model")?, along, None)?;
     Ok(Output { result: outcome.to_json(), series: Vec::new(), files: outcome.files })

@@ -3,7 +3,7 @@
 use super::{NAME, named, one, optional};
 use crate::{Inputs, Operation, Output};
 use piezoid::excitation::Excitation;
-use piezoid::formats::{ColumnSelection, Format, Table};
+use piezoid::formats::{ColumnSelection, Table};
 use piezoid::{Error, PrepareOptions};
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::spectrum;
@@ -46,9 +46,9 @@ pub(super) const OPERATIONS: &[Operation] = &[
 ];
 
 fn inspect(inputs: &Inputs) -> Result<Output, Error> {
-    let (file, columns) = (inputs.one("data")?, inputs.columns()?);
-    let table = Table::read(&file.name, &file.bytes).map_err(|error| error.of(&file.name))?;
-    let (result, record) = piezoid_verbs::inspect(&table, &file.name, Format::of(&file.bytes).name, &columns);
+    let (file, columns) = (inputs.data("data")?, inputs.columns()?);
+    let (table, format) = file.table()?;
+    let (result, record) = piezoid_verbs::inspect(&table, &file.name, format.name, &columns);
     let Ok(record) = record else { return Ok(Output { result, ..Output::default() }) };
     let profile = File::new("profile.toml", table.profile(&columns).to_toml());
     Ok(Output { result, series: named([("u", record.u()), ("y", record.y())]), files: vec![profile] })
@@ -61,7 +61,7 @@ fn prepare(inputs: &Inputs) -> Result<Output, Error> {
     let written = File::new(name, outcome.written(name)?);
     let table = Table::read(name, &written.bytes)?;
     let (mut result, _) = piezoid_verbs::inspect(&table, name, "csv", &ColumnSelection::default());
-    result["origin"] = json!(source.origin());
+    result["origin"] = json!(source.origin()?);
     Ok(Output { result, series: named([("u", outcome.u()), ("y", outcome.y())]), files: vec![written] })
 }
 

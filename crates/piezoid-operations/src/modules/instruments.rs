@@ -32,7 +32,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
 
 fn acquire(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let options = inputs.options::<AcquireOptions>()?;
-    let outcome = options.run(&inputs.one("drive")?, &inputs.columns()?, progress)?;
+    let outcome = options.run(&inputs.data("drive")?, &inputs.columns()?, progress)?;
     let record = &outcome.record;
     let file = File::new("record.csv", record.written("record.csv")?);
     Ok(Output { result: outcome.to_json(), series: named([("u", record.u()), ("y", record.y())]), files: vec![file] })

@@ -10,7 +10,7 @@ use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::hysteresis::LoopOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::{MIN_REVERSAL_SHARE, reversals};
-use piezoid_verbs::{CompensateOptions, File, SimulateOptions, ValidateRecords};
+use piezoid_verbs::{CompensateOptions, File, SimulateOptions, Subject, ValidateRecords};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -65,11 +65,12 @@ options! {
 }
 
 fn simulate(inputs: &Inputs) -> Result<Output, Error> {
-    let (options, input, columns) = (inputs.options::<SimulateCall>()?, inputs.one("input")?, inputs.columns()?);
-    let outcome = match inputs.some("model")? {
-        Some(model) => options.simulation.model(&model, &input, &columns),
-        None => options.simulation.plant(&Preset::find(&options.plant)?.spec(), &input, &columns),
-    }?;
+    let (options, input, columns) = (inputs.options::<SimulateCall>()?, inputs.data("input")?, inputs.columns()?);
+    let subject = match inputs.some("model")? {
+        Some(model) => Subject::Model(model.model()?),
+        None => Subject::Plant(Preset::find(&options.plant)?.spec()),
+    };
+    let outcome = options.simulation.run(&subject, &input, &columns)?;
     let result = json!({"ts": outcome.ts, "units": outcome.units, "reached": outcome.reached});
     let file = File::new("simulated.csv", outcome.written("simulated.csv")?);
     Ok(Output { result, series: named([("u", &outcome.u), ("y", &outcome.y)]), files: vec![file] })
@@ -79,7 +80,7 @@ fn simulate(inputs: &Inputs) -> Result<Output, Error> {
 const DRAWN: usize = 200;
 
 fn loops(inputs: &Inputs) -> Result<Output, Error> {
-    let record = inputs.one("data")?.record(&inputs.columns()?)?;
+    let record = inputs.data("data")?.record(&inputs.columns()?)?;
     let model = inputs.some("model")?.map(|file| file.model()).transpose()?;
     let (outcome, note) = inputs.options::<LoopOptions>()?.run(&record, model.as_ref())?;
     let HiddenLoop { u, z, found, .. } = &outcome;
@@ -129,7 +130,7 @@ fn validate(inputs: &Inputs) -> Result<Output, Error> {
 
 fn compensate(inputs: &Inputs) -> Result<Output, Error> {
     let options = inputs.options::<CompensateOptions>()?;
-    let outcome = options.run(&inputs.one("model")?, &inputs.one("reference")?, &inputs.columns()?)?;
+    let outcome = options.run(&inputs.one("model")?, &inputs.data("reference")?, &inputs.columns()?)?;
     let mut result = outcome.to_json();
     result["sentence"] = outcome.proven().into();
     result["ts"] = outcome.ts.into();

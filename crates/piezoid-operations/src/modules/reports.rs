@@ -9,7 +9,7 @@ use piezoid::validation::ValidateOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_report::report::{comparison, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
-use piezoid_verbs::{CompareOptions, ComparisonReport, ControlOptions, File, ValidateRecords};
+use piezoid_verbs::{CompareOptions, ComparisonReport, ControlOptions, DataFile, File, ValidateRecords};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -57,7 +57,7 @@ options! {
 
 fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let ControlCall { plant, mut control } = inputs.options()?;
-    let files = inputs.all("reference")?;
+    let files: Vec<DataFile> = inputs.all("reference")?.into_iter().map(DataFile::from).collect();
     control.reference.extend(files.iter().map(|file| file.name.clone()));
     let spec = Preset::find(&plant)?.spec();
     let outcome = control.run((&plant, &spec), &inputs.one("model")?, &files, &inputs.columns()?, progress)?;

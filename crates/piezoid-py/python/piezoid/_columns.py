@@ -52,7 +52,8 @@ def columns_of(source: Any) -> Columns:
     if isinstance(source, (str, os.PathLike)):
         path = Path(source)
         with _files.named(path):
-            return Columns(_piezoid.Columns.from_file(str(path), _files.read(path)), f"{path}: ", str(path))
+            _files.warn_of_unfinished(path)
+            return Columns(_piezoid.Columns.from_file(path), f"{path}: ", str(path))
     if hasattr(source, "columns"):
         return replace(_arrays(_frame(source)), name=type(source).__name__)
     if isinstance(source, Mapping):

@@ -27,10 +27,15 @@ def write(path: str | os.PathLike[str], text: str) -> None:
     _piezoid.write(path, text.encode())
 
 
+def warn_of_unfinished(path: str | os.PathLike[str]) -> None:
+    """Warns of a file of a run that was ended before it had written all files of its set."""
+    if why := _piezoid.unfinished(path):
+        warnings.warn(why, stacklevel=4)
+
+
 def read(path: str | os.PathLike[str]) -> bytes:
     """The bytes of a file."""
-    if why := _piezoid.unfinished(path):
-        warnings.warn(why, stacklevel=3)
+    warn_of_unfinished(path)
     try:
         return Path(path).read_bytes()
     except FileNotFoundError:

@@ -16,22 +16,25 @@ mod dialect;
 mod encoding;
 mod head;
 mod number;
+mod rows;
+mod text;
 mod write;
 
-pub(super) use encoding::{decode, lines};
+#[cfg(feature = "foreign")]
+pub(super) use encoding::decode;
+pub(super) use encoding::lines;
 pub(super) use head::stated_period;
-pub(super) use write::times;
+pub(super) use rows::{Rows, read};
+pub(super) use write::{Writer, times};
 
 use super::Format;
 use super::column::Column;
-use super::history;
 use super::quote::shortened;
 use super::table::Table;
 use cells::cells;
 use dialect::Dialect;
 use head::Head;
 use piezoid_numerics::error::Error;
-use std::iter::Peekable;
 
 /// The row of CSV. It matches every file that no other row matches: its errors say what a file should look like.
 pub(super) const ROW: Format = Format {
@@ -41,6 +44,7 @@ pub(super) const ROW: Format = Format {
     reference: "RFC 4180, https://doi.org/10.17487/RFC4180",
     matches: |_| true,
     read: Table::parse,
+    in_pieces: true,
     write: Some(write::write),
 };
 
@@ -58,55 +62,7 @@ impl Table {
     /// Returns an error if the file is not text, has no rows, or has a row that is shorter or longer than the others. A
     /// cell that is not a number is an error only if its column is used.
     pub fn parse(bytes: &[u8]) -> Result<Table, Error> {
-        let text = decode(bytes)?;
-        let (steps, start) = history::before(&text);
-        let dialect = Dialect::of(&text[start..]).ok_or_else(|| without_numbers(&text))?;
-        let mut lines = encoding::lines(&text).skip(steps.len()).peekable();
-        let above = above(&mut lines, &dialect);
-        let Some(&(first, row)) = lines.peek() else { return Err(without_numbers(&text)) };
-        if let Some(&(line, text)) = above.iter().rfind(|(_, line)| !blank(line))
-            && let Some(problem) = cells(text, dialect.separator).find_map(Result::err)
-        {
-            return Err(Error::line(line, problem));
-        }
-        let numbered = dialect.is_numbered(lines.clone().map(|(_, row)| row).filter(|row| !blank(row)));
-        let head = Head::read(&above, &dialect, numbered);
-        let stated = head.rows;
-        let header = above.iter().find(|(line, _)| *line == head.line).map(|(_, text)| *text);
-        let mut table = Table { steps, ..Table::below(head, first, row, &dialect)? };
-        let mut split = Vec::new();
-        while let Some((line, row)) = lines.next() {
-            // Remarks, and the header again, may stand between rows.
-            let missing =
-                || cells(row, dialect.separator).next().is_some_and(|cell| cell.is_ok_and(number::not_finite));
-            if blank(row) || remark(row) && !missing() || Some(row) == header {
-                table.again.extend((Some(row) == header).then_some(table.count));
-                table.gaps.push(table.count);
-                continue;
-            }
-            if let Err(error) = table.row(line, row, &dialect, &mut split) {
-                // Words below the last row are a summary.
-                if dialect.begins_like_a_row(row) || lines.clone().any(|(_, row)| dialect.is_row(row)) {
-                    return Err(error);
-                }
-                let below = 1 + lines.filter(|(_, row)| !blank(row)).count();
-                table.steps.push(format!("{} below the last row left out", counted(below, "line")));
-                break;
-            }
-        }
-        // Words only: a remark.
-        for column in table.columns.iter_mut().filter(|column| column.samples.iter().all(|sample| sample.is_nan())) {
-            column.samples = Vec::new();
-        }
-        table.doubt_commas(dialect.separator);
-        let count = table.count;
-        match stated {
-            Some(rows) if count < rows => Err(Error::Content(format!(
-                "the head states {rows} rows, but {count} follow: the file was cut; to use what is there, set NDATA to \
-                 {count}"
-            ))),
-            _ => Ok(table),
-        }
+        read(bytes)
     }
 
     /// A table without rows below a head.
@@ -194,26 +150,6 @@ impl Table {
         };
         Error::line(line, format!("{fields}, {than}: {advice}"))
     }
-}
-
-/// The lines above the rows: those before the first two rows in sequence, or before the only row. The first of two may
-/// have a flaw, which is reported later.
-fn above<'a>(
-    lines: &mut Peekable<impl Iterator<Item = (u64, &'a str)> + Clone>,
-    dialect: &Dialect,
-) -> Vec<(u64, &'a str)> {
-    let mut above = Vec::new();
-    while let Some(&(_, line)) = lines.peek() {
-        let (begins, row) = (dialect.begins_like_a_row(line), dialect.is_row(line));
-        if begins || row {
-            let mut next = lines.clone().skip(1).filter(|(_, line)| !blank(line) && !remark(line));
-            if next.next().map_or(row, |(_, next)| dialect.is_row(next)) {
-                break;
-            }
-        }
-        above.extend(lines.next());
-    }
-    above
 }
 
 fn counted(n: usize, what: &str) -> String {

@@ -19,6 +19,7 @@ pub(super) const ROW: Format = Format {
     reference: "Physik Instrumente, GCS Array Data Format Description SM146E",
     matches,
     read: Table::parse,
+    in_pieces: true,
     write: None,
 };
 

@@ -23,6 +23,7 @@ pub(super) const ROW: Format = Format {
     reference: "HDF5 File Format Specification 3.0, https://support.hdfgroup.org/documentation/hdf5/latest/_f_m_t3.html",
     matches,
     read,
+    in_pieces: false,
     write: None,
 };
 

@@ -25,6 +25,7 @@ pub(super) const ROW: Format = Format {
     reference: "WaveMetrics, Igor Pro Manual, chapter Importing and Exporting Data, Igor Text Files",
     matches: |bytes| bytes.starts_with(b"IGOR\r") || bytes.starts_with(b"IGOR\n"),
     read,
+    in_pieces: false,
     write: None,
 };
 

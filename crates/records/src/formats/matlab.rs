@@ -17,6 +17,7 @@ pub(super) const ROW: Format = Format {
     reference: "MathWorks, MAT-File Format, R2024b, https://www.mathworks.com/help/pdf_doc/matlab/matfile_format.pdf",
     matches: |bytes| v5::begins(bytes) || v4::begins(bytes) || bytes.starts_with(OCTAVE),
     read,
+    in_pieces: false,
     write: Some(write::write),
 };
 

@@ -5,7 +5,7 @@
 //! error, which names the options that resolve it.
 //!
 //! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
-//! its name. [`Table::write`] writes CSV, `.npz` or `.mat`, by the extension of the name.
+//! its name; [`InputPieces`] reads a long one piece by piece. [`Table::write`] writes CSV, `.npz` or `.mat`, by the extension of the name.
 //!
 //! Why: docs/decisions/data-and-records.md, "HDF5 is read by a crate, other binary formats by piezoid".
 
@@ -25,6 +25,7 @@ mod matlab;
 #[cfg_attr(not(feature = "foreign"), allow(dead_code))]
 mod numpy;
 mod quote;
+mod read;
 mod roles;
 mod selection;
 mod table;
@@ -41,8 +42,11 @@ mod write;
 
 pub use channel::Channel;
 pub use numpy::archive;
+pub use read::InputPieces;
+
 pub use selection::ColumnSelection;
 pub use table::{Signal, Table};
+pub use write::TableWriter;
 
 use piezoid_numerics::error::Error;
 use serde::Serialize;
@@ -65,6 +69,9 @@ pub struct Format {
     /// Reads the table in a file.
     #[serde(skip)]
     pub read: fn(&[u8]) -> Result<Table, Error>,
+    /// True if its files are text with columns, which is read in pieces.
+    #[serde(skip)]
+    pub in_pieces: bool,
     /// Writes columns sampled every `ts` [s], which [`Table::write`] has checked, and the steps of their history;
     /// `None` if it is only read.
     #[serde(skip)]
@@ -102,33 +109,5 @@ impl Format {
         let extension = Path::new(name).extension().and_then(|extension| extension.to_str()).unwrap_or("");
         let lower = extension.to_ascii_lowercase();
         (FORMATS.iter().find(|format| format.extensions.contains(&lower.as_str())), extension)
-    }
-}
-
-impl Table {
-    /// Reads the table in a file of any of [`FORMATS`]. Only errors use the name, whose extension shows the intended
-    /// format.
-    ///
-    /// ```
-    /// use piezoid::formats::{ColumnSelection, Table};
-    /// let table = Table::read("sine.txt", b"t_s,u_V,y_um\n0.0,0.0,0.1\n0.0005,1.0,20.3\n")?;
-    /// assert_eq!(table.record(&ColumnSelection::default())?.len(), 2);
-    /// # Ok::<(), piezoid::Error>(())
-    /// ```
-    ///
-    /// # Errors
-    /// Returns an error if the file is damaged, contains no named channels, or has an unknown format.
-    pub fn read(name: &str, bytes: &[u8]) -> Result<Table, Error> {
-        let (format, (meant, extension)) = (Format::of(bytes), Format::meant(name));
-        if format.name != csv::ROW.name {
-            return (format.read)(bytes);
-        }
-        Table::parse(bytes).map_err(|error| match meant {
-            Some(Format { name, summary, .. }) if *name != csv::ROW.name => Error::Content(format!(
-                "cannot be read: a .{extension} file should hold {summary}, but this one does not start with the \
-                 signature of that format: it is damaged, or has another format"
-            )),
-            _ => error,
-        })
     }
 }

@@ -23,6 +23,7 @@ pub(super) const ROW: Format = Format {
     reference: "https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html",
     matches,
     read,
+    in_pieces: false,
     write: Some(write::write),
 };
 

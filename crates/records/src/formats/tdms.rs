@@ -25,6 +25,7 @@ pub(super) const ROW: Format = Format {
                 https://www.ni.com/en/support/documentation/supplemental/07/tdms-file-format-internal-structure.html",
     matches: |bytes| bytes.starts_with(DATA) || bytes.starts_with(INDEX),
     read,
+    in_pieces: false,
     write: None,
 };
 

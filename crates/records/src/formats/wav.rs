@@ -14,6 +14,7 @@ pub(super) const ROW: Format = Format {
     reference: "https://learn.microsoft.com/en-us/windows/win32/medfound/tutorial--decoding-audio",
     matches: |bytes| bytes.starts_with(b"RIFF") && bytes.get(8..12) == Some(b"WAVE"),
     read,
+    in_pieces: false,
     write: None,
 };
 

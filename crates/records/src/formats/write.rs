@@ -3,6 +3,7 @@
 use super::{FORMATS, Format, Table, Write, csv};
 use crate::record::Record;
 use piezoid_numerics::error::{Error, finite, positive};
+use std::io;
 
 impl Table {
     /// A file with the time column `t_s`, multiples of `ts` [s] from 0, then these columns, named with their units. The
@@ -27,23 +28,19 @@ impl Table {
 
     /// The same with a history.
     fn write_with(name: &str, ts: f64, columns: &[(&str, &[f64])], history: &[String]) -> Result<Vec<u8>, Error> {
-        let write = writer(name)?;
-        positive("ts", ts, "seconds")?;
+        let format = written(name)?;
         let rows = columns.first().map_or(0, |(_, samples)| samples.len());
+        let names: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
+        named(&names, ts)?;
         positive("time of the last row", rows.max(1) as f64 * ts, "seconds")?;
-        for (i, (name, samples)) in columns.iter().enumerate() {
-            let twice = *name == "t_s" || columns[..i].iter().any(|(earlier, _)| earlier == name);
-            if twice || name.trim() != *name || name.is_empty() || name.contains(char::is_control) {
-                let rule = "must be on one line, and there only once";
-                return Err(Error::parameter("column name", format!("{name:?}"), rule));
-            }
+        for (name, samples) in columns {
             if samples.len() != rows {
                 let (left, left_len) = (columns[0].0.into(), rows);
                 return Err(Error::Lengths { left, left_len, right: (*name).into(), right_len: samples.len() });
             }
             finite(name, samples)?;
         }
-        write(ts, columns, history)
+        format(ts, columns, history)
     }
 
     /// Returns an error if [`write`](Table::write) refuses the extension of this name.
@@ -60,7 +57,7 @@ impl Table {
     /// # Errors
     /// Returns an error if files with this extension are only read.
     pub fn writable(name: &str) -> Result<(), Error> {
-        writer(name).map(drop)
+        written(name).map(drop)
     }
 }
 
@@ -84,8 +81,89 @@ impl Record {
     }
 }
 
+/// Returns an error for names of columns that cannot be read again, and for an invalid sampling period.
+fn named(names: &[&str], ts: f64) -> Result<(), Error> {
+    positive("ts", ts, "seconds")?;
+    for (i, name) in names.iter().enumerate() {
+        let twice = *name == "t_s" || names[..i].contains(name);
+        if twice || name.trim() != *name || name.is_empty() || name.contains(char::is_control) {
+            let rule = "must be on one line, and there only once";
+            return Err(Error::parameter("column name", format!("{name:?}"), rule));
+        }
+    }
+    Ok(())
+}
+
+/// A file that is written piece by piece: CSV as its rows come, other formats at the end.
+pub struct TableWriter<W> {
+    name: String,
+    ts: f64,
+    names: Vec<String>,
+    to: Pieces<W>,
+}
+
+enum Pieces<W> {
+    Text(csv::Writer<W>),
+    /// Where the columns go, which are held.
+    Whole(W, Vec<Vec<f64>>),
+}
+
+impl<W: io::Write> TableWriter<W> {
+    /// A file of columns with these names, sampled every `ts` [s]. Its name selects the format as that of
+    /// [`Table::write`] does.
+    ///
+    /// ```
+    /// use piezoid_records::formats::TableWriter;
+    /// let mut file = Vec::new();
+    /// let mut writer = TableWriter::new(&mut file, "u.csv", 0.5, &["u_V"])?;
+    /// writer.rows(&[&[1.0, 2.0]])?;
+    /// writer.rows(&[&[3.0]])?;
+    /// writer.end()?;
+    /// assert_eq!(file, b"t_s,u_V\n0.0,1\n0.5,2\n1.0,3\n");
+    /// # Ok::<(), piezoid_numerics::error::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The errors of [`Table::write`].
+    pub fn new(to: W, name: &str, ts: f64, names: &[&str]) -> Result<Self, Error> {
+        written(name)?;
+        named(names, ts)?;
+        let to = match Format::meant(name).0 {
+            Some(format) if !format.in_pieces => Pieces::Whole(to, vec![Vec::new(); names.len()]),
+            _ => Pieces::Text(csv::Writer::new(to, ts, names, &[])?),
+        };
+        Ok(TableWriter { name: name.into(), ts, names: names.iter().map(ToString::to_string).collect(), to })
+    }
+
+    /// Adds rows of these columns, in the order of their names.
+    ///
+    /// # Errors
+    /// Returns an error for samples that are not finite, and if the file cannot be written.
+    pub fn rows(&mut self, columns: &[&[f64]]) -> Result<(), Error> {
+        self.names.iter().zip(columns).try_for_each(|(name, samples)| finite(name, samples))?;
+        match &mut self.to {
+            Pieces::Text(writer) => writer.rows(columns),
+            Pieces::Whole(_, all) => {
+                all.iter_mut().zip(columns).for_each(|(all, samples)| all.extend_from_slice(samples));
+                Ok(())
+            }
+        }
+    }
+
+    /// Writes what is not written yet.
+    ///
+    /// # Errors
+    /// The errors of [`Table::write`], and an error if the file cannot be written.
+    pub fn end(self) -> Result<(), Error> {
+        let Pieces::Whole(mut to, all) = self.to else { return Ok(()) };
+        let columns: Vec<(&str, &[f64])> = self.names.iter().map(String::as_str).zip(all.iter().map(|x| &x[..])).collect();
+        let bytes = Table::write(&self.name, self.ts, &columns)?;
+        to.write_all(&bytes).map_err(|error| Error::Content(format!("cannot be written to its end: {error}")))
+    }
+}
+
 /// What writes a file of this name: the format with this as its first extension; CSV if no format has the extension.
-fn writer(name: &str) -> Result<Write, Error> {
+fn written(name: &str) -> Result<Write, Error> {
     let (meant, extension) = Format::meant(name);
     let row = meant.unwrap_or(&csv::ROW);
     let own = |_: &Write| row.name == csv::ROW.name || extension.eq_ignore_ascii_case(row.extensions[0]);

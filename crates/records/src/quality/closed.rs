@@ -127,8 +127,7 @@ fn innovations(x: &[f64], causes: &[&[f64]]) -> Option<Vec<f64>> {
     let weights = gram.cholesky()?.solve(&right);
     let mut left = x.to_vec();
     for (i, lags) in past.iter().enumerate() {
-        let predicted = lags.combined(weights.rows(1 + PREDICTION_LAGS * i, PREDICTION_LAGS).iter().copied());
-        left.iter_mut().zip(predicted).for_each(|(left, predicted)| *left -= predicted);
+        lags.add_to(&mut left, weights.rows(1 + PREDICTION_LAGS * i, PREDICTION_LAGS).iter().map(|weight| -weight));
     }
     let mean = mean(&left);
     left.iter_mut().for_each(|left| *left -= mean);

@@ -8,7 +8,7 @@
 
 use super::lags::Lags;
 use nalgebra::{DMatrix, DVector};
-use piezoid_numerics::series::{centred, dot_wide, mean, scatter};
+use piezoid_numerics::series::{dot_wide, mean, scatter};
 use std::ops::Range;
 
 /// The part of `x` that is explained by `u` at these lags. Before and after the record the input is assumed constant.
@@ -24,22 +24,23 @@ pub(super) fn by_input(u: &[f64], x: &[f64], lags: Range<isize>, ridge: f64) -> 
     let part = |t: usize| t as f64 / n as f64;
     let columns = line.len() + lags.len();
     let (mut normal, mut right) = (DMatrix::<f64>::zeros(columns, columns), DVector::<f64>::zeros(columns));
-    {
-        // The centred series and the columns end with this block: a record may have ten million samples.
-        let x = centred(x);
-        right.rows_mut(line.len(), lags.len()).copy_from(&lagged.with(&x));
-        for (i, of) in line.iter().enumerate() {
-            let column: Vec<f64> = (0..n).map(|t| of(part(t))).collect();
-            right[i] = dot_wide::<8>(&column, &x);
-            (0..=i).for_each(|j| normal[(i, j)] = column.iter().zip(0..).map(|(c, t)| c * line[j](part(t))).sum());
-            normal.view_mut((line.len(), i), (lags.len(), 1)).copy_from(&lagged.with(&column));
-        }
+    for (i, of) in line.iter().enumerate() {
+        // A column at a time: a record may have a hundred million samples.
+        let column: Vec<f64> = (0..n).map(|t| of(part(t))).collect();
+        right[i] = dot_wide::<8>(&column, x);
+        (0..=i).for_each(|j| normal[(i, j)] = column.iter().zip(0..).map(|(c, t)| c * line[j](part(t))).sum());
+        normal.view_mut((line.len(), i), (lags.len(), 1)).copy_from(&lagged.with(&column));
     }
+    right.rows_mut(line.len(), lags.len()).copy_from(&lagged.with(x));
+    // The products with the series about its mean: the first column is constant.
+    right -= normal.column(0) * mean(x);
     normal.view_mut((line.len(), line.len()), (lags.len(), lags.len())).copy_from(&lagged.products(&lagged));
     normal.fill_upper_triangle_with_lower_triangle();
     (0..columns).for_each(|i| normal[(i, i)] += ridge * n as f64);
     let theta = normal.cholesky().map_or_else(|| DVector::zeros(columns), |c| c.solve(&right));
-    lagged.combined(theta.iter().skip(line.len()).copied())
+    let mut explained = vec![0.0; n];
+    lagged.add_to(&mut explained, theta.iter().skip(line.len()).copied());
+    explained
 }
 
 #[cfg(test)]

@@ -50,13 +50,11 @@ impl<'a> Lags<'a> {
         products
     }
 
-    /// The sum of the columns with these weights.
-    pub(super) fn combined(&self, weights: impl Iterator<Item = f64>) -> Vec<f64> {
-        let mut sum = vec![0.0; self.rows()];
+    /// Adds the sum of the columns with these weights.
+    pub(super) fn add_to(&self, sum: &mut [f64], weights: impl Iterator<Item = f64>) {
         for (lag, weight) in weights.enumerate() {
             sum.iter_mut().zip(self.column(lag)).for_each(|(sum, x)| *sum += weight * x);
         }
-        sum
     }
 }
 
@@ -75,6 +73,8 @@ mod tests {
             assert_close(&[a.products(&b)[(i, j)]], &[expected(i, j)], 0.0, 1e-12);
         }
         let sum: Vec<f64> = (0..50).map(|t| 2.0 * y[t + 10] - 3.0 * y[t + 8]).collect();
-        assert_close(&b.combined([2.0, 0.0, -3.0].into_iter()), &sum, 0.0, 1e-12);
+        let mut combined = vec![0.0; 50];
+        b.add_to(&mut combined, [2.0, 0.0, -3.0].into_iter());
+        assert_close(&combined, &sum, 0.0, 1e-12);
     }
 }

@@ -69,12 +69,11 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
     }
     let stroke = range(record.y());
     let smallest = (MIN_SPIKE_SHARE * stroke).max(3.0 * resolution(record.y()));
-    let changes = off_neighbours(record.u());
     let mut y = Cow::Borrowed(record.y());
     let mut found: BTreeMap<usize, f64> = BTreeMap::new();
     // Large spikes distort the regression: they are removed before smaller ones are searched.
     for _ in 0..MAX_SEARCHES {
-        let spikes = spikes(record.u(), &changes, &y, smallest, usable);
+        let spikes = spikes(record.u(), &y, smallest, usable);
         let most = largest(spikes.iter().map(|(_, size)| size));
         for (t, size) in spikes.into_iter().filter(|(_, size)| size.abs() > 0.5 * most) {
             *found.entry(t).or_default() += size;
@@ -100,10 +99,10 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
 }
 
 /// The spikes of `y` with their sizes.
-fn spikes(u: &[f64], changes: &[f64], y: &[f64], smallest: f64, usable: &[bool]) -> Vec<(usize, f64)> {
+fn spikes(u: &[f64], y: &[f64], smallest: f64, usable: &[bool]) -> Vec<(usize, f64)> {
     let n = y.len();
-    let mut i = off_neighbours(y);
-    let gain = sharp_gain(changes, &i);
+    let mut i: Vec<f64> = (0..n).map(|t| off_neighbours(y, t)).collect();
+    let gain = sharp_gain(u, &i);
     let explained = by_input(u, &i, INPUT_LAGS, RIDGE);
     i.iter_mut().zip(&explained).for_each(|(i, explained)| *i -= explained);
     let power: f64 = SPIKE_SHAPE.iter().map(|p| p * p).sum();
@@ -121,7 +120,7 @@ fn spikes(u: &[f64], changes: &[f64], y: &[f64], smallest: f64, usable: &[bool])
             i[t.saturating_sub(SCATTER_SAMPLES)..(t + SCATTER_SAMPLES).min(n)].iter().map(|i| i.abs()).collect();
         // The median of absolute values of normal noise is 0.6745 standard deviations.
         let scatter = quantile(usual, 0.5) / 0.6745;
-        let sharpest = largest(&changes[t - past - 2..=t + 2]);
+        let sharpest = (t - past - 2..=t + 2).map(|t| off_neighbours(u, t).abs()).fold(0.0, f64::max);
         let beside = largest(i[t - NEIGHBOUR_SAMPLES..t - 2].iter().chain(&i[t + 3..=t + NEIGHBOUR_SAMPLES]));
         (size.abs() > MIN_SCATTER_DEVIATIONS * scatter
             && size.abs() > MIN_RESPONSE_SHARE * gain * sharpest
@@ -131,19 +130,19 @@ fn spikes(u: &[f64], changes: &[f64], y: &[f64], smallest: f64, usable: &[bool])
     (past + 3..n - NEIGHBOUR_SAMPLES).filter(clear).filter_map(|t| stands_out((t, size(t)?))).collect()
 }
 
-/// The error of a cubic through two neighbours on each side; 0 at the ends.
-fn off_neighbours(x: &[f64]) -> Vec<f64> {
-    let mut off = vec![0.0; x.len()];
-    for (t, w) in x.windows(5).enumerate() {
-        off[t + 2] = w[2] - (4.0 * (w[1] + w[3]) - w[0] - w[4]) / 6.0;
+/// The error at t of a cubic through two neighbours on each side; 0 at the ends.
+fn off_neighbours(x: &[f64], t: usize) -> f64 {
+    match t.checked_sub(2).and_then(|from| x.get(from..=t + 2)) {
+        Some([a, b, x, c, d]) => x - (4.0 * (b + c) - a - d) / 6.0,
+        _ => 0.0,
     }
-    off
 }
 
 /// Median gain from sharp changes of the input to the response of the output; a few spikes do not affect it.
-fn sharp_gain(changes: &[f64], answers: &[f64]) -> f64 {
-    let sharpest = largest(changes);
-    let sharp = (0..changes.len()).filter(|t| changes[*t].abs() > 0.5 * sharpest);
+fn sharp_gain(u: &[f64], answers: &[f64]) -> f64 {
+    let changes = || (0..u.len()).map(|t| off_neighbours(u, t).abs()).enumerate();
+    let sharpest = changes().map(|(_, change)| change).fold(0.0, f64::max);
     let answer = |t: usize| largest(&answers[t..(t + RESPONSE_SAMPLES).min(answers.len())]);
-    quantile(sharp.map(|t| answer(t) / changes[t].abs()).collect(), 0.5)
+    let sharp = changes().filter(|(_, change)| *change > 0.5 * sharpest);
+    quantile(sharp.map(|(t, change)| answer(t) / change).collect(), 0.5)
 }

@@ -41,11 +41,11 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Cow<'_, str> {
     letters.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).chain(cut).collect::<String>().into()
 }
 
-/// A text in Windows-1252, which is not UTF-8 at the position `invalid`.
-fn windows_1252(bytes: &[u8], invalid: usize) -> Result<Cow<'_, str>, Error> {
+/// A text in Windows-1252 from a line on, which is not UTF-8 at the position `invalid`.
+fn windows_1252(bytes: &[u8], invalid: usize, line: u64) -> Result<Cow<'_, str>, Error> {
     let control = |b: &u8| *b < b' ' && !b"\t\n\r\x0c\x1a".contains(b);
     if bytes.iter().take(4096).any(control) {
-        let (byte, line) = (bytes.get(invalid).copied().unwrap_or_default(), line_at(bytes, invalid));
+        let (byte, line) = (bytes.get(invalid).copied().unwrap_or_default(), line + ends_before(bytes, invalid));
         return Err(Error::Content(format!(
             "this is not text with columns: byte 0x{byte:02x} on line {line} is not text; if it is another format, \
              give it the right extension"
@@ -55,35 +55,74 @@ fn windows_1252(bytes: &[u8], invalid: usize) -> Result<Cow<'_, str>, Error> {
     Ok(bytes.iter().map(|byte| special(*byte).unwrap_or(char::from(*byte))).collect::<String>().into())
 }
 
-/// The text, without its byte-order mark. The mark gives the encoding, or else the bytes; what stands for no letter
-/// becomes U+FFFD.
-pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
-    let unmarked = match bytes {
-        [0xef, 0xbb, 0xbf, rest @ ..] | [0xff, 0xfe, rest @ ..] | [0xfe, 0xff, rest @ ..] => rest,
-        _ => bytes,
-    };
-    if let Some((_, kind)) = OTHERS.iter().find(|(start, _)| unmarked.starts_with(start)) {
-        return Err(Error::Content(format!("this is not text with columns but {kind}")));
-    }
-    let text = match bytes {
-        [0xef, 0xbb, 0xbf, ..] => String::from_utf8_lossy(unmarked),
-        [0xff, 0xfe, ..] => utf16(unmarked, u16::from_le_bytes),
-        [0xfe, 0xff, ..] => utf16(unmarked, u16::from_be_bytes),
-        [a, 0, b, 0, ..] if *a > 0 && *b > 0 => utf16(bytes, u16::from_le_bytes),
-        [0, a, 0, b, ..] if *a > 0 && *b > 0 => utf16(bytes, u16::from_be_bytes),
-        _ => match std::str::from_utf8(bytes) {
-            Ok(text) => text.into(),
-            Err(error) => windows_1252(bytes, error.valid_up_to())?,
-        },
-    };
-    match text.find('\0') {
-        None => Ok(text),
-        Some(at) => {
-            let problem = "a NUL byte, which is not allowed in text: the file is damaged from here on (was it written \
-                           completely?)";
-            Err(Error::line(line_at(text.as_bytes(), at), problem))
+/// How a text is written.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Encoding {
+    /// UTF-8, and Windows-1252 where it is not.
+    Bytes,
+    /// UTF-8, as its mark says.
+    Utf8,
+    /// UTF-16, the lower byte first.
+    Little,
+    /// UTF-16, the higher byte first.
+    Big,
+}
+
+impl Encoding {
+    /// The encoding of a text that begins with these bytes, and the length of its byte-order mark. The mark gives the
+    /// encoding, or else the bytes.
+    pub(super) fn of(bytes: &[u8]) -> Result<(Encoding, usize), Error> {
+        let (encoding, mark) = match bytes {
+            [0xef, 0xbb, 0xbf, ..] => (Encoding::Utf8, 3),
+            [0xff, 0xfe, ..] => (Encoding::Little, 2),
+            [0xfe, 0xff, ..] => (Encoding::Big, 2),
+            [a, 0, b, 0, ..] if *a > 0 && *b > 0 => (Encoding::Little, 0),
+            [0, a, 0, b, ..] if *a > 0 && *b > 0 => (Encoding::Big, 0),
+            _ => (Encoding::Bytes, 0),
+        };
+        match OTHERS.iter().find(|(start, _)| bytes[mark..].starts_with(start)) {
+            Some((_, kind)) => Err(Error::Content(format!("this is not text with columns but {kind}"))),
+            None => Ok((encoding, mark)),
         }
     }
+
+    /// The end of the last line in these bytes, if lines end with this letter.
+    pub(super) fn end_of_lines(self, bytes: &[u8], end: u8) -> Option<usize> {
+        let unit = |pair: [u8; 2]| bytes.as_chunks::<2>().0.iter().rposition(|found| *found == pair).map(|k| 2 * k + 2);
+        match self {
+            Encoding::Little => unit([end, 0]),
+            Encoding::Big => unit([0, end]),
+            Encoding::Bytes | Encoding::Utf8 => bytes.iter().rposition(|found| *found == end).map(|k| k + 1),
+        }
+    }
+
+    /// The text of bytes that begin on a line, from 1. What stands for no letter becomes U+FFFD.
+    pub(super) fn decode(self, bytes: &[u8], line: u64) -> Result<Cow<'_, str>, Error> {
+        let text = match self {
+            Encoding::Utf8 => String::from_utf8_lossy(bytes),
+            Encoding::Little => utf16(bytes, u16::from_le_bytes),
+            Encoding::Big => utf16(bytes, u16::from_be_bytes),
+            Encoding::Bytes => match std::str::from_utf8(bytes) {
+                Ok(text) => text.into(),
+                Err(error) => windows_1252(bytes, error.valid_up_to(), line)?,
+            },
+        };
+        match text.find('\0') {
+            None => Ok(text),
+            Some(at) => {
+                let problem = "a NUL byte, which is not allowed in text: the file is damaged from here on (was it \
+                               written completely?)";
+                Err(Error::line(line + ends_before(text.as_bytes(), at), problem))
+            }
+        }
+    }
+}
+
+/// The text of a whole file, without its byte-order mark.
+#[cfg(any(feature = "foreign", test))]
+pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
+    let (encoding, mark) = Encoding::of(bytes)?;
+    encoding.decode(&bytes[mark..], 1)
 }
 
 /// The lines with their numbers, from 1. A line ends with a line feed, a carriage return, or both.
@@ -93,10 +132,10 @@ pub(in crate::formats) fn lines(text: &str) -> impl Iterator<Item = (u64, &str)>
     (1..).zip(text.split(end))
 }
 
-/// The line, from 1, of a position in the file.
-fn line_at(bytes: &[u8], at: usize) -> u64 {
+/// Number of ends of lines before a position.
+fn ends_before(bytes: &[u8], at: usize) -> u64 {
     let end = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
-    1 + bytes.iter().take(at).filter(|b| **b == end).count() as u64
+    bytes.iter().take(at).filter(|b| **b == end).count() as u64
 }
 
 #[cfg(test)]

@@ -313,7 +313,7 @@ mod tests {
 
     fn head(text: &str) -> Head {
         let dialect = Dialect::of(text).unwrap();
-        Head::read(&super::super::above(&mut lines(text).peekable(), &dialect), &dialect, text.contains("\"1\","))
+        Head::read(&super::super::rows::above(&mut lines(text).peekable(), &dialect), &dialect, text.contains("\"1\","))
     }
 
     fn names(text: &str) -> Vec<String> {

@@ -6,26 +6,65 @@
 use crate::formats::history;
 use piezoid_numerics::error::Error;
 use std::fmt::Write;
+use std::io;
+
+/// Number of bytes that are written at once.
+const BLOCK: usize = 1 << 16;
 
 /// The columns as text, below their names and beside their times; above all of it the steps of their history.
 pub(super) fn write(ts: f64, columns: &[(&str, &[f64])], steps: &[String]) -> Result<Vec<u8>, Error> {
-    let mut text = history::lines(steps);
-    text.push_str("t_s");
-    for (name, _) in columns {
-        text.push(',');
-        push_name(&mut text, name);
-    }
-    let stamps = Stamps::new(ts);
-    for row in 0..columns.first().map_or(0, |(_, samples)| samples.len()) {
-        text.push('\n');
-        stamps.push(&mut text, row);
-        for (_, samples) in columns {
+    let mut bytes = Vec::new();
+    let (names, samples): (Vec<&str>, Vec<&[f64]>) = columns.iter().copied().unzip();
+    Writer::new(&mut bytes, ts, &names, steps)?.rows(&samples)?;
+    Ok(bytes)
+}
+
+/// Writes rows that follow each other, piece by piece.
+pub(in crate::formats) struct Writer<W> {
+    to: W,
+    stamps: Stamps,
+    /// Number of rows that were written.
+    rows: usize,
+    text: String,
+}
+
+impl<W: io::Write> Writer<W> {
+    /// Writes the steps of the history and the names.
+    pub(in crate::formats) fn new(to: W, ts: f64, names: &[&str], steps: &[String]) -> Result<Self, Error> {
+        let mut text = history::lines(steps);
+        text.push_str("t_s");
+        for name in names {
             text.push(',');
-            push_number(&mut text, samples[row]);
+            push_name(&mut text, name);
         }
+        text.push('\n');
+        let mut writer = Writer { to, stamps: Stamps::new(ts), rows: 0, text };
+        writer.flush()?;
+        Ok(writer)
     }
-    text.push('\n');
-    Ok(text.into_bytes())
+
+    /// Writes rows of these columns, which are equally long.
+    pub(in crate::formats) fn rows(&mut self, columns: &[&[f64]]) -> Result<(), Error> {
+        for row in 0..columns.first().map_or(0, |samples| samples.len()) {
+            self.stamps.push(&mut self.text, self.rows);
+            for samples in columns {
+                self.text.push(',');
+                push_number(&mut self.text, samples[row]);
+            }
+            self.text.push('\n');
+            self.rows += 1;
+            if self.text.len() > BLOCK {
+                self.flush()?;
+            }
+        }
+        self.flush()
+    }
+
+    fn flush(&mut self) -> Result<(), Error> {
+        let written = self.to.write_all(self.text.as_bytes());
+        self.text.clear();
+        written.map_err(|error| Error::Content(format!("cannot be written to its end: {error}")))
+    }
 }
 
 /// The time stamps [s] of this many rows: the numbers that are read from those of [`write`].
