@@ -163,8 +163,9 @@ fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
         return Vec::new();
     }
     // `power` leaves out the mean of the error, which belongs to no band.
-    let [input, output, error] = [record.u(), record.y(), &errors].map(power);
+    let error = power(&errors);
     drop(errors);
+    let [input, output] = [record.u(), record.y()].map(power);
     let hz = |k: usize| k as f64 / (record.len() as f64 * record.ts());
     let bins: Vec<usize> = (1..input.len()).collect();
     let stroke = range(record.y());

@@ -19,7 +19,6 @@ use super::undriven::Noise;
 use super::{ComparedRun, Metrics};
 use piezoid_numerics::number::{join, round};
 use piezoid_numerics::series::{mean, range};
-use piezoid_records::waveform::period;
 use serde::Serialize;
 
 /// Minimum number of samples per period.
@@ -59,11 +58,18 @@ pub struct Floor {
 }
 
 impl Floor {
-    /// The noise floor of a record, of a model's free run with these errors; `None` if it is unknown.
-    pub(crate) fn of(run: &ComparedRun, errors: &[f64], metrics: &Metrics, drift: &Drift) -> Option<Self> {
+    /// The noise floor of a record whose input may have a period [samples], of a model's free run with these errors;
+    /// `None` if it is unknown.
+    pub(crate) fn of(
+        run: &ComparedRun,
+        period: Option<usize>,
+        errors: &[f64],
+        metrics: &Metrics,
+        drift: &Drift,
+    ) -> Option<Self> {
         let record = run.record;
         // The free run takes most of a transient away, but two periods would still contain it.
-        let repeated = Repeated::of(record.u(), errors).filter(|r| record.len() / r.period > 2);
+        let repeated = period.and_then(|p| Repeated::of(record.u(), errors, p)).filter(|r| record.len() / r.period > 2);
         let (noise, hum_hz) = match &repeated {
             Some(r) => (r.noise, None),
             None => Noise::of(record, errors, run.simulated).map(|n| (n.rms, n.hum_hz))?,
@@ -163,9 +169,10 @@ pub(super) struct Repeated {
 }
 
 impl Repeated {
-    /// From the last complete periods; with three or more, without the first, which may contain a transient.
-    pub(crate) fn of(u: &[f64], y: &[f64]) -> Option<Self> {
-        let p = period(u).filter(|p| *p >= MIN_PERIOD_SAMPLES)?;
+    /// From the last complete periods of so many samples; with three or more, without the first, which may contain a
+    /// transient.
+    pub(crate) fn of(u: &[f64], y: &[f64], period: usize) -> Option<Self> {
+        let p = Some(period).filter(|p| *p >= MIN_PERIOD_SAMPLES)?;
         let all = u.len() / p;
         let periods = if all >= 3 { all - 1 } else { all };
         let part = &y[u.len() - periods * p..];
@@ -189,6 +196,7 @@ mod tests {
     use super::*;
     use piezoid_records::excitation::{Prbs, RisingSine, Sine};
     use piezoid_records::record::Record;
+    use piezoid_records::waveform::period;
     use piezoid_testing::assert_close;
     use piezoid_twins::{Plant, Preset};
 
@@ -200,7 +208,7 @@ mod tests {
         let metrics = Metrics::of(&y, simulated);
         let drift = Drift::of(&errors, simulated, TS);
         let record = Record::new(TS, u, y).unwrap();
-        Floor::of(&ComparedRun { record: &record, simulated, cycles: &[] }, &errors, &metrics, &drift)
+        Floor::of(&ComparedRun { record: &record, simulated, cycles: &[] }, period(record.u()), &errors, &metrics, &drift)
     }
 
     #[test]

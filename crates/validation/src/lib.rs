@@ -44,7 +44,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_numerics::system::System;
 use piezoid_records::record::{Record, Units};
-use piezoid_records::waveform::cycles;
+use piezoid_records::waveform::{cycles, period};
 use serde::{Deserialize, Serialize};
 
 /// Treatment of the mean error and the drift of a record.
@@ -145,6 +145,8 @@ impl Validate for Model {
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
         let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);
         let counted = if start == 0 { record.clone() } else { record.slice(start..record.len())? };
+        // Its search needs memory for the whole record: before the errors are there.
+        let period = period(counted.u());
         let run = &simulated[start..];
         let found = Drift::of(&errors(counted.y(), run), run, record.ts());
         let slope = if options.offset == Offset::Drift { found.slope } else { 0.0 };
@@ -158,7 +160,7 @@ impl Validate for Model {
         let errors = errors(counted.y(), run.simulated);
         let drift = Drift::of(&errors, run.simulated, record.ts());
         let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
-        let floor = Floor::of(&run, &errors, &metrics, &drift);
+        let floor = Floor::of(&run, period, &errors, &metrics, &drift);
         let loops = loops::loops(&run);
         let comparison = remarks::Comparison {
             model: self,

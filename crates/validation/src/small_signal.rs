@@ -31,7 +31,7 @@ use piezoid_numerics::number::short;
 use piezoid_numerics::series::{centred, largest, scatter};
 use piezoid_records::quality::{bridged, inspect};
 use piezoid_records::record::Record;
-use piezoid_records::waveform::cycles;
+use piezoid_records::waveform::{cycles, period};
 use serde::Serialize;
 
 /// Distortion up to which a record counts as linear [% of the output's rms].
@@ -95,7 +95,7 @@ impl Linearity {
         let record = &Record::new(record.ts(), record.u().to_vec(), y)?.with_units(record.units().clone());
         let std = (scatter(record.y()) / record.len() as f64).sqrt();
         let percent = |x: f64| 100.0 * x / std;
-        let repeated = Repeated::of(record.u(), record.y());
+        let repeated = period(record.u()).and_then(|p| Repeated::of(record.u(), record.y(), p));
         let unexcited = repeated.as_ref().map(unexcited_lines).unwrap_or_default();
         let masked = match &repeated {
             // The mean period replaces the record, twice: first for the transient.
