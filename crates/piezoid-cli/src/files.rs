@@ -101,25 +101,8 @@ impl Results {
     }
 }
 
-/// Writes a record that `fill` makes piece by piece, for a file of this name. What goes to stdout, a pipe or a device is
-/// complete before it goes there.
-pub(crate) fn write_in_pieces<T>(
-    path: &Path,
-    console: &Console,
-    fill: impl FnOnce((&str, &mut dyn Write)) -> Result<T, piezoid::Error>,
-) -> Result<T> {
-    let name = named(path);
-    if !is_stream(path) {
-        return files::write_in_pieces(path, |to| fill((&name, to))).map_err(crate::flags::failed);
-    }
-    let mut content = Vec::new();
-    let result = fill((&name, &mut content)).map_err(crate::flags::failed)?;
-    Results::default().file(Some(path), content).write(console)?;
-    Ok(result)
-}
-
 /// True for stdout, a pipe or a device, which is written to and not replaced.
-fn is_stream(path: &Path) -> bool {
+pub(crate) fn is_stream(path: &Path) -> bool {
     path == Path::new("-") || fs::metadata(path).is_ok_and(|what| !what.is_file() && !what.is_dir())
 }
 

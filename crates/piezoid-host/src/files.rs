@@ -55,7 +55,9 @@ pub fn read(path: &Path) -> Result<File, Error> {
 /// # Errors
 /// The errors of [`read`].
 pub fn data(path: &Path) -> Result<DataFile, Error> {
-    if !std::fs::metadata(path).is_ok_and(|what| what.is_file()) {
+    // What is a file under /dev is one that stdin was opened from, at the place where that was read to.
+    let is_pipe = path.starts_with("/dev") || !std::fs::metadata(path).is_ok_and(|what| what.is_file());
+    if is_pipe {
         return Ok(read(path)?.into());
     }
     open(path)?;
@@ -90,14 +92,12 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 ///
 /// # Errors
 /// The errors of [`write`] and of `fill`.
-pub fn write_in_pieces<T>(
-    path: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> Result<T, Error>,
-) -> Result<T, Error> {
+pub fn write_in_pieces<T>(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<T, Error>) -> Result<T, Error> {
     let place = end(path)?;
     let staged = beside(&mut own(), &place);
     let mut staged = staged.map_err(|error| unwritable(path, &error))?;
-    let result = fill(&mut staged)?;
+    // Errors of the file itself do not name it by its place.
+    let result = fill(staged.as_file_mut())?;
     FileSet::default().place(vec![(staged, place)])?;
     Ok(result)
 }

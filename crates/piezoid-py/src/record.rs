@@ -169,8 +169,8 @@ impl Columns {
     fn from_file(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         py.detach(|| {
             let file = files::data(&path)?;
-            let (table, format) = file.table()?;
-            Ok(Columns { table, file: Some((format.name, Origin::of(&file)?)) })
+            let (table, format, sha256) = file.hashed()?;
+            Ok(Columns { table, file: Some((format.name, Origin::of(&file.name, sha256))) })
         })
         .map_err(raised)
     }

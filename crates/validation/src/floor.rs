@@ -208,7 +208,13 @@ mod tests {
         let metrics = Metrics::of(&y, simulated);
         let drift = Drift::of(&errors, simulated, TS);
         let record = Record::new(TS, u, y).unwrap();
-        Floor::of(&ComparedRun { record: &record, simulated, cycles: &[] }, period(record.u()), &errors, &metrics, &drift)
+        Floor::of(
+            &ComparedRun { record: &record, simulated, cycles: &[] },
+            period(record.u()),
+            &errors,
+            &metrics,
+            &drift,
+        )
     }
 
     #[test]

@@ -11,9 +11,6 @@ use std::fmt::{self, Debug, Formatter};
 use std::io::{self, Cursor, Read};
 use std::sync::Arc;
 
-/// Number of bytes that are hashed at once.
-const BLOCK: usize = 1 << 16;
-
 /// A file of samples, which is opened whenever it is read.
 #[derive(Clone)]
 pub struct DataFile {
@@ -40,10 +37,7 @@ impl From<File> for DataFile {
 
 impl DataFile {
     /// A file of this name; `open` gives its bytes from the first one on, each time it is called.
-    pub fn new(
-        name: impl Into<String>,
-        open: impl Fn() -> io::Result<Box<dyn Read>> + Send + Sync + 'static,
-    ) -> Self {
+    pub fn new(name: impl Into<String>, open: impl Fn() -> io::Result<Box<dyn Read>> + Send + Sync + 'static) -> Self {
         DataFile { name: name.into(), open: Arc::new(open) }
     }
 
@@ -100,7 +94,7 @@ impl DataFile {
         columns: &ColumnSelection,
     ) -> Result<impl Iterator<Item = Result<Signal, Error>> + use<>, Error> {
         let name = self.name.clone();
-        let pieces = InputPieces::new(&name, self.bytes()?, columns).map_err(|error| error.of(&name))?;
+        let pieces = InputPieces::new(&name, &*self.open, columns).map_err(|error| error.of(&name))?;
         Ok(pieces.map(move |piece| piece.map_err(|error| error.of(&name))))
     }
 
@@ -129,16 +123,40 @@ impl DataFile {
         })
     }
 
+    /// The table in it, its format, and the SHA-256 of the bytes that were read.
+    ///
+    /// # Errors
+    /// The errors of [`DataFile::table`].
+    pub fn hashed(&self) -> Result<(Table, &'static Format, String), Error> {
+        let mut hash = Sha256::new();
+        let source = Hashing { source: self.bytes()?, hash: &mut hash };
+        let (table, format) = Table::read_from(&self.name, source).map_err(|error| error.of(&self.name))?;
+        Ok((table, format, hex(hash)))
+    }
+
     /// The SHA-256 of its bytes.
     pub(super) fn sha256(&self) -> Result<String, Error> {
-        let (mut bytes, mut hash, mut block) = (self.bytes()?, Sha256::new(), vec![0; BLOCK]);
-        loop {
-            match bytes.read(&mut block) {
-                Ok(0) => return Ok(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()),
-                Ok(n) => hash.update(&block[..n]),
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(Error::Content(format!("cannot be read: {error}")).of(&self.name)),
-            }
-        }
+        let mut hash = Sha256::new();
+        let read = io::copy(&mut Hashing { source: self.bytes()?, hash: &mut hash }, &mut io::sink());
+        read.map_err(|error| Error::Content(format!("cannot be read: {error}")).of(&self.name))?;
+        Ok(hex(hash))
     }
+}
+
+/// A source of bytes that hashes what is read.
+struct Hashing<'a, R> {
+    source: R,
+    hash: &'a mut Sha256,
+}
+
+impl<R: Read> Read for Hashing<'_, R> {
+    fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
+        let n = self.source.read(to)?;
+        self.hash.update(&to[..n]);
+        Ok(n)
+    }
+}
+
+fn hex(hash: Sha256) -> String {
+    hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -40,8 +40,8 @@ impl IdentifyOptions {
         self.check()?;
         let (mut names, mut origins) = (Vec::new(), Vec::new());
         let mut read = |source: Source| {
-            origins.push(source.origin()?);
-            let record = source.record()?;
+            let (record, origin) = source.read()?;
+            origins.push(origin);
             names.push(source.file.name);
             Ok(record)
         };

@@ -18,7 +18,8 @@ impl DataFile {
     /// ```
     /// use piezoid::formats::ColumnSelection;
     /// use piezoid_verbs::{DataFile, File};
-    /// let file: DataFile = File::new("log.csv", "Time (ms),Drive (V),Position (um)\n0,0,0.1\n1,1,5.2\n2,0,0.3\n").into();
+    /// let log = File::new("log.csv", "Time (ms),Drive (V),Position (um)\n0,0,0.1\n1,1,5.2\n2,0,0.3\n");
+    /// let file = DataFile::from(log);
     /// let (seen, record) = file.inspect(&ColumnSelection::default())?;
     /// assert_eq!(seen["channels"][2]["role"], "output");
     /// assert_eq!(record?.ts(), 0.001);

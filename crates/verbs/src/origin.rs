@@ -84,26 +84,9 @@ fn is_usual(columns: &ColumnSelection) -> bool {
 }
 
 impl Origin {
-    /// The origin of a record in this file.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read.
-    pub fn of(file: &DataFile) -> Result<Self, Error> {
-        Ok(Origin { file: file.short().into(), sha256: file.sha256()?, ..Origin::default() })
-    }
-}
-
-impl Source {
-    /// Where its record comes from.
-    ///
-    /// # Errors
-    /// The errors of [`Origin::of`].
-    pub fn origin(&self) -> Result<Origin, Error> {
-        if let Some(origin) = &self.origin {
-            return Ok(origin.clone());
-        }
-        let (columns, preparation) = (self.columns.clone(), self.preparation.clone());
-        Ok(Origin { columns, preparation, ..Origin::of(&self.file)? })
+    /// The origin of a record in a file of this name, whose bytes have this SHA-256.
+    pub fn of(name: &str, sha256: String) -> Self {
+        Origin { file: short(name).into(), sha256, ..Origin::default() }
     }
 }
 

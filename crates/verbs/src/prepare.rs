@@ -3,7 +3,7 @@
 use super::{DataFile, Origin};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::options::by_name;
-use piezoid_records::formats::ColumnSelection;
+use piezoid_records::formats::{ColumnSelection, Table};
 use piezoid_records::preparation::PrepareOptions;
 use piezoid_records::record::{Record, Units};
 use serde::{Deserialize, Serialize};
@@ -60,11 +60,29 @@ impl Source {
     /// # Errors
     /// The errors of [`DataFile::record`] and of the steps.
     pub fn record(&self) -> Result<Record, Error> {
+        self.of(self.file.table()?.0)
+    }
+
+    /// The record, and where it comes from.
+    ///
+    /// # Errors
+    /// The errors of [`record`](Source::record).
+    pub fn read(&self) -> Result<(Record, Origin), Error> {
+        // A file may change between two readings: what is hashed is what was read.
+        let (table, _, sha256) = self.file.hashed()?;
+        let (columns, preparation) = (self.columns.clone(), self.preparation.clone());
+        let own = || Origin { columns, preparation, ..Origin::of(&self.file.name, sha256) };
+        Ok((self.of(table)?, self.origin.clone().unwrap_or_else(own)))
+    }
+
+    /// The record in the table of its file.
+    fn of(&self, table: Table) -> Result<Record, Error> {
         let resample = match self.preparation.first() {
             Some(Step::Prepare(options)) => options.resample,
             _ => None,
         };
-        let record = self.file.read(|table| table.resampled(&self.columns, resample))?;
+        let record = table.resampled(&self.columns, resample).map_err(|error| error.of(&self.file.name))?;
+        drop(table);
         let prepared = self.preparation.iter().try_fold(record, |record, step| step.run(record));
         prepared.map_err(|error| error.about(&self.file.name))
     }

@@ -7,7 +7,7 @@ use piezoid_numerics::number::quantity;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_numerics::series::ends;
 use piezoid_numerics::system::System;
-use piezoid_records::formats::{ColumnSelection, Signal, Table, TableWriter};
+use piezoid_records::formats::{ColumnSelection, Table, TextWriter};
 use piezoid_records::record::{Record, Units};
 use piezoid_twins::{Plant, Spec};
 use std::io::Write;
@@ -90,11 +90,11 @@ impl SimulateOptions {
         Ok(result)
     }
 
-    /// The same, written piece by piece to a file of this name; returns the limits that were reached. A record of any
-    /// length needs little memory, if it is read and written as CSV, begins settled or at rest, and is not cut.
+    /// The same, written to a file of this name; returns the limits that were reached. From CSV to CSV, a few megabytes
+    /// are held, however long the input is, if the simulation begins at rest or settled and the input is not cut.
     ///
     /// # Errors
-    /// The errors of [`run`](SimulateOptions::run) and [`TableWriter`].
+    /// The errors of [`run`](SimulateOptions::run), of [`Simulated::written`], and of writing.
     pub fn write(
         &self,
         subject: &Subject,
@@ -103,14 +103,15 @@ impl SimulateOptions {
     ) -> Result<String, Error> {
         let Units { u, y } = subject.units();
         let (mut to, mut writer) = (Some(to), None);
-        let reached = self.in_pieces(subject, input, columns, &mut |ts, inputs, response| {
-            if let Some(to) = to.take() {
-                writer = Some(TableWriter::new(to, name, ts, &[&format!("u_{u}"), &format!("y_{y}")])?);
-            }
-            writer.as_mut().map_or(Ok(()), |writer| writer.rows(&[&inputs, &response]))
-        })?;
-        writer.map_or(Ok(()), TableWriter::end).map_err(|error| error.of(name))?;
-        Ok(reached)
+        self.in_pieces(subject, input, columns, &mut |ts, inputs, response| {
+            let mut write = || {
+                if let Some(to) = to.take() {
+                    writer = Some(TextWriter::new(to, ts, &[&format!("u_{u}"), &format!("y_{y}")])?);
+                }
+                writer.as_mut().map_or(Ok(()), |writer| writer.rows(&[&inputs, &response]))
+            };
+            write().map_err(|error| error.of(name))
+        })
     }
 
     /// Simulates piece by piece: `take` gets the sampling period, the inputs and the responses of each. Returns the
@@ -129,8 +130,9 @@ impl SimulateOptions {
             _ => Box::new(std::iter::once(input.input(columns))),
         };
         for piece in pieces {
-            let Signal { ts, .. } = *piece.as_ref().map_err(Clone::clone)?;
-            let u = piece?.samples_in(&subject.units().u, "the input").map_err(|error| error.of(&input.name))?;
+            let signal = piece?;
+            let ts = signal.ts;
+            let u = signal.samples_in(&subject.units().u, "the input").map_err(|error| error.of(&input.name))?;
             let run = match &mut run {
                 Some(run) => run,
                 none => none.insert(self.begin(subject, ts, &u).map_err(|error| error.about(&input.name))?),
@@ -211,7 +213,9 @@ impl Run<'_> {
 
     /// The limits that a plant has reached, as text.
     fn reached(self) -> String {
-        let (Simulator::Plant(plant), Subject::Plant(spec)) = (&self.system, self.subject) else { return String::new() };
+        let (Simulator::Plant(plant), Subject::Plant(spec)) = (&self.system, self.subject) else {
+            return String::new();
+        };
         let saturation = plant.saturation(&self.state);
         let mut reached = if saturation.any() { saturation.to_string() } else { String::new() };
         if saturation.current_limited > 0 {

@@ -3,8 +3,11 @@
 use super::lists;
 use super::prelude::*;
 use crate::values::record;
+use piezoid::formats::Table;
 use piezoid::hammerstein::InitialCondition;
+use piezoid_host::files::write_in_pieces;
 use piezoid_verbs::{SimulateOptions, Subject};
+use std::io::Write;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -61,8 +64,15 @@ impl Run for Simulate {
             (_, Some(model)) => Subject::Model(files::read(model)?.model().map_err(failed)?),
             _ => bail!("name a --plant or a --model"),
         };
-        let reached =
-            files::write_in_pieces(&self.output, console, |to| options.write(&subject, (&input, columns), to))?;
+        let name = self.output.display().to_string();
+        let reached = if files::is_stream(&self.output) || !Table::is_text(&name) {
+            let result = options.run(&subject, &input, columns).map_err(failed)?;
+            Results::default().record(Some(&self.output), |name| result.written(name))?.write(console)?;
+            result.reached
+        } else {
+            let write = |to: &mut dyn Write| options.write(&subject, (&input, columns), (&name, to));
+            write_in_pieces(&self.output, write).map_err(failed)?
+        };
         console.remarks(Some(&reached).filter(|text| !text.is_empty()));
         Ok(())
     }

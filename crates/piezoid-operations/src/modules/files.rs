@@ -57,11 +57,11 @@ fn inspect(inputs: &Inputs) -> Result<Output, Error> {
 fn prepare(inputs: &Inputs) -> Result<Output, Error> {
     let steps = vec![Step::Prepare(inputs.options()?)];
     let source = Source::new(inputs.one("data")?, inputs.columns()?, steps);
-    let (outcome, name) = (source.record()?, "record.csv");
+    let ((outcome, origin), name) = (source.read()?, "record.csv");
     let written = File::new(name, outcome.written(name)?);
     let table = Table::read(name, &written.bytes)?;
     let (mut result, _) = piezoid_verbs::inspect(&table, name, "csv", &ColumnSelection::default());
-    result["origin"] = json!(source.origin()?);
+    result["origin"] = json!(origin);
     Ok(Output { result, series: named([("u", outcome.u()), ("y", outcome.y())]), files: vec![written] })
 }
 

@@ -25,6 +25,7 @@ pub(super) use encoding::decode;
 pub(super) use encoding::lines;
 pub(super) use head::stated_period;
 pub(super) use rows::{Rows, read};
+pub(super) use text::PIECE;
 pub(super) use write::{Writer, times};
 
 use super::Format;

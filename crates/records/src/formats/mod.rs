@@ -5,7 +5,8 @@
 //! error, which names the options that resolve it.
 //!
 //! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
-//! its name; [`InputPieces`] reads a long one piece by piece. [`Table::write`] writes CSV, `.npz` or `.mat`, by the extension of the name.
+//! its name; [`InputPieces`] reads a long one piece by piece. [`Table::write`] writes CSV, `.npz` or `.mat`, by the
+//! extension of the name.
 //!
 //! Why: docs/decisions/data-and-records.md, "HDF5 is read by a crate, other binary formats by piezoid".
 
@@ -24,6 +25,7 @@ mod igor;
 mod matlab;
 #[cfg_attr(not(feature = "foreign"), allow(dead_code))]
 mod numpy;
+mod pieces;
 mod quote;
 mod read;
 mod roles;
@@ -42,11 +44,11 @@ mod write;
 
 pub use channel::Channel;
 pub use numpy::archive;
-pub use read::InputPieces;
+pub use pieces::{InputPieces, Open};
 
 pub use selection::ColumnSelection;
 pub use table::{Signal, Table};
-pub use write::TableWriter;
+pub use write::TextWriter;
 
 use piezoid_numerics::error::Error;
 use serde::Serialize;

@@ -107,7 +107,8 @@ impl Table {
     /// The table of the last row alone, for the rows that follow it.
     pub(super) fn of_last_row(&self) -> Table {
         let last = self.count.saturating_sub(1);
-        let after = |rows: &[usize]| rows.iter().filter_map(|row| row.checked_sub(last)).filter(|row| *row > 0).collect();
+        let after =
+            |rows: &[usize]| rows.iter().filter_map(|row| row.checked_sub(last)).filter(|row| *row > 0).collect();
         Table {
             columns: self.columns.iter().map(Column::of_last_row).collect(),
             others: Vec::new(),

@@ -138,16 +138,81 @@ fn resampling(step: f64) -> String {
 
 /// The period that the stamps represent, from their mean step.
 fn meant(t: &[f64], mean: f64) -> f64 {
-    // As piezoid writes them: multiples of the second stamp, correctly rounded.
-    let multiples = |ts: f64| t.iter().enumerate().all(|(k, t)| (t - k as f64 * ts).abs() <= 2.0 * f64::EPSILON * t);
-    if multiples(t[1]) {
+    if (0..).zip(t).all(|(k, stamp)| is_multiple(*stamp, k, t[1])) {
         return t[1];
     }
-    let n = (t.len() - 1) as f64;
-    let roughness = t.iter().enumerate().map(|(k, t_k)| (t_k - (t[0] + k as f64 * mean)).abs()).fold(0.0, f64::max);
-    let rounding = 4.0 * f64::EPSILON * t[0].abs().max(t[t.len() - 1].abs());
-    let fits = |ts: &f64| (ts - mean).abs() * n <= roughness + rounding;
+    let roughness = (0..).zip(t).map(|(k, stamp)| off_line(*stamp, k, t[0], mean)).fold(0.0, f64::max);
+    shortest([t[0], t[t.len() - 1]], t.len() - 1, roughness)
+}
+
+/// True if a stamp is a multiple of a period, correctly rounded, as piezoid writes them.
+fn is_multiple(stamp: f64, k: usize, ts: f64) -> bool {
+    (stamp - k as f64 * ts).abs() <= 2.0 * f64::EPSILON * stamp
+}
+
+/// The deviation of a stamp from even steps after the first.
+fn off_line(stamp: f64, k: usize, first: f64, mean: f64) -> f64 {
+    (stamp - (first + k as f64 * mean)).abs()
+}
+
+/// The shortest decimal number that fits the first and the last stamp, which are so many steps apart, as well as their
+/// mean step does; the stamps between them deviate from even steps by up to `roughness`.
+fn shortest([first, last]: [f64; 2], steps: usize, roughness: f64) -> f64 {
+    let mean = (last - first) / steps as f64;
+    let rounding = 4.0 * f64::EPSILON * first.abs().max(last.abs());
+    let fits = |ts: &f64| (ts - mean).abs() * steps as f64 <= roughness + rounding;
     (1..=15).map(|digits| rounded(mean, digits)).find(fits).unwrap_or(mean)
+}
+
+/// What one pass over stamps shows, of which only a few are held.
+#[derive(Debug)]
+pub(super) struct EvenStamps {
+    first: f64,
+    second: f64,
+    last: f64,
+    /// Number of steps.
+    steps: usize,
+    least: f64,
+    most: f64,
+    are_multiples: bool,
+}
+
+impl EvenStamps {
+    /// The first two stamps.
+    pub(super) fn new(first: f64, second: f64) -> Self {
+        let step = second - first;
+        let are_multiples = is_multiple(first, 0, second);
+        EvenStamps { first, second, last: second, steps: 1, least: step, most: step, are_multiples }
+    }
+
+    /// The next stamp.
+    pub(super) fn add(&mut self, stamp: f64) {
+        let step = stamp - self.last;
+        self.steps += 1;
+        (self.least, self.most) = (self.least.min(step), self.most.max(step));
+        self.are_multiples &= is_multiple(stamp, self.steps, self.second);
+        self.last = stamp;
+    }
+
+    /// True if every step certainly is within 1 % of the median, which only held stamps show.
+    pub(super) fn are_even(&self) -> bool {
+        self.least > 0.0 && self.most - self.least <= UNEVEN * self.least
+    }
+
+    /// The period that [`period`] finds; `None` if this needs another pass, which gives the deviations.
+    pub(super) fn period(&self) -> Option<f64> {
+        self.are_multiples.then_some(self.second)
+    }
+
+    /// The same, with the largest deviation of the stamps.
+    pub(super) fn period_of(&self, roughness: f64) -> f64 {
+        shortest([self.first, self.last], self.steps, roughness)
+    }
+
+    /// The deviation of stamp k from even steps.
+    pub(super) fn deviation(&self, stamp: f64, k: usize) -> f64 {
+        off_line(stamp, k, self.first, (self.last - self.first) / self.steps as f64)
+    }
 }
 
 /// The nearest number with this many significant digits, at least one.

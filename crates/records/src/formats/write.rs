@@ -61,6 +61,13 @@ impl Table {
     }
 }
 
+impl Table {
+    /// True if [`write`](Table::write) writes CSV to a file of this name, which [`TextWriter`] does piece by piece.
+    pub fn is_text(name: &str) -> bool {
+        Format::meant(name).0.is_none_or(|format| format.in_pieces)
+    }
+}
+
 impl Record {
     /// This record as a file with the columns `t_s`, `u_*` and `y_*` in its units, and its history; see
     /// [`Table::write`].
@@ -94,45 +101,31 @@ fn named(names: &[&str], ts: f64) -> Result<(), Error> {
     Ok(())
 }
 
-/// A file that is written piece by piece: CSV as its rows come, other formats at the end.
-pub struct TableWriter<W> {
-    name: String,
-    ts: f64,
+/// A CSV file that is written piece by piece.
+pub struct TextWriter<W> {
     names: Vec<String>,
-    to: Pieces<W>,
+    to: csv::Writer<W>,
 }
 
-enum Pieces<W> {
-    Text(csv::Writer<W>),
-    /// Where the columns go, which are held.
-    Whole(W, Vec<Vec<f64>>),
-}
-
-impl<W: io::Write> TableWriter<W> {
-    /// A file of columns with these names, sampled every `ts` [s]. Its name selects the format as that of
-    /// [`Table::write`] does.
+impl<W: io::Write> TextWriter<W> {
+    /// A file of columns with these names, sampled every `ts` [s].
     ///
     /// ```
-    /// use piezoid_records::formats::TableWriter;
+    /// use piezoid_records::formats::TextWriter;
     /// let mut file = Vec::new();
-    /// let mut writer = TableWriter::new(&mut file, "u.csv", 0.5, &["u_V"])?;
+    /// let mut writer = TextWriter::new(&mut file, 0.5, &["u_V"])?;
     /// writer.rows(&[&[1.0, 2.0]])?;
     /// writer.rows(&[&[3.0]])?;
-    /// writer.end()?;
     /// assert_eq!(file, b"t_s,u_V\n0.0,1\n0.5,2\n1.0,3\n");
     /// # Ok::<(), piezoid_numerics::error::Error>(())
     /// ```
     ///
     /// # Errors
-    /// The errors of [`Table::write`].
-    pub fn new(to: W, name: &str, ts: f64, names: &[&str]) -> Result<Self, Error> {
-        written(name)?;
+    /// The errors of [`Table::write`], and an error if the file cannot be written.
+    pub fn new(to: W, ts: f64, names: &[&str]) -> Result<Self, Error> {
         named(names, ts)?;
-        let to = match Format::meant(name).0 {
-            Some(format) if !format.in_pieces => Pieces::Whole(to, vec![Vec::new(); names.len()]),
-            _ => Pieces::Text(csv::Writer::new(to, ts, names, &[])?),
-        };
-        Ok(TableWriter { name: name.into(), ts, names: names.iter().map(ToString::to_string).collect(), to })
+        let to = csv::Writer::new(to, ts, names, &[])?;
+        Ok(TextWriter { names: names.iter().map(ToString::to_string).collect(), to })
     }
 
     /// Adds rows of these columns, in the order of their names.
@@ -141,24 +134,7 @@ impl<W: io::Write> TableWriter<W> {
     /// Returns an error for samples that are not finite, and if the file cannot be written.
     pub fn rows(&mut self, columns: &[&[f64]]) -> Result<(), Error> {
         self.names.iter().zip(columns).try_for_each(|(name, samples)| finite(name, samples))?;
-        match &mut self.to {
-            Pieces::Text(writer) => writer.rows(columns),
-            Pieces::Whole(_, all) => {
-                all.iter_mut().zip(columns).for_each(|(all, samples)| all.extend_from_slice(samples));
-                Ok(())
-            }
-        }
-    }
-
-    /// Writes what is not written yet.
-    ///
-    /// # Errors
-    /// The errors of [`Table::write`], and an error if the file cannot be written.
-    pub fn end(self) -> Result<(), Error> {
-        let Pieces::Whole(mut to, all) = self.to else { return Ok(()) };
-        let columns: Vec<(&str, &[f64])> = self.names.iter().map(String::as_str).zip(all.iter().map(|x| &x[..])).collect();
-        let bytes = Table::write(&self.name, self.ts, &columns)?;
-        to.write_all(&bytes).map_err(|error| Error::Content(format!("cannot be written to its end: {error}")))
+        self.to.rows(columns)
     }
 }
 

@@ -1,7 +1,7 @@
 //! Converts bytes to text, or to the reason why they are not text.
 //!
 //! Text is UTF-8, UTF-16 (Excel's "Unicode text", PowerShell) or Windows-1252 (older programs), which this file
-//! distinguishes apart by the byte-order mark, the zeros between letters, and the bytes that UTF-8 does not allow.
+//! distinguishes by the byte-order mark, the zeros between letters, and the bytes that UTF-8 does not allow.
 
 use piezoid_numerics::error::Error;
 use std::borrow::Cow;
@@ -41,10 +41,11 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Cow<'_, str> {
     letters.map(|letter| letter.unwrap_or(char::REPLACEMENT_CHARACTER)).chain(cut).collect::<String>().into()
 }
 
-/// A text in Windows-1252 from a line on, which is not UTF-8 at the position `invalid`.
-fn windows_1252(bytes: &[u8], invalid: usize, line: u64) -> Result<Cow<'_, str>, Error> {
+/// A text in Windows-1252 from a line on. A file that begins with control characters is not text.
+fn windows_1252(bytes: &[u8], line: u64) -> Result<Cow<'_, str>, Error> {
     let control = |b: &u8| *b < b' ' && !b"\t\n\r\x0c\x1a".contains(b);
-    if bytes.iter().take(4096).any(control) {
+    if line == 1 && bytes.iter().take(4096).any(control) {
+        let invalid = std::str::from_utf8(bytes).map_or_else(|error| error.valid_up_to(), str::len);
         let (byte, line) = (bytes.get(invalid).copied().unwrap_or_default(), line + ends_before(bytes, invalid));
         return Err(Error::Content(format!(
             "this is not text with columns: byte 0x{byte:02x} on line {line} is not text; if it is another format, \
@@ -58,10 +59,12 @@ fn windows_1252(bytes: &[u8], invalid: usize, line: u64) -> Result<Cow<'_, str>,
 /// How a text is written.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Encoding {
-    /// UTF-8, and Windows-1252 where it is not.
-    Bytes,
-    /// UTF-8, as its mark says.
+    /// ASCII so far.
+    Ascii,
+    /// UTF-8.
     Utf8,
+    /// Windows-1252, which is what is not UTF-8.
+    Windows,
     /// UTF-16, the lower byte first.
     Little,
     /// UTF-16, the higher byte first.
@@ -78,7 +81,7 @@ impl Encoding {
             [0xfe, 0xff, ..] => (Encoding::Big, 2),
             [a, 0, b, 0, ..] if *a > 0 && *b > 0 => (Encoding::Little, 0),
             [0, a, 0, b, ..] if *a > 0 && *b > 0 => (Encoding::Big, 0),
-            _ => (Encoding::Bytes, 0),
+            _ => (Encoding::Ascii, 0),
         };
         match OTHERS.iter().find(|(start, _)| bytes[mark..].starts_with(start)) {
             Some((_, kind)) => Err(Error::Content(format!("this is not text with columns but {kind}"))),
@@ -92,20 +95,29 @@ impl Encoding {
         match self {
             Encoding::Little => unit([end, 0]),
             Encoding::Big => unit([0, end]),
-            Encoding::Bytes | Encoding::Utf8 => bytes.iter().rposition(|found| *found == end).map(|k| k + 1),
+            Encoding::Ascii | Encoding::Utf8 | Encoding::Windows => {
+                bytes.iter().rposition(|found| *found == end).map(|k| k + 1)
+            }
+        }
+    }
+
+    /// The encoding of text whose first bytes beyond ASCII may be among these: what is not UTF-8 is Windows-1252.
+    pub(super) fn with(self, bytes: &[u8]) -> Self {
+        match self {
+            Encoding::Ascii if bytes.is_ascii() => self,
+            Encoding::Ascii if std::str::from_utf8(bytes).is_ok() => Encoding::Utf8,
+            Encoding::Ascii => Encoding::Windows,
+            other => other,
         }
     }
 
     /// The text of bytes that begin on a line, from 1. What stands for no letter becomes U+FFFD.
     pub(super) fn decode(self, bytes: &[u8], line: u64) -> Result<Cow<'_, str>, Error> {
         let text = match self {
-            Encoding::Utf8 => String::from_utf8_lossy(bytes),
+            Encoding::Ascii | Encoding::Utf8 => String::from_utf8_lossy(bytes),
             Encoding::Little => utf16(bytes, u16::from_le_bytes),
             Encoding::Big => utf16(bytes, u16::from_be_bytes),
-            Encoding::Bytes => match std::str::from_utf8(bytes) {
-                Ok(text) => text.into(),
-                Err(error) => windows_1252(bytes, error.valid_up_to(), line)?,
-            },
+            Encoding::Windows => windows_1252(bytes, line)?,
         };
         match text.find('\0') {
             None => Ok(text),
@@ -122,7 +134,7 @@ impl Encoding {
 #[cfg(any(feature = "foreign", test))]
 pub(in crate::formats) fn decode(bytes: &[u8]) -> Result<Cow<'_, str>, Error> {
     let (encoding, mark) = Encoding::of(bytes)?;
-    encoding.decode(&bytes[mark..], 1)
+    encoding.with(&bytes[mark..]).decode(&bytes[mark..], 1)
 }
 
 /// The lines with their numbers, from 1. A line ends with a line feed, a carriage return, or both.

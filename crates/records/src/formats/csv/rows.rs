@@ -13,7 +13,7 @@ use std::iter::Peekable;
 
 /// The table in a source of text.
 pub(in crate::formats) fn read(source: impl Read) -> Result<Table, Error> {
-    let mut rows = Rows::new(source)?;
+    let mut rows = Rows::in_pieces(source, PIECE)?;
     while rows.read()? {}
     rows.end()
 }
@@ -28,7 +28,7 @@ pub(in crate::formats) struct Rows<R> {
     layout: Layout,
     /// Number of rows in all pieces.
     count: usize,
-    /// The lines below the last row: the error that the first of them is if rows follow, and how many there are.
+    /// The lines below the last row: the error for the first of them, if rows follow after all, and their number.
     below: Option<(Error, usize)>,
 }
 
@@ -67,12 +67,7 @@ impl Layout {
 }
 
 impl<R: Read> Rows<R> {
-    /// Reads the head.
-    pub(in crate::formats) fn new(source: R) -> Result<Self, Error> {
-        Rows::in_pieces(source, PIECE)
-    }
-
-    /// The same in pieces of so many bytes.
+    /// Reads the head of a text, which is read in pieces of so many bytes.
     pub(in crate::formats) fn in_pieces(source: R, size: usize) -> Result<Self, Error> {
         let mut text = Text::new(source, size);
         let mut first = text.next()?.ok_or_else(|| without_numbers(""))?;
@@ -80,7 +75,7 @@ impl<R: Read> Rows<R> {
             if let Some((table, layout)) = Layout::of(&first)? {
                 return Ok(Rows { table, text, first: Some(first), layout, count: 0, below: None });
             }
-            // The head may be longer than a piece.
+            // The lines above the rows may be longer than a piece.
             let len = first.text.len();
             while first.text.len() <= 2 * len {
                 match text.next()? {
@@ -132,13 +127,20 @@ impl<R: Read> Rows<R> {
         Ok(true)
     }
 
-    /// The table of the rows that were read. The last of them is the first of the next table: it shows that the time goes
-    /// on.
-    pub(in crate::formats) fn take(&mut self) -> Table {
-        let mut table = self.table.of_last_row();
-        std::mem::swap(&mut table, &mut self.table);
-        table.doubt_commas(self.layout.dialect.separator);
-        table
+    /// True if the rows that were read have so many cells.
+    pub(in crate::formats) fn is_full(&self, cells: usize) -> bool {
+        // With the two first stamps, and with a row that is new.
+        self.table.count > 2.max(cells / self.table.columns.len().max(1))
+    }
+
+    /// Number of rows that were read, with those that were dropped.
+    pub(in crate::formats) fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Drops the rows that were read, except the last one: it shows that the time goes on.
+    pub(in crate::formats) fn drop_rows(&mut self) {
+        self.table = self.table.of_last_row();
     }
 
     /// The table of the rows, all of which were read.
@@ -194,7 +196,10 @@ mod tests {
             format!("# piezoid: cut\n# rig 3\n\nTime (s),Drive (V),Position (um)\n{rows}# end\nMean,3,4\n"),
             format!("t_s,u_V,y_um\n{}", rows.replace("77,", "\n# a mark\n77,").replace("200,", "t_s,u_V,y_um\n200,")),
             format!("t_s,u_V,y_um,note\n{}", rows.replace("150,", "150,x")),
-            format!("clock,u_V,y_um\n{}", (0..300).map(|k| format!("23:59:{}.{},1,2\n", k / 10 % 60, k % 10)).collect::<String>()),
+            format!(
+                "clock,u_V,y_um\n{}",
+                (0..300).map(|k| format!("23:59:{}.{},1,2\n", k / 10 % 60, k % 10)).collect::<String>()
+            ),
             rows.replace(',', ";").replace('.', ","),
             format!("t_s,u_V,y_um\n{rows}words,a,b\n300,1,2\n"),
             format!("t_s,u_V,y_um\n{rows}300,1\n"),

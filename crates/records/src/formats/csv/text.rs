@@ -5,8 +5,8 @@ use crate::formats::read::broken;
 use piezoid_numerics::error::Error;
 use std::io::Read;
 
-/// Number of bytes of a piece. The first one, at least, holds what stands above the rows, or more is read.
-pub(super) const PIECE: usize = 1 << 20;
+/// Number of bytes of a piece. The first one shows encoding, ends of lines, separators and names.
+pub(in crate::formats) const PIECE: usize = 1 << 22;
 
 /// The text of a source.
 pub(super) struct Text<R> {
@@ -79,6 +79,8 @@ impl<R: Read> Text<R> {
                 expected *= 2;
                 continue;
             };
+            let encoding = encoding.with(&self.bytes[..whole]);
+            self.written = Some((encoding, end));
             let mut text = encoding.decode(&self.bytes[..whole], self.line)?.into_owned();
             self.bytes.drain(..whole);
             if !self.ended {

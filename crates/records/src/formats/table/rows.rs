@@ -119,13 +119,28 @@ impl Table {
         {
             return Ok(stated);
         }
-        match found_seconds {
-            Some(found) => Ok(found),
+        self.in_seconds(time, seconds, found)
+    }
+
+    /// A period of a time column, whose unit has so many seconds if it is known, in seconds.
+    fn in_seconds(&self, time: &Column, seconds: Option<f64>, found: f64) -> Result<f64, Error> {
+        match seconds {
+            Some(seconds) => Ok(time::times(found, seconds)),
             None if found < SLOW || time.name == "t_s" => Ok(found),
             None => {
                 self.unclear(time, format!("the unit of the time is not stated, and its steps are {}: ", exact(found)))
             }
         }
+    }
+
+    /// The sampling period [s] of a time column whose stamps have this period in their unit.
+    pub(in crate::formats) fn seconds_of(
+        &self,
+        time: &Column,
+        selection: &ColumnSelection,
+        period: f64,
+    ) -> Result<f64, Error> {
+        self.in_seconds(time, self.seconds(time, selection, None)?, period)
     }
 
     /// Returns an error if one of these columns has no number in one of these rows, which are at the times `at` [s].

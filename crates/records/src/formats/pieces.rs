@@ -1,0 +1,349 @@
+//! The input in a file, piece by piece.
+//!
+//! A first pass over a text shows its sampling period, as that of the whole, and whether it can be read in pieces: every
+//! row has a number, and the times are even. What needs a closer look is read as a whole, with the same result or error.
+
+use super::column::Column;
+use super::csv::{PIECE, Rows};
+use super::read::{Begun, broken, recognised};
+use super::roles::Role;
+use super::time::EvenStamps;
+use super::{ColumnSelection, Signal, Table};
+use piezoid_numerics::error::{Error, finite};
+use std::io::{self, Read};
+
+/// Number of cells of a piece.
+const CELLS: usize = 1 << 20;
+
+/// The input in a file, in pieces that follow each other. Of text with columns, only a piece is held; a file of another
+/// format, and one of which a part is selected, is one piece.
+///
+/// ```
+/// use piezoid_records::formats::{ColumnSelection, InputPieces};
+/// use std::io::{Cursor, Read};
+/// let file = || Ok(Box::new(Cursor::new(b"t_s,u_V\n0,1\n0.1,2\n0.2,3\n")) as Box<dyn Read>);
+/// let mut samples = Vec::new();
+/// for piece in InputPieces::new("u.csv", &file, &ColumnSelection::default())? {
+///     samples.extend(piece?.samples);
+/// }
+/// assert_eq!(samples, [1.0, 2.0, 3.0]);
+/// # Ok::<(), piezoid_numerics::error::Error>(())
+/// ```
+pub struct InputPieces(Pieces);
+
+enum Pieces {
+    /// One piece, until it is taken.
+    Whole(Option<Signal>),
+    Rows(Box<RowPieces>),
+}
+
+/// Opens a file at its start.
+pub type Open<'a> = &'a dyn Fn() -> io::Result<Box<dyn Read>>;
+
+type Source = Begun<Box<dyn Read>>;
+
+struct RowPieces {
+    rows: Rows<Source>,
+    /// What the first pass found.
+    found: Found,
+    /// Number of rows in the pieces so far.
+    taken: usize,
+    /// Number of cells of a piece.
+    cells: usize,
+}
+
+/// What the first pass over a text found.
+#[derive(Debug)]
+struct Found {
+    /// Place of the input among the columns.
+    input: usize,
+    /// Sampling period [s].
+    ts: f64,
+    unit: String,
+    factor: f64,
+    /// Number of rows.
+    count: usize,
+}
+
+impl InputPieces {
+    /// The input in a file of this name, which is opened up to three times. Only errors use the name.
+    ///
+    /// # Errors
+    /// The errors of [`Table::read_from`] and [`Table::input`].
+    pub fn new(name: &str, open: Open, selection: &ColumnSelection) -> Result<Self, Error> {
+        InputPieces::of(name, open, selection, (PIECE, CELLS)).map(InputPieces)
+    }
+
+    fn of(
+        name: &str,
+        open: Open,
+        selection: &ColumnSelection,
+        (bytes, cells): (usize, usize),
+    ) -> Result<Pieces, Error> {
+        let source = || recognised(open().map_err(broken)?);
+        let text = || Rows::in_pieces(source()?.1, bytes);
+        let is_cut = selection.from.is_some() || selection.to.is_some();
+        // An error is found again in the whole, with all that it concerns.
+        if !is_cut
+            && source()?.0.in_pieces
+            && let Ok(Some(found)) = Found::in_text(&text, selection, cells)
+        {
+            return Ok(Pieces::Rows(Box::new(RowPieces { rows: text()?, found, taken: 0, cells })));
+        }
+        let (table, _) = Table::read_from(name, open().map_err(broken)?)?;
+        table.input(selection).map(|signal| Pieces::Whole(Some(signal)))
+    }
+}
+
+/// The time column in the first pass.
+struct Times {
+    place: usize,
+    stamps: EvenStamps,
+}
+
+impl Found {
+    /// What a pass over the rows of a text shows, or another one if the first is not sufficient; `None` for a text of
+    /// one piece, and for one that must be read as a whole.
+    fn in_text(
+        text: &dyn Fn() -> Result<Rows<Source>, Error>,
+        selection: &ColumnSelection,
+        cells: usize,
+    ) -> Result<Option<Found>, Error> {
+        let mut rows = text()?;
+        let (mut found, mut times): (Option<Found>, Option<Times>) = (None, None);
+        while rows.read()? {
+            if !rows.is_full(cells) {
+                continue;
+            }
+            if found.is_none() {
+                let Some(columns) = Found::columns(&rows.table, selection)? else { return Ok(None) };
+                found = Some(columns.0);
+                times = columns.1.map(|place| Times::new(place, &rows.table.columns[place]));
+            } else if let Some(times) = &mut times {
+                times.add(&rows.table.columns[times.place]);
+            }
+            // Without times, another record may begin where the names stand again.
+            if times.is_none() && !rows.table.again.is_empty() {
+                return Ok(None);
+            }
+            rows.drop_rows();
+        }
+        let Some(mut found) = found else { return Ok(None) };
+        let (count, table) = (rows.count(), rows.end()?);
+        if let Some(times) = &mut times {
+            times.add(&table.columns[times.place]);
+        }
+        let places = [Some(found.input), times.as_ref().map(|times| times.place)];
+        let columns: Vec<&Column> = places.into_iter().flatten().map(|place| &table.columns[place]).collect();
+        let is_clear = |column: &&Column| column.flaw.is_none() && column.doubt.is_none();
+        let signs: Vec<char> = columns.iter().filter_map(|column| column.decimal).map(|(sign, _)| sign).collect();
+        let differ = signs.windows(2).any(|pair| pair[0] != pair[1]);
+        if !columns.iter().all(is_clear) || differ || times.is_none() && !table.again.is_empty() {
+            return Ok(None);
+        }
+        if let Some(times) = times {
+            if !times.stamps.are_even() {
+                return Ok(None);
+            }
+            let period = match times.stamps.period() {
+                Some(period) => period,
+                None => times.stamps.period_of(times.roughness(text()?, cells)?),
+            };
+            found.ts = table.seconds_of(&table.columns[times.place], selection, period)?;
+        }
+        found.count = count;
+        Ok(Some(found))
+    }
+
+    /// The columns of a table: the input, and the place of the time if its stamps give the period. `None` if the period
+    /// is stated in several ways.
+    fn columns(table: &Table, selection: &ColumnSelection) -> Result<Option<(Found, Option<usize>)>, Error> {
+        let place = |role: Role| {
+            let column = role.find(table, selection).ok()?;
+            table.columns.iter().position(|other| std::ptr::eq(other, column))
+        };
+        let Some(input) = place(Role::Input) else { return Ok(None) };
+        let (unit, factor) = table.columns[input].unit_and_factor(Role::Input, selection)?;
+        let found = |ts: f64| Found { input, ts, unit, factor, count: 0 };
+        Ok(match (selection.period()?, table.ts, place(Role::Time)) {
+            (Some(ts), _, _) => Some((found(ts), None)),
+            (None, None, Some(time)) if time != input => Some((found(0.0), Some(time))),
+            (None, Some(ts), None) if selection.time_col.is_none() => Some((found(ts), None)),
+            _ => None,
+        })
+    }
+}
+
+impl Times {
+    fn new(place: usize, column: &Column) -> Self {
+        let stamps = EvenStamps::new(column.samples[0], column.samples[1]);
+        let mut times = Times { place, stamps };
+        column.samples.iter().skip(2).for_each(|stamp| times.stamps.add(*stamp));
+        times
+    }
+
+    /// Adds the stamps of a table that begins with the last one of the table before.
+    fn add(&mut self, column: &Column) {
+        column.samples.iter().skip(1).for_each(|stamp| self.stamps.add(*stamp));
+    }
+
+    /// The largest deviation of the stamps from even steps.
+    fn roughness(&self, mut rows: Rows<Source>, cells: usize) -> Result<f64, Error> {
+        let (mut roughness, mut first): (f64, usize) = (0.0, 0);
+        loop {
+            let goes_on = rows.read()?;
+            if goes_on && !rows.is_full(cells) {
+                continue;
+            }
+            let stamps = &rows.table.columns[self.place].samples;
+            roughness =
+                (first..).zip(stamps).map(|(k, stamp)| self.stamps.deviation(*stamp, k)).fold(roughness, f64::max);
+            first += stamps.len().saturating_sub(1);
+            if !goes_on {
+                return Ok(roughness);
+            }
+            rows.drop_rows();
+        }
+    }
+}
+
+impl RowPieces {
+    fn next(&mut self) -> Result<Option<Signal>, Error> {
+        while self.rows.read()? {
+            if self.rows.is_full(self.cells) {
+                return self.piece().map(Some);
+            }
+        }
+        let last = if self.taken < self.found.count { Some(self.piece()?) } else { None };
+        if self.taken == self.found.count { Ok(last) } else { Err(changed()) }
+    }
+
+    fn piece(&mut self) -> Result<Signal, Error> {
+        let Found { input, ts, unit, factor, .. } = &self.found;
+        let samples = &self.rows.table.columns[*input].samples;
+        // All pieces but the first begin with the last row of the one before.
+        let new = samples.iter().skip(usize::from(self.taken > 0));
+        let samples: Vec<f64> = new.map(|sample| if *factor == 1.0 { *sample } else { sample * factor }).collect();
+        finite("u", &samples).map_err(|_| changed())?;
+        self.taken += samples.len();
+        self.rows.drop_rows();
+        Ok(Signal { ts: *ts, samples, unit: unit.clone() })
+    }
+}
+
+/// The error for a file that has other rows than in the first pass.
+fn changed() -> Error {
+    Error::Content("the file was changed while it was read: repeat the command".into())
+}
+
+impl Iterator for InputPieces {
+    type Item = Result<Signal, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match &mut self.0 {
+            Pieces::Whole(signal) => signal.take().map(Ok),
+            Pieces::Rows(rows) => rows.next().transpose(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    /// The input of a text in pieces of a few rows, and the number of pieces.
+    fn pieces(text: &str, selection: &ColumnSelection) -> Result<(Signal, usize), Error> {
+        let bytes: std::sync::Arc<[u8]> = text.as_bytes().into();
+        let open = move || Ok(Box::new(Cursor::new(bytes.clone())) as Box<dyn Read>);
+        let mut all = Signal { ts: 0.0, samples: Vec::new(), unit: String::new() };
+        let mut count = 0;
+        for piece in InputPieces(InputPieces::of("u.csv", &open, selection, (200, 30))?) {
+            let Signal { ts, samples, unit } = piece?;
+            (all.ts, all.unit, count) = (ts, unit, count + 1);
+            all.samples.extend(samples);
+        }
+        Ok((all, count))
+    }
+
+    fn whole(text: &str, selection: &ColumnSelection) -> Result<Signal, Error> {
+        Table::read("u.csv", text.as_bytes())?.input(selection)
+    }
+
+    /// Rows of a time and an input.
+    fn rows(n: usize, time: impl Fn(f64) -> String) -> String {
+        (0..n).map(|k| format!("{},{}.5\n", time(k as f64), k % 7)).collect()
+    }
+
+    #[test]
+    fn the_input_is_the_same_in_pieces() {
+        let exact = |k: f64| format!("{:.4}", k * 5e-4);
+        let any = ColumnSelection::default();
+        let scaled = ColumnSelection { fs: Some(1e3), input_scale: Some("20".into()), ..any.clone() };
+        for (text, selection) in [
+            (format!("Time (s),Drive (V)\n{}", rows(300, exact)), &any),
+            (format!("Time (s),Drive (V)\n{}", rows(301, exact)), &scaled),
+            (format!("t_s,u_V\n{}Mean,3\n", rows(302, |k| format!("{:.6}", 17.123456 + k / 3000.0))), &any),
+            (format!("t (ms),u_V\n{}", rows(303, |k| format!("{:.3}", 0.2 * k * (1.0 + 2e-6 * k)))), &any),
+            (format!("t_s,u_V\n{}", rows(304, exact).replace("\n0.0500,", "\n# mark\nt_s,u_V\n0.0500,")), &any),
+            (
+                rows(305, |k| format!("{:.3}", 0.01 * k)).replace(',', "\t").replace('.', ","),
+                &ColumnSelection {
+                    input_col: Some("2".into()),
+                    time_col: Some("1".into()),
+                    time_unit: Some("s".into()),
+                    ..any.clone()
+                },
+            ),
+            (
+                format!("Time (s),Drive (V),Time (s)\n{}", rows(300, exact).replace(".5\n", ".5,0\n")),
+                &ColumnSelection { time_col: Some("1".into()), ..any.clone() },
+            ),
+        ] {
+            let expected = whole(&text, selection).unwrap();
+            let (found, count) = pieces(&text, selection).unwrap();
+            assert_eq!((&found, count > 5), (&expected, true), "{count} pieces of {}", &text[..100]);
+        }
+    }
+
+    #[test]
+    fn what_needs_a_closer_look_is_read_as_a_whole() {
+        let even = |k: f64| format!("{:.1}", 0.1 * k);
+        let text = format!("t_s,u_V\n{}", rows(200, even));
+        let any = ColumnSelection::default();
+        for text in [
+            text.replace("\n15.0,", "\n15.0,x"),
+            text.replace("\n15.0,3.5\n", "\n"),
+            format!("{text}20.0,1,2\n"),
+            format!("t_s,u_V\n{}", rows(200, |k| format!("{:.9}", 1.0003f64.powf(k)))),
+            format!("u_V\n{}u_V\n1\n2\n", "1\n2\n".repeat(100)),
+            format!("t_s;u_V\n{}", "0;1,234\n".repeat(100)),
+            format!("Sample Interval,0.01\nTime,u_V\n{}", rows(200, |_| "noon".into())),
+            format!(
+                "Sample Interval,0.005\nTime (s),u_V\n{}",
+                rows(200, |k| format!("{:.2}", (0.5 * k).floor() / 100.0))
+            ),
+            "t_s,u_V\n0,1\n0.1,2\n".into(),
+        ] {
+            let expected = whole(&text, &any).map_err(|error| error.to_string());
+            let found = pieces(&text, &any).map_err(|error| error.to_string());
+            assert_eq!(found, expected.map(|signal| (signal, 1)), "{}", &text[..20]);
+        }
+        let cut = ColumnSelection { from: Some(1.0), ..any };
+        assert_eq!(pieces(&text, &cut).unwrap().0.samples.len(), 190);
+    }
+
+    #[test]
+    fn a_file_that_changes_while_it_is_read_is_an_error() {
+        let opened = std::cell::Cell::new(0);
+        let text = format!("t_s,u_V\n{}", rows(200, |k| format!("{:.1}", 0.1 * k)));
+        let open = || {
+            opened.set(opened.get() + 1);
+            let end = if opened.get() > 2 { text.find("10.0,").unwrap() } else { text.len() };
+            Ok(Box::new(Cursor::new(text.as_bytes()[..end].to_vec())) as Box<dyn Read>)
+        };
+        let pieces = InputPieces(InputPieces::of("u.csv", &open, &ColumnSelection::default(), (200, 30)).unwrap());
+        let error = pieces.filter_map(Result::err).next().unwrap();
+        assert!(error.to_string().starts_with("the file was changed while it was read"), "{error}");
+    }
+}
