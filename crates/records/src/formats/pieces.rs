@@ -1,7 +1,8 @@
 //! The input in a file, piece by piece.
 //!
-//! A first pass over a text shows its sampling period, as that of the whole, and whether it can be read in pieces: every
-//! row has a number, and the times are even. What needs a closer look is read as a whole, with the same result or error.
+//! A first pass over a text shows its sampling period, as that of the whole, and whether it can be read in pieces:
+//! every row has a number, and the times are even. What needs a closer look is read as a whole, with the same result or
+//! error.
 
 use super::column::Column;
 use super::csv::{PIECE, Rows};
