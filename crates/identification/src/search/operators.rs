@@ -8,7 +8,7 @@ use super::fit::{
 use super::initial_conditions::{fit_with_other_initial_conditions, select_initial_conditions};
 use super::shape_search::best_shape;
 use super::structure::with_other_blocks;
-use super::trials::{OperatorTrial, Trial, select};
+use super::trials::{OperatorTrial, Trial, factor, select};
 use super::{Candidate, JointOptions, POLICY, Reporter, Search, creep_lags, structure_search};
 use crate::Effort;
 use crate::side_by_side::side_by_side;
@@ -169,7 +169,9 @@ fn comparison(
     if let [Err(why)] = &starts[..] {
         return Err(why.clone());
     }
-    let least_minimum = least(&starts, |fits| fits[0].minimum).max(f64::MIN_POSITIVE);
+    let minima = operators.iter().zip(&starts).filter_map(|(row, fits)| Some((row, fits.as_ref().ok()?[0].minimum)));
+    let least_minimum = minima.map(|(row, minimum)| factor(row).powi(2) * minimum).fold(f64::INFINITY, f64::min);
+    let least_minimum = least_minimum.max(f64::MIN_POSITIVE);
     let mut reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least_minimum;
     // The best ones show what the others have to reach.
     let start_error =
@@ -197,8 +199,8 @@ fn comparison(
             reporter.keep_better(row, trial.and_then(|trial| trial.fitted.as_ref()), runs)
         };
         let fits: Vec<Trial> = side_by_side(round, finish, report)?.into_iter().collect::<Result<_, Error>>()?;
-        let reached = fits.iter().filter_map(|trial| trial.fitted.as_ref());
-        reach = reached.map(|fit| reachable(settings, fit, runs)).fold(reach, f64::min);
+        let reached = numbers.iter().zip(&fits).filter_map(|(k, trial)| Some((operators[*k], trial.fitted.as_ref()?)));
+        reach = reached.map(|(row, fit)| factor(row).powi(2) * reachable(settings, fit, runs)).fold(reach, f64::min);
         trials.extend(numbers.into_iter().zip(fits));
     }
     trials.sort_by_key(|(k, _)| *k);

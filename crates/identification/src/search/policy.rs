@@ -105,6 +105,9 @@ pub(crate) struct SearchPolicy {
     pub(crate) second_shape_ratio: f64,
     /// Ratio of errors up to which a simpler operator is as good, even if the difference is uncertain.
     pub(crate) as_good_operator_ratio: f64,
+    /// Factor by which the errors of an operator whose minor loops jump count more. On major loops alone it can absorb
+    /// faults of the linear block, frequency by frequency, and no other input shows them.
+    pub(crate) jumping_operator_factor: f64,
     /// Ratio of held-out errors up to which free runs decide between two operators. A fault that all operators share,
     /// as a linear block that is not settled yet, would hide in the free run how they differ.
     pub(crate) free_run_decides_ratio: f64,
@@ -230,6 +233,7 @@ pub(crate) const POLICY: SearchPolicy = SearchPolicy {
     refined_shapes: 2,
     second_shape_ratio: 1.5,
     as_good_operator_ratio: 1.02,
+    jumping_operator_factor: 2.0,
     free_run_decides_ratio: 1.5,
     repeated_comparison_ratio: 0.7,
     close_operator_ratio: 1.1,

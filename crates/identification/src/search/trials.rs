@@ -111,19 +111,20 @@ impl Trial {
 /// those with nearly the smallest error, the best has the smallest held-out error.
 pub(super) fn select(trials: &mut [Trial]) -> Result<(usize, Fitted), Error> {
     let fitted = || trials.iter().filter_map(|trial| Some((&trial.result, &trial.fitted.as_ref()?.held_out)));
-    let least =
-        fitted().map(|(trial, _)| hypot(trial.held_out_percent, ROUNDING_PERCENT)).fold(f64::INFINITY, f64::min);
+    let held_out = |trial: &OperatorTrial| trial.factor() * hypot(trial.held_out_percent, ROUNDING_PERCENT);
+    let error = |trial: &OperatorTrial| trial.factor() * trial.error();
+    let least = fitted().map(|(trial, _)| held_out(trial)).fold(f64::INFINITY, f64::min);
     let most = POLICY.free_run_decides_ratio * least;
-    let near = || fitted().filter(|(trial, _)| trial.held_out_percent <= most);
+    let near = || fitted().filter(|(trial, _)| held_out(trial) <= most);
     let most_error =
-        POLICY.as_good_operator_ratio * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
-    let good = near().filter(|(trial, _)| trial.error() <= most_error);
-    let best = good.min_by(|p, q| p.0.held_out_percent.total_cmp(&q.0.held_out_percent)).map(|(_, best)| best.clone());
+        POLICY.as_good_operator_ratio * near().map(|(trial, _)| error(trial)).fold(f64::INFINITY, f64::min);
+    let good = near().filter(|(trial, _)| error(trial) <= most_error);
+    let best = good.min_by(|p, q| held_out(p.0).total_cmp(&held_out(q.0))).map(|(_, best)| best.clone());
     for Trial { result, fitted } in trials.iter_mut() {
         let is_as_good = |fitted: &Fitted| {
             best.as_ref().is_some_and(|best| fitted.held_out.is_as_good_as(best, POLICY.as_good_operator_ratio))
         };
-        result.as_good = result.error() <= most_error && fitted.as_ref().is_some_and(is_as_good);
+        result.as_good = error(result) <= most_error && fitted.as_ref().is_some_and(is_as_good);
         result.verdict = match (result.as_good, result.refused.is_some()) {
             (true, _) => "as good",
             (_, true) => "refused",
@@ -148,6 +149,11 @@ pub(super) fn select(trials: &mut [Trial]) -> Result<(usize, Fitted), Error> {
     Ok((k, fitted))
 }
 
+/// The factor by which the errors of an operator count more than those of others.
+pub(super) fn factor(row: &Operator) -> f64 {
+    if row.minor_loops { 1.0 } else { POLICY.jumping_operator_factor }
+}
+
 /// The reason for the selected operator; `None` if only one was tried.
 pub(crate) fn reason_for_operator(trials: &[OperatorTrial]) -> Option<String> {
     let by =
@@ -170,7 +176,15 @@ pub(crate) fn reason_for_operator(trials: &[OperatorTrial]) -> Option<String> {
         ),
     };
     let then = next.map(|next| format!("; the next is {} with {} %", next.operator, short(next.error())));
-    (trials.len() > 1).then(|| simplest + &then.unwrap_or_default())
+    let jumping = trials.iter().filter(|t| !t.as_good && t.factor() > 1.0 && t.error() < best.error());
+    let jumping = jumping.min_by(by(OperatorTrial::error)).map(|t| {
+        format!(
+            "; {} has {} %, but its minor loops jump, so that its error must be less than half of that",
+            t.operator,
+            short(t.error())
+        )
+    });
+    (trials.len() > 1).then(|| simplest + &then.unwrap_or_default() + &jumping.unwrap_or_default())
 }
 
 impl OperatorTrial {
@@ -206,6 +220,11 @@ impl OperatorTrial {
         self.verdict == SELECTED
     }
 
+    /// The factor by which its errors count more than those of other operators.
+    fn factor(&self) -> f64 {
+        Operator::find(self.operator).map_or(1.0, factor)
+    }
+
     /// The larger of the two errors, with rounding [%].
     pub(super) fn error(&self) -> f64 {
         hypot(self.error_percent, ROUNDING_PERCENT)
@@ -231,6 +250,25 @@ impl OperatorTrial {
 mod tests {
     use super::*;
     use piezoid_models::hysteresis::OPERATORS;
+
+    #[test]
+    fn the_reason_names_an_operator_that_is_better_and_jumps() {
+        let trial = |name: &str, error: f64, as_good: bool| OperatorTrial {
+            held_out_percent: error,
+            free_run_percent: error,
+            error_percent: error,
+            as_good,
+            verdict: if as_good { SELECTED } else { "" },
+            refused: None,
+            ..OperatorTrial::refused(Operator::find(name).unwrap(), String::new())
+        };
+        let trials = [trial("preisach", 2.5, true), trial("stop", 2.9, false), trial("rate-scheduled", 1.9, false)];
+        let reason = reason_for_operator(&trials).unwrap();
+        assert!(reason.contains("the next is stop with 2.900 %; rate-scheduled has 1.900 %, but"), "{reason}");
+        let jumps = |row: &&&Operator| factor(row) > 1.0;
+        let names: Vec<_> = OPERATORS.iter().filter(jumps).map(|row| row.name).collect();
+        assert_eq!(names, ["two-branch", "rate-scheduled"]);
+    }
 
     #[test]
     fn auto_tries_what_suits_the_records_and_is_not_left_out() {
