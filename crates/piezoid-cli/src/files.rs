@@ -16,32 +16,25 @@ fn named(path: &Path) -> String {
 
 /// Reads the file at `path` once, because it may be a pipe.
 pub(crate) fn read(path: &Path) -> Result<File> {
-    let file = files::read(path)?;
-    warn_of_unfinished(path);
-    Ok(file)
-}
-
-/// Reads the files at these paths.
-pub(crate) fn read_all<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Result<Vec<File>> {
-    paths.into_iter().map(|path| read(path)).collect()
+    Ok(noted(path, files::read(path)?))
 }
 
 /// The file of samples at `path`.
 pub(crate) fn data(path: &Path) -> Result<DataFile> {
-    let file = files::data(path)?;
-    warn_of_unfinished(path);
-    Ok(file)
+    Ok(noted(path, files::data(path)?))
 }
 
-/// The files of samples at these paths.
-pub(crate) fn all_data<'p>(paths: impl IntoIterator<Item = &'p PathBuf>) -> Result<Vec<DataFile>> {
-    paths.into_iter().map(|path| data(path)).collect()
+/// The files at these paths, each by [`read`] or [`data`].
+pub(crate) fn all<T>(paths: &[PathBuf], one: fn(&Path) -> Result<T>) -> Result<Vec<T>> {
+    paths.iter().map(|path| one(path)).collect()
 }
 
-fn warn_of_unfinished(path: &Path) {
+/// This file at `path`, with a note if its run was ended before it had written all files of its set.
+fn noted<T>(path: &Path, file: T) -> T {
     if let Some(remark) = files::unfinished(path) {
         crate::console::say(&format!("note: {remark}"));
     }
+    file
 }
 
 /// The results of a verb: files, which are written together, and what goes to stdout, pipes and devices, afterwards.

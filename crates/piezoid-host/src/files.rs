@@ -93,13 +93,22 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<(), Error> {
 /// # Errors
 /// The errors of [`write`] and of `fill`.
 pub fn write_in_pieces<T>(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<T, Error>) -> Result<T, Error> {
-    let place = end(path)?;
-    let staged = beside(&mut own(), &place);
-    let mut staged = staged.map_err(|error| unwritable(path, &error))?;
-    // Errors of the file itself do not name it by its place.
-    let result = fill(staged.as_file_mut())?;
-    FileSet::default().place(vec![(staged, place)])?;
+    let (staged, result) = staged(path, fill)?;
+    FileSet::default().place(vec![staged])?;
     Ok(result)
+}
+
+/// A file beside its place.
+type Staged = (NamedTempFile, PathBuf);
+
+/// The file for `path` beside its place, with what `fill` writes, and the result of that.
+fn staged<T>(path: &Path, fill: impl FnOnce(&mut dyn Write) -> Result<T, Error>) -> Result<(Staged, T), Error> {
+    let place = end(path)?;
+    let file = beside(&mut own(), &place);
+    let mut file = file.map_err(|error| unwritable(path, &error))?;
+    // An error of the file itself does not name the place beside.
+    let result = fill(file.as_file_mut())?;
+    Ok(((file, place), result))
 }
 
 /// Checks that a file can be written, before the work begins.
@@ -178,14 +187,12 @@ impl FileSet {
     }
 
     /// The files beside their places.
-    fn staged(&self) -> Result<Vec<(NamedTempFile, PathBuf)>, Error> {
+    fn staged(&self) -> Result<Vec<Staged>, Error> {
         let stage = |(path, bytes): &(PathBuf, Vec<u8>)| {
-            let place = end(path)?;
-            let staged = beside(&mut own(), &place);
-            let staged = staged.and_then(|mut staged| staged.write_all(bytes).map(|()| staged));
-            staged.map(|staged| (staged, place)).map_err(|error| unwritable(path, &error))
+            let fill = |to: &mut dyn Write| to.write_all(bytes).map_err(|error| unwritable(path, &error));
+            staged(path, fill).map(|(staged, ())| staged)
         };
-        let staged: Vec<(NamedTempFile, PathBuf)> = self.files.iter().map(stage).collect::<Result<_, _>>()?;
+        let staged: Vec<Staged> = self.files.iter().map(stage).collect::<Result<_, _>>()?;
         let mut places = BTreeSet::new();
         match staged.iter().find(|(_, place)| !places.insert(place)) {
             Some((_, place)) => Err(cannot_write(place, "two results lead to this file: name another for one of them")),
@@ -194,7 +201,7 @@ impl FileSet {
     }
 
     /// Renames the files to their places, while the marks of their folders name them.
-    fn place(&self, staged: Vec<(NamedTempFile, PathBuf)>) -> Result<(), Error> {
+    fn place(&self, staged: Vec<Staged>) -> Result<(), Error> {
         let places: Vec<PathBuf> = staged.iter().map(|(_, place)| place).chain(&self.remove).cloned().collect();
         let folders: BTreeSet<&Path> = places.iter().map(|place| folder_of(place)).collect();
         let locked: Vec<_> = folders.iter().filter_map(|folder| locked(folder)).collect();
@@ -225,7 +232,7 @@ impl FileSet {
 
     /// Removes what is no longer of the set before the rename of its list, which says what is. `begun` is set once a
     /// file is not as it was.
-    fn replace(&self, staged: Vec<(NamedTempFile, PathBuf)>, begun: &mut bool) -> Result<(), Error> {
+    fn replace(&self, staged: Vec<Staged>, begun: &mut bool) -> Result<(), Error> {
         for path in &self.remove {
             gone(std::fs::remove_file(path)).map_err(|error| {
                 let what = "a file of the last export, cannot be removed";

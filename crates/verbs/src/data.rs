@@ -53,7 +53,11 @@ impl DataFile {
 
     /// Its bytes.
     fn bytes(&self) -> Result<Box<dyn Read>, Error> {
-        (self.open)().map_err(|error| Error::Content(format!("cannot be read: {error}")).of(&self.name))
+        (self.open)().map_err(|error| self.unreadable(&error))
+    }
+
+    fn unreadable(&self, error: &io::Error) -> Error {
+        Error::Content(format!("cannot be read: {error}")).of(&self.name)
     }
 
     /// The table in it, and its format.
@@ -138,7 +142,7 @@ impl DataFile {
     pub(super) fn sha256(&self) -> Result<String, Error> {
         let mut hash = Sha256::new();
         let read = io::copy(&mut Hashing { source: self.bytes()?, hash: &mut hash }, &mut io::sink());
-        read.map_err(|error| Error::Content(format!("cannot be read: {error}")).of(&self.name))?;
+        read.map_err(|error| self.unreadable(&error))?;
         Ok(hex(hash))
     }
 }

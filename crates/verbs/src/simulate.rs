@@ -58,17 +58,16 @@ pub enum Subject {
 
 /// A simulation that goes on from piece to piece of its input.
 struct Run<'a> {
-    subject: &'a Subject,
     ts: f64,
     system: Simulator<'a>,
     state: Vec<f64>,
     /// Number of samples so far.
     samples: usize,
-    jumps: Jumps,
 }
 
 enum Simulator<'a> {
-    Plant(Box<Plant>),
+    /// A plant with its parameters, and the jumps of its voltage so far.
+    Plant(Box<Plant>, &'a Spec, Jumps),
     Model(&'a Model),
 }
 
@@ -145,19 +144,20 @@ impl SimulateOptions {
 
     /// A simulation at the beginning of the inputs `u`.
     fn begin<'a>(&self, subject: &'a Subject, ts: f64, u: &[f64]) -> Result<Run<'a>, Error> {
-        let (system, state, jumps) = match subject {
+        let (system, state) = match subject {
             Subject::Model(model) => {
                 Record::same_sampling("the model", model.ts(), "the input", ts)?;
-                (Simulator::Model(model), model.before(u, self.begin), Jumps::default())
+                (Simulator::Model(model), model.before(u, self.begin))
             }
             Subject::Plant(spec) => {
                 let plant = Plant::new(spec, ts)?.with_seed(self.seed);
                 let state = self.before(&plant, u);
                 let first = u.first().copied().filter(|_| self.begin != InitialCondition::Rest).unwrap_or_default();
-                (Simulator::Plant(Box::new(plant)), state, Jumps { last: limited(spec, first), most: 0.0 })
+                let jumps = Jumps { last: limited(spec, first), most: 0.0 };
+                (Simulator::Plant(Box::new(plant), spec, jumps), state)
             }
         };
-        Ok(Run { subject, ts, system, state, samples: 0, jumps })
+        Ok(Run { ts, system, state, samples: 0 })
     }
 
     /// The state of a plant before the input `u` [V].
@@ -195,17 +195,17 @@ impl Subject {
 impl Run<'_> {
     /// The response to the next inputs; an error if it is not finite.
     fn respond(&mut self, u: &[f64]) -> Result<Vec<f64>, Error> {
-        let y = match &self.system {
-            Simulator::Plant(plant) => plant.resume(&mut self.state, u),
+        let y = match &mut self.system {
             Simulator::Model(model) => model.resume(&mut self.state, u),
+            Simulator::Plant(plant, spec, jumps) => {
+                u.iter().for_each(|u| jumps.add(limited(spec, *u)));
+                plant.resume(&mut self.state, u)
+            }
         };
         if let Some(k) = y.iter().position(|y| !y.is_finite()) {
             let time = (self.samples + k) as f64 * self.ts;
             let why = "the model is unstable, or the input far too large";
             return Err(Error::Content(format!("the output overflows at {time} s: {why}")));
-        }
-        if let Subject::Plant(spec) = self.subject {
-            u.iter().for_each(|u| self.jumps.add(limited(spec, *u)));
         }
         self.samples += u.len();
         Ok(y)
@@ -213,20 +213,17 @@ impl Run<'_> {
 
     /// The limits that a plant has reached, as text.
     fn reached(self) -> String {
-        let (Simulator::Plant(plant), Subject::Plant(spec)) = (&self.system, self.subject) else {
-            return String::new();
-        };
+        let Simulator::Plant(plant, spec, jumps) = &self.system else { return String::new() };
         let saturation = plant.saturation(&self.state);
         let mut reached = if saturation.any() { saturation.to_string() } else { String::new() };
         if saturation.current_limited > 0 {
-            reached += &self.jumps.only(spec, self.ts).unwrap_or_default();
+            reached += &jumps.only(spec, self.ts).unwrap_or_default();
         }
         reached
     }
 }
 
 /// The largest change of the voltage from one sample to the next [V].
-#[derive(Default)]
 struct Jumps {
     last: f64,
     most: f64,

@@ -179,9 +179,10 @@ pub(crate) fn reason_for_operator(trials: &[OperatorTrial]) -> Option<String> {
     let jumping = trials.iter().filter(|t| !t.as_good && t.factor() > 1.0 && t.error() < best.error());
     let jumping = jumping.min_by(by(OperatorTrial::error)).map(|t| {
         format!(
-            "; {} has {} %, but its minor loops jump, so that its error must be less than half of that",
+            "; {} has {} %, which counts {} times, because its minor loops jump",
             t.operator,
-            short(t.error())
+            short(t.error()),
+            t.factor()
         )
     });
     (trials.len() > 1).then(|| simplest + &then.unwrap_or_default() + &jumping.unwrap_or_default())
@@ -264,7 +265,10 @@ mod tests {
         };
         let trials = [trial("preisach", 2.5, true), trial("stop", 2.9, false), trial("rate-scheduled", 1.9, false)];
         let reason = reason_for_operator(&trials).unwrap();
-        assert!(reason.contains("the next is stop with 2.900 %; rate-scheduled has 1.900 %, but"), "{reason}");
+        assert!(
+            reason.contains("the next is stop with 2.900 %; rate-scheduled has 1.900 %, which counts 2 times"),
+            "{reason}"
+        );
         let jumps = |row: &&&Operator| factor(row) > 1.0;
         let names: Vec<_> = OPERATORS.iter().filter(jumps).map(|row| row.name).collect();
         assert_eq!(names, ["two-branch", "rate-scheduled"]);

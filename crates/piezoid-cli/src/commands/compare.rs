@@ -41,7 +41,7 @@ impl Run for Compare {
     fn run(self, console: &Console) -> Result<()> {
         let inputs: Vec<&PathBuf> = self.models.iter().chain(&self.data).collect();
         let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &inputs)?;
-        let (models, data) = (files::read_all(&self.models)?, files::all_data(&self.data)?);
+        let (models, data) = (files::all(&self.models, files::read)?, files::all(&self.data, files::data)?);
         let data = Source::all(data, &self.columns.read()?);
         let compared = self.options.0.run(&models, data).map_err(failed)?;
         if is_free {

@@ -71,7 +71,7 @@ impl Run for Control {
         }
         let spec = lists::plant(&self.plant)?;
         let plant = Path::new(&self.plant).file_name().and_then(|name| name.to_str()).unwrap_or(&self.plant);
-        let (model, references) = (files::read(&self.model)?, files::all_data(&paths)?);
+        let (model, references) = (files::read(&self.model)?, files::all(&paths, files::data)?);
         let compared = console.work(|progress| options.run((plant, &spec), &model, &references, &columns, progress))?;
         if !results.contains(&Some(Path::new("-"))) {
             console.print(&tables(&compared, console))?;

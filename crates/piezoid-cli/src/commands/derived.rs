@@ -55,7 +55,7 @@ fn run(
 ) -> Result<()> {
     let paths: Vec<PathBuf> = roles.iter().flat_map(|(_, names)| names).map(PathBuf::from).collect();
     files::check(&[common.json.as_deref()], &paths.iter().collect::<Vec<_>>())?;
-    let (files, columns) = (files::read_all(&paths)?, common.columns.read()?.to_json());
+    let (files, columns) = (files::all(&paths, files::read)?, common.columns.read()?.to_json());
     let named: serde_json::Map<String, Value> = roles
         .iter()
         .filter(|(_, names)| !names.is_empty())

@@ -85,7 +85,7 @@ impl Run for Identify {
         }
         let columns = self.columns.read()?;
         let before = self.again.as_ref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
-        let (small, large) = (files::all_data(&self.small_signal)?, files::all_data(&self.files)?);
+        let (small, large) = (files::all(&self.small_signal, files::data)?, files::all(&self.files, files::data)?);
         let small_names: Vec<String> = small.iter().map(|file| file.name.clone()).collect();
         let (result, is_cancelled) = console.work_until_cancelled(|progress| match &before {
             Some(before) => identify_again(before, &large, progress),

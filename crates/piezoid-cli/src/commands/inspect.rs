@@ -34,7 +34,7 @@ impl Run for Inspect {
     fn run(self, console: &Console) -> Result<()> {
         let inputs: Vec<&PathBuf> = self.data.iter().collect();
         let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &inputs)?;
-        let (columns, data) = (self.columns.read()?, files::all_data(&self.data)?);
+        let (columns, data) = (self.columns.read()?, files::all(&self.data, files::data)?);
         let mut all = Vec::new();
         for file in &data {
             let (inspection, record) = file.inspect(&columns).map_err(failed)?;

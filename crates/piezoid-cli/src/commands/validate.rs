@@ -56,7 +56,7 @@ impl ValidationFlags {
     }
 
     pub(crate) fn run(&self) -> Result<(Model, Validated)> {
-        let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::all_data(&self.files)?);
+        let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::all(&self.files, files::data)?);
         let data = Source::all(data, &self.columns.read()?);
         let validated = self.options.0.run(&model, data).map_err(failed)?;
         Ok((model, validated))

@@ -42,23 +42,6 @@ impl Column {
         Column { name, ..Column::default() }
     }
 
-    /// The same column with its last sample alone.
-    pub(super) fn of_last_row(&self) -> Column {
-        let Column { name, unit, ts, samples, flaw, doubt, decimal, proven, whole, clock } = self;
-        Column {
-            name: name.clone(),
-            unit: unit.clone(),
-            ts: *ts,
-            samples: samples.last().copied().into_iter().collect(),
-            flaw: flaw.clone(),
-            doubt: doubt.clone(),
-            decimal: *decimal,
-            proven: *proven,
-            whole: *whole,
-            clock: *clock,
-        }
-    }
-
     /// An error about it on a line.
     pub(super) fn error(&self, line: u64, problem: impl Into<String>) -> Error {
         Error::Line { line, column: Some(shortened(&self.name)), problem: problem.into() }

@@ -67,7 +67,7 @@ struct Found {
 }
 
 impl InputPieces {
-    /// The input in a file of this name, which is opened up to three times. Only errors use the name.
+    /// The input in a file of this name, which is opened for each pass. Only errors use the name.
     ///
     /// # Errors
     /// The errors of [`Table::read_from`] and [`Table::input`].
@@ -83,13 +83,21 @@ impl InputPieces {
     ) -> Result<Pieces, Error> {
         let source = || recognised(open().map_err(broken)?);
         let text = || Rows::in_pieces(source()?.1, bytes);
+        let in_text = || {
+            let mut rows = text()?;
+            if !rows.fill(cells)? {
+                return rows.end()?.input(selection).map(|signal| Some(Pieces::Whole(Some(signal))));
+            }
+            let Some(found) = Found::in_text(rows, &text, selection, cells)? else { return Ok(None) };
+            Ok(Some(Pieces::Rows(Box::new(RowPieces { rows: text()?, found, taken: 0, cells }))))
+        };
         let is_cut = selection.from.is_some() || selection.to.is_some();
         // An error is found again in the whole, with all that it concerns.
         if !is_cut
             && source()?.0.in_pieces
-            && let Ok(Some(found)) = Found::in_text(&text, selection, cells)
+            && let Ok::<_, Error>(Some(pieces)) = in_text()
         {
-            return Ok(Pieces::Rows(Box::new(RowPieces { rows: text()?, found, taken: 0, cells })));
+            return Ok(pieces);
         }
         let (table, _) = Table::read_from(name, open().map_err(broken)?)?;
         table.input(selection).map(|signal| Pieces::Whole(Some(signal)))
@@ -103,37 +111,29 @@ struct Times {
 }
 
 impl Found {
-    /// What a pass over the rows of a text shows, or another one if the first is not sufficient; `None` for a text of
-    /// one piece, and for one that must be read as a whole.
+    /// What a pass over the rows of a text shows, of which the first piece was read, or another one if the first is not
+    /// sufficient; `None` for a text that must be read as a whole.
     fn in_text(
+        mut rows: Rows<Source>,
         text: &dyn Fn() -> Result<Rows<Source>, Error>,
         selection: &ColumnSelection,
         cells: usize,
     ) -> Result<Option<Found>, Error> {
-        let mut rows = text()?;
-        let (mut found, mut times): (Option<Found>, Option<Times>) = (None, None);
-        while rows.read()? {
-            if !rows.is_full(cells) {
-                continue;
-            }
-            if found.is_none() {
-                let Some(columns) = Found::columns(&rows.table, selection)? else { return Ok(None) };
-                found = Some(columns.0);
-                times = columns.1.map(|place| Times::new(place, &rows.table.columns[place]));
-            } else if let Some(times) = &mut times {
-                times.add(&rows.table.columns[times.place]);
-            }
+        let Some((mut found, time)) = Found::columns(&rows.table, selection)? else { return Ok(None) };
+        let mut times = time.map(|place| Times::new(place, &rows.table.columns[place]));
+        let mut goes_on = true;
+        while goes_on {
             // Without times, another record may begin where the names stand again.
             if times.is_none() && !rows.table.again.is_empty() {
                 return Ok(None);
             }
             rows.drop_rows();
+            goes_on = rows.fill(cells)?;
+            if let Some(times) = &mut times {
+                times.add(&rows.table.columns[times.place]);
+            }
         }
-        let Some(mut found) = found else { return Ok(None) };
         let (count, table) = (rows.count(), rows.end()?);
-        if let Some(times) = &mut times {
-            times.add(&table.columns[times.place]);
-        }
         let places = [Some(found.input), times.as_ref().map(|times| times.place)];
         let columns: Vec<&Column> = places.into_iter().flatten().map(|place| &table.columns[place]).collect();
         let is_clear = |column: &&Column| column.flaw.is_none() && column.doubt.is_none();
@@ -192,10 +192,7 @@ impl Times {
     fn roughness(&self, mut rows: Rows<Source>, cells: usize) -> Result<f64, Error> {
         let (mut roughness, mut first): (f64, usize) = (0.0, 0);
         loop {
-            let goes_on = rows.read()?;
-            if goes_on && !rows.is_full(cells) {
-                continue;
-            }
+            let goes_on = rows.fill(cells)?;
             let stamps = &rows.table.columns[self.place].samples;
             roughness =
                 (first..).zip(stamps).map(|(k, stamp)| self.stamps.deviation(*stamp, k)).fold(roughness, f64::max);
@@ -210,10 +207,8 @@ impl Times {
 
 impl RowPieces {
     fn next(&mut self) -> Result<Option<Signal>, Error> {
-        while self.rows.read()? {
-            if self.rows.is_full(self.cells) {
-                return self.piece().map(Some);
-            }
+        if self.rows.fill(self.cells)? {
+            return self.piece().map(Some);
         }
         let last = if self.taken < self.found.count { Some(self.piece()?) } else { None };
         if self.taken == self.found.count { Ok(last) } else { Err(changed()) }

@@ -58,7 +58,7 @@ pub(super) fn broken(error: std::io::Error) -> Error {
 }
 
 /// The error for a file that was read as CSV, because it has no other format, although its name says so.
-pub(super) fn unlike_its_name(name: &str, format: &Format, error: Error) -> Error {
+fn unlike_its_name(name: &str, format: &Format, error: Error) -> Error {
     match Format::meant(name) {
         (Some(Format { name, summary, .. }), extension) if *name != csv::ROW.name && format.name == csv::ROW.name => {
             Error::Content(format!(

@@ -104,22 +104,15 @@ impl Table {
         self.first + (row + self.gaps.partition_point(|gap| *gap <= row)) as u64
     }
 
-    /// The table of the last row alone, for the rows that follow it.
-    pub(super) fn of_last_row(&self) -> Table {
+    /// Drops all rows but the last one.
+    pub(super) fn drop_rows(&mut self) {
         let last = self.count.saturating_sub(1);
-        let after =
-            |rows: &[usize]| rows.iter().filter_map(|row| row.checked_sub(last)).filter(|row| *row > 0).collect();
-        Table {
-            columns: self.columns.iter().map(Column::of_last_row).collect(),
-            others: Vec::new(),
-            header: self.header,
-            first: self.line(last),
-            count: self.count - last,
-            gaps: after(&self.gaps),
-            again: after(&self.again),
-            ts: self.ts,
-            left: self.left.clone(),
-            steps: self.steps.clone(),
+        self.first = self.line(last);
+        self.count -= last;
+        self.columns.iter_mut().for_each(|column| drop(column.samples.drain(..last)));
+        for rows in [&mut self.gaps, &mut self.again] {
+            rows.retain(|row| *row > last);
+            rows.iter_mut().for_each(|row| *row -= last);
         }
     }
 

@@ -88,7 +88,7 @@ impl<R: Read> Rows<R> {
     }
 
     /// Reads the rows of the next piece; false if there is none.
-    pub(in crate::formats) fn read(&mut self) -> Result<bool, Error> {
+    fn read(&mut self) -> Result<bool, Error> {
         let (piece, above) = match self.first.take() {
             Some(first) => (first, self.layout.above),
             None => match self.text.next()? {
@@ -127,10 +127,16 @@ impl<R: Read> Rows<R> {
         Ok(true)
     }
 
-    /// True if the rows that were read have so many cells.
-    pub(in crate::formats) fn is_full(&self, cells: usize) -> bool {
+    /// Reads rows until there are so many cells; false if the text ended before.
+    pub(in crate::formats) fn fill(&mut self, cells: usize) -> Result<bool, Error> {
         // With the two first stamps, and with a row that is new.
-        self.table.count > 2.max(cells / self.table.columns.len().max(1))
+        let most = 2.max(cells / self.table.columns.len().max(1));
+        while self.read()? {
+            if self.table.count > most {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Number of rows that were read, with those that were dropped.
@@ -140,7 +146,7 @@ impl<R: Read> Rows<R> {
 
     /// Drops the rows that were read, except the last one: it shows that the time goes on.
     pub(in crate::formats) fn drop_rows(&mut self) {
-        self.table = self.table.of_last_row();
+        self.table.drop_rows();
     }
 
     /// The table of the rows, all of which were read.

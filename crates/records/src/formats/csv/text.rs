@@ -70,7 +70,7 @@ impl<R: Read> Text<R> {
                         continue;
                     }
                     self.bytes.drain(..mark);
-                    *self.written.insert((encoding, end.unwrap_or(b'\n')))
+                    (encoding, end.unwrap_or(b'\n'))
                 }
             };
             let whole = if self.ended { Some(self.bytes.len()) } else { encoding.end_of_lines(&self.bytes, end) };
