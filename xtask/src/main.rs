@@ -99,8 +99,6 @@ fn test() -> Result<(), String> {
     let mut skipped = Skipped::default();
     step(&mut cargo(&["fmt", "--all", "--check"]))?;
     step(&mut cargo(&["clippy", "--workspace", "--all-targets", "--", "-D", "warnings"]))?;
-    // The modules of the page check the same for browsers.
-    step(&mut cargo(&["check", "--package", "piezoid", "--no-default-features"]))?;
     step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
     tidy::tidy()?;
     build_workspace()?;

@@ -1,8 +1,11 @@
 //! `cargo xtask web`: the modules of the page, the lists, and the scripts, in web/dist.
 
 use super::{Skipped, WEB, announced, build_workspace, built, cargo, for_the_web, root, step, succeeded, target};
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::time::SystemTime;
 
 /// The modules, which are features of piezoid-wasm, and the profiles that they are built by. Limits of their sizes
 /// stand in web/tests/sizes.test.mjs.
@@ -37,16 +40,9 @@ pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
         skipped.add("the page", "no npm");
         return Ok(());
     }
-    let read = |name: &&str| std::fs::read(root().join(name)).map_err(|e| format!("{name}: {e}"));
-    let committed = COMMITTED.iter().map(read).collect::<Result<Vec<_>, _>>()?;
+    let committed = COMMITTED.iter().map(|name| Committed::read(name)).collect::<Result<Vec<_>, _>>()?;
     scripts()?;
-    for (name, committed) in COMMITTED.iter().zip(committed) {
-        if read(name)? != committed {
-            return Err(format!(
-                "{name} was not built from web/src as it is: commit it as `cargo xtask generate page` wrote it now"
-            ));
-        }
-    }
+    committed.iter().try_for_each(Committed::check)?;
     let mut node = Command::new("node");
     node.args(["--test", "--test-reporter", "spec"]);
     let has_modules = for_the_web(skipped, "the page without a server")?;
@@ -61,6 +57,34 @@ pub(super) fn page(skipped: &mut Skipped) -> Result<(), String> {
     let name = |file: &Path| Some(file.file_name()?.to_str()?.strip_suffix(".test.mjs")?.to_string());
     node.args(files.iter().filter(|file| name(file).is_some_and(|name| is_tried(&name))));
     skipped.step(&mut node)
+}
+
+/// A committed file of `npm run build`.
+struct Committed {
+    name: &'static str,
+    content: Vec<u8>,
+    modified: SystemTime,
+}
+
+impl Committed {
+    fn read(name: &'static str) -> Result<Self, String> {
+        let path = root().join(name);
+        let read = || Ok((std::fs::read(&path)?, std::fs::metadata(&path)?.modified()?));
+        let (content, modified) = read().map_err(|e: io::Error| format!("{name}: {e}"))?;
+        Ok(Committed { name, content, modified })
+    }
+
+    /// An error if its content is another now. Otherwise it gets its old time: cargo need not build again what has it.
+    fn check(&self) -> Result<(), String> {
+        if Committed::read(self.name)?.content != self.content {
+            return Err(format!(
+                "{} was not built from web/src as it is: commit it as `cargo xtask generate page` wrote it now",
+                self.name
+            ));
+        }
+        let file = File::options().write(true).open(root().join(self.name));
+        file.and_then(|file| file.set_modified(self.modified)).map_err(|e| format!("{}: {e}", self.name))
+    }
 }
 
 /// Types, and what `npm run build` writes.
