@@ -8,7 +8,7 @@ use super::fit::{
 use super::initial_conditions::{fit_with_other_initial_conditions, select_initial_conditions};
 use super::shape_search::best_shape;
 use super::structure::with_other_blocks;
-use super::trials::{OperatorTrial, Trial, factor, select};
+use super::trials::{OperatorTrial, Trial, cost_of, counted_cost, counted_error, select};
 use super::{Candidate, JointOptions, POLICY, Reporter, Search, creep_lags, structure_search};
 use crate::Effort;
 use crate::side_by_side::side_by_side;
@@ -44,7 +44,7 @@ pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Res
     let design = search.design_for(&candidate.fitted.estimate);
     let Search { settings, operators, runs, reporter, trials, notes, .. } = search;
     let operator = candidate.operator;
-    let reach = reachable(settings, &candidate.fitted, runs);
+    let reach = reachable(settings, operator, &candidate.fitted, runs);
     let Some(previous) = trials.iter().position(|trial| trial.result.is_selected()) else { return Ok(None) };
     let watch = &mut reporter.last_stage(operator.name);
     if !refit_closest(trials, previous, &candidate.fitted, &design, reach, runs, watch)? {
@@ -126,6 +126,9 @@ fn starting_as_parts<'a>(
     whole.iter().zip(of_first_parts).map(starting).collect()
 }
 
+/// The fits of an operator with the linear block held, the best first.
+type Shapes = Result<Vec<Fitted>, Error>;
+
 /// The trials of the operators, each with its fit. `blocks` are the other parts of the model.
 ///
 /// # Errors
@@ -139,82 +142,102 @@ fn comparison(
     runs: &[TrainingRecord],
     reporter: &mut Reporter,
 ) -> Result<Vec<Trial>, Error> {
-    let own = |row: &'static Operator, watch: StepCallback| -> Result<Fitted, Error> {
-        let start = blocks.with_basis((row.basis)(design)?);
-        watch(0)?;
-        refine(start, &mut runs.to_vec(), FreeParameters::Creep, watch)
-    };
-    let done = |phase: usize, k: usize| 1 + phase * operators.len() + k;
-    let report = |k: usize, fit: Option<&Result<Fitted, Error>>| {
-        let held_out = fit.and_then(|fit| Some(100.0 * fit.as_ref().ok()?.held_out.rms_pp()));
-        let figures: Vec<_> = held_out.map(|error| ("held_out_percent", error)).into_iter().collect();
-        reporter.report(Stage { figures: &figures, ..Stage::new(operators[k].name, done(0, k), 0) })?;
-        reporter.keep_better(operators[k], fit.and_then(|fit| fit.as_ref().ok()), runs)
-    };
-    let fits = side_by_side(operators.to_vec(), own, report)?;
-    let most = POLICY.searched_shape_ratio * least(&fits, |fit| fit.held_out.rms_pp());
-    let searched = |(row, fit): (&'static Operator, Result<Fitted, Error>), watch: StepCallback| match fit {
-        Ok(fit) if settings.effort != Effort::Quick && fit.held_out.rms_pp() <= most => {
-            shapes(row, fit, design, blocks, settings, &mut runs.to_vec(), watch)
-        }
-        fit => fit.map(|fit| vec![fit]),
-    };
-    let starts: Vec<_> = operators.iter().copied().zip(fits).collect();
-    let report = |k: usize, fits: Option<&Result<Vec<Fitted>, Error>>| {
-        reporter.report(Stage::new(operators[k].name, done(1, k), 0))?;
-        reporter.keep_better(operators[k], fits.and_then(|fits| fits.as_ref().ok()?.first()), runs)
-    };
-    let starts = side_by_side(starts, searched, report)?;
-    let most = POLICY.refined_operator_ratio * least(&starts, |fits| fits[0].held_out.rms_pp());
-    if let [Err(why)] = &starts[..] {
+    let held = with_block_held(operators, design, blocks, settings, runs, reporter)?;
+    if let [Err(why)] = &held[..] {
         return Err(why.clone());
     }
-    let minima = operators.iter().zip(&starts).filter_map(|(row, fits)| Some((row, fits.as_ref().ok()?[0].minimum)));
-    let least_minimum = minima.map(|(row, minimum)| factor(row).powi(2) * minimum).fold(f64::INFINITY, f64::min);
-    let least_minimum = least_minimum.max(f64::MIN_POSITIVE);
+    let held = operators.iter().copied().zip(held).collect();
+    with_all_parameters(held, design.range, settings, runs, reporter)
+}
+
+/// The fits of each operator with the linear block held: with its own shape, then, if that is not hopeless, with others.
+fn with_block_held(
+    operators: &[&'static Operator],
+    design: &BasisDesign,
+    blocks: &Estimate,
+    settings: &JointOptions,
+    runs: &[TrainingRecord],
+    reporter: &mut Reporter,
+) -> Result<Vec<Shapes>, Error> {
+    let own = |row: &'static Operator, watch: StepCallback| -> Shapes {
+        let start = blocks.with_basis((row.basis)(design)?);
+        watch(0)?;
+        Ok(vec![refine(start, &mut runs.to_vec(), FreeParameters::Creep, watch)?])
+    };
+    let mut report = |phase: usize, k: usize, fits: Option<&Shapes>| {
+        let best = fits.and_then(|fits| fits.as_ref().ok()?.first());
+        let figures: Vec<_> = best.map(|fit| ("held_out_percent", 100.0 * fit.held_out.rms_pp())).into_iter().collect();
+        let done = 1 + phase * operators.len() + k;
+        reporter.report(Stage { figures: &figures, ..Stage::new(operators[k].name, done, 0) })?;
+        reporter.keep_better(operators[k], best, runs)
+    };
+    let fits = side_by_side(operators.to_vec(), own, |k, fits| report(0, k, fits))?;
+    let most = POLICY.searched_shape_ratio * least(operators.iter().zip(&fits));
+    let with_others = |(row, fits): (&'static Operator, Shapes), watch: StepCallback| match fits {
+        Ok(mut own) if settings.effort != Effort::Quick && counted_error(row, &own[0]) <= most => {
+            shapes(row, own.swap_remove(0), design, blocks, settings, &mut runs.to_vec(), watch)
+        }
+        fits => fits,
+    };
+    let fits = operators.iter().copied().zip(fits).collect();
+    side_by_side(fits, with_others, |k, fits| report(1, k, fits))
+}
+
+/// The trial of each operator: of those with the best fits, the fit in all parameters.
+fn with_all_parameters(
+    held: Vec<(&'static Operator, Shapes)>,
+    range: (f64, f64),
+    settings: &JointOptions,
+    runs: &[TrainingRecord],
+    reporter: &mut Reporter,
+) -> Result<Vec<Trial>, Error> {
+    let of_all = held.len();
+    let most = POLICY.refined_operator_ratio * least(held.iter().map(|(row, fits)| (row, fits)));
+    let minima = held.iter().filter_map(|(row, fits)| Some(counted_cost(row, fits.as_ref().ok()?[0].minimum)));
+    let least_minimum = minima.fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
     let mut reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least_minimum;
     // The best ones show what the others have to reach.
-    let start_error =
-        |start: &Result<Vec<Fitted>, Error>| start.as_ref().map_or(f64::INFINITY, |fits| fits[0].held_out.rms_pp());
-    let mut starts: Vec<(usize, _)> = starts.into_iter().enumerate().collect();
-    starts.sort_by(|(_, p), (_, q)| start_error(p).total_cmp(&start_error(q)));
-    let first = if reach.is_finite() { POLICY.first_refined.min(starts.len()) } else { starts.len() };
-    let others = starts.split_off(first);
+    let error = |(row, fits): &(&'static Operator, Shapes)| least([(row, fits)]);
+    let mut first: Vec<(usize, _)> = held.into_iter().enumerate().collect();
+    first.sort_by(|(_, p), (_, q)| error(p).total_cmp(&error(q)));
+    let others = first.split_off(if reach.is_finite() { POLICY.first_refined.min(of_all) } else { of_all });
     let mut trials: Vec<(usize, Trial)> = Vec::new();
-    for round in [starts, others] {
-        let numbers: Vec<usize> = round.iter().map(|(k, _)| *k).collect();
-        let finish = |(k, start): (usize, Result<Vec<Fitted>, Error>), watch: StepCallback| match start {
-            Err(why) => Ok(Trial { result: OperatorTrial::refused(operators[k], why.to_string()), fitted: None }),
+    for round in [first, others] {
+        let rows: Vec<(usize, &'static Operator)> = round.iter().map(|(k, (row, _))| (*k, *row)).collect();
+        let finish = |(_, (row, fits)): (usize, (&'static Operator, Shapes)), watch: StepCallback| match fits {
+            Err(why) => Ok(Trial { result: OperatorTrial::refused(row, why.to_string()), fitted: None }),
             Ok(shapes) => {
-                let limits = (most, reach);
-                let (result, fitted) = refined(operators[k], shapes, limits, &mut runs.to_vec(), design.range, watch)?;
+                let (result, fitted) = refined(row, shapes, (most, reach), &mut runs.to_vec(), range, watch)?;
                 Ok(Trial::of(result, fitted))
             }
         };
         let report = |k: usize, trial: Option<&Result<Trial, Error>>| {
             let trial = trial.and_then(|trial| trial.as_ref().ok());
             let figures = trial.map(|trial| trial.result.figures());
-            let (row, figures) = (operators[numbers[k]], figures.as_ref().map_or(&[][..], |figures| figures));
-            reporter.report(Stage { figures, ..Stage::new(row.name, done(2, trials.len() + k), 0) })?;
+            let (row, figures) = (rows[k].1, figures.as_ref().map_or(&[][..], |figures| figures));
+            let done = 1 + 2 * of_all + trials.len() + k;
+            reporter.report(Stage { figures, ..Stage::new(row.name, done, 0) })?;
             reporter.keep_better(row, trial.and_then(|trial| trial.fitted.as_ref()), runs)
         };
         let fits: Vec<Trial> = side_by_side(round, finish, report)?.into_iter().collect::<Result<_, Error>>()?;
-        let reached = numbers.iter().zip(&fits).filter_map(|(k, trial)| Some((operators[*k], trial.fitted.as_ref()?)));
-        reach = reached.map(|(row, fit)| factor(row).powi(2) * reachable(settings, fit, runs)).fold(reach, f64::min);
-        trials.extend(numbers.into_iter().zip(fits));
+        let reached = rows.iter().zip(&fits).filter_map(|((_, row), trial)| Some((row, trial.fitted.as_ref()?)));
+        reach = reached.map(|(row, fit)| reachable(settings, row, fit, runs)).fold(reach, f64::min);
+        trials.extend(rows.iter().map(|(k, _)| *k).zip(fits));
     }
     trials.sort_by_key(|(k, _)| *k);
     Ok(trials.into_iter().map(|(_, trial)| trial).collect())
 }
 
-/// The cost that another operator must come within reach of, beside this fit.
-fn reachable(settings: &JointOptions, fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
-    settings.effort.breadth().reachable_operator_ratio.powi(2) * fitted.held_out_minimum(runs)
+/// The cost, as it counts among operators, that another operator must come within reach of, beside this fit.
+fn reachable(settings: &JointOptions, row: &Operator, fitted: &Fitted, runs: &[TrainingRecord]) -> f64 {
+    let ratio = settings.effort.breadth().reachable_operator_ratio;
+    ratio.powi(2) * counted_cost(row, fitted.held_out_minimum(runs))
 }
 
-/// The least `error` of the fits that succeeded.
-fn least<T>(fits: &[Result<T, Error>], error: impl Fn(&T) -> f64) -> f64 {
-    fits.iter().flatten().map(error).fold(f64::INFINITY, f64::min)
+/// The least error, as it counts among operators, of the best fits.
+fn least<'a>(fits: impl IntoIterator<Item = (&'a &'static Operator, &'a Shapes)>) -> f64 {
+    let best = fits.into_iter().filter_map(|(row, fits)| Some(counted_error(row, fits.as_ref().ok()?.first()?)));
+    best.fold(f64::INFINITY, f64::min)
 }
 
 /// Fits the operators that were close to the `selected` one again, with the other parts of its present fit: what they
@@ -239,7 +262,7 @@ fn refit_closest(
         let smoothness = Smoothness::Near(other.held_out.lambda);
         let mut runs = runs.to_vec();
         other.apply_to(&mut runs, design.range);
-        let fit = refine_within_reach(start, smoothness, reach, &mut runs, watch)?;
+        let fit = refine_within_reach(start, smoothness, cost_of(row, reach), &mut runs, watch)?;
         Ok((k, Trial::of(trial_of(row, &fit, &mut runs, design.range), fit)))
     };
     let fits: Vec<_> = side_by_side(closest, fit, |_, _| watch(0))?.into_iter().flatten().collect();
@@ -279,7 +302,7 @@ fn shapes(
 }
 
 /// The better refinement, in all parameters, of the best two of these sorted fits; none if their errors exceed `most`.
-/// A refinement ends where a cost of `reach` is out of reach.
+/// A refinement ends where a cost of `reach` is out of reach. Both limits are as they count among operators.
 fn refined(
     row: &Operator,
     mut shapes: Vec<Fitted>,
@@ -288,8 +311,8 @@ fn refined(
     range: (f64, f64),
     watch: StepCallback,
 ) -> Result<(OperatorTrial, Fitted), Error> {
-    let near = POLICY.second_shape_ratio * shapes[0].held_out.rms_pp();
-    if shapes[0].held_out.rms_pp() > most {
+    let (near, reach) = (POLICY.second_shape_ratio * shapes[0].held_out.rms_pp(), cost_of(row, reach));
+    if counted_error(row, &shapes[0]) > most {
         let fit = shapes.swap_remove(0);
         return Ok((trial_of(row, &fit, runs, range), fit));
     }

@@ -112,19 +112,18 @@ impl Trial {
 pub(super) fn select(trials: &mut [Trial]) -> Result<(usize, Fitted), Error> {
     let fitted = || trials.iter().filter_map(|trial| Some((&trial.result, &trial.fitted.as_ref()?.held_out)));
     let held_out = |trial: &OperatorTrial| trial.factor() * hypot(trial.held_out_percent, ROUNDING_PERCENT);
-    let error = |trial: &OperatorTrial| trial.factor() * trial.error();
     let least = fitted().map(|(trial, _)| held_out(trial)).fold(f64::INFINITY, f64::min);
     let most = POLICY.free_run_decides_ratio * least;
     let near = || fitted().filter(|(trial, _)| held_out(trial) <= most);
     let most_error =
-        POLICY.as_good_operator_ratio * near().map(|(trial, _)| error(trial)).fold(f64::INFINITY, f64::min);
-    let good = near().filter(|(trial, _)| error(trial) <= most_error);
+        POLICY.as_good_operator_ratio * near().map(|(trial, _)| trial.error()).fold(f64::INFINITY, f64::min);
+    let good = near().filter(|(trial, _)| trial.error() <= most_error);
     let best = good.min_by(|p, q| held_out(p.0).total_cmp(&held_out(q.0))).map(|(_, best)| best.clone());
     for Trial { result, fitted } in trials.iter_mut() {
         let is_as_good = |fitted: &Fitted| {
             best.as_ref().is_some_and(|best| fitted.held_out.is_as_good_as(best, POLICY.as_good_operator_ratio))
         };
-        result.as_good = error(result) <= most_error && fitted.as_ref().is_some_and(is_as_good);
+        result.as_good = result.error() <= most_error && fitted.as_ref().is_some_and(is_as_good);
         result.verdict = match (result.as_good, result.refused.is_some()) {
             (true, _) => "as good",
             (_, true) => "refused",
@@ -150,8 +149,23 @@ pub(super) fn select(trials: &mut [Trial]) -> Result<(usize, Fitted), Error> {
 }
 
 /// The factor by which the errors of an operator count more than those of others.
-pub(super) fn factor(row: &Operator) -> f64 {
+fn factor(row: &Operator) -> f64 {
     if row.minor_loops { 1.0 } else { POLICY.jumping_operator_factor }
+}
+
+/// The held-out error of a fit with this operator, as it counts among operators: rms over peak-to-peak.
+pub(super) fn counted_error(row: &Operator, fitted: &Fitted) -> f64 {
+    factor(row) * fitted.held_out.rms_pp()
+}
+
+/// The cost of a fit with this operator, as it counts among operators.
+pub(super) fn counted_cost(row: &Operator, cost: f64) -> f64 {
+    factor(row).powi(2) * cost
+}
+
+/// The cost of a fit with this operator that counts as much as `counted`.
+pub(super) fn cost_of(row: &Operator, counted: f64) -> f64 {
+    counted / factor(row).powi(2)
 }
 
 /// The reason for the selected operator; `None` if only one was tried.
@@ -162,7 +176,7 @@ pub(crate) fn reason_for_operator(trials: &[OperatorTrial]) -> Option<String> {
     let (best, selected) = (good().min_by(by(|t| t.held_out_percent))?, trials.iter().find(|t| t.is_selected())?);
     let others = trials.iter().filter(|t| !t.as_good && t.refused.is_none() && t.error() >= best.error());
     let next = others.min_by(by(OperatorTrial::error));
-    let (name, error) = (selected.operator, short(selected.error()));
+    let (name, error) = (selected.operator, short(selected.error_percent));
     let simplest = match (best.operator == name, good().count()) {
         (true, 1) => format!("{name} predicts best: {error} % rms/pp, held out or in free run"),
         (true, _) => format!(
@@ -171,17 +185,17 @@ pub(crate) fn reason_for_operator(trials: &[OperatorTrial]) -> Option<String> {
         (false, _) => format!(
             "{name} has an error of {error} % rms/pp, held out or in free run, equal to the {} % of {} within \
              uncertainty, and is simpler",
-            short(best.error()),
+            short(best.error_percent),
             best.operator
         ),
     };
-    let then = next.map(|next| format!("; the next is {} with {} %", next.operator, short(next.error())));
-    let jumping = trials.iter().filter(|t| !t.as_good && t.factor() > 1.0 && t.error() < best.error());
+    let then = next.map(|next| format!("; the next is {} with {} %", next.operator, short(next.error_percent)));
+    let jumping = trials.iter().filter(|t| !t.as_good && t.factor() > 1.0 && t.error_percent < best.error_percent);
     let jumping = jumping.min_by(by(OperatorTrial::error)).map(|t| {
         format!(
             "; {} has {} %, which counts {} times, because its minor loops jump",
             t.operator,
-            short(t.error()),
+            short(t.error_percent),
             t.factor()
         )
     });
@@ -226,9 +240,9 @@ impl OperatorTrial {
         Operator::find(self.operator).map_or(1.0, factor)
     }
 
-    /// The larger of the two errors, with rounding [%].
+    /// The larger of the two errors, with rounding, as it counts among operators [%].
     pub(super) fn error(&self) -> f64 {
-        hypot(self.error_percent, ROUNDING_PERCENT)
+        self.factor() * hypot(self.error_percent, ROUNDING_PERCENT)
     }
 
     /// The result of an operator that could not be fitted.
