@@ -1,6 +1,7 @@
 //! The joint method on plants with known coefficients.
 
 use super::*;
+use libm::expm1;
 use piezoid_models::creep::{Creep, Lag};
 use piezoid_models::hammerstein::Model;
 use piezoid_models::hysteresis::Operator;
@@ -283,6 +284,22 @@ fn a_mode_that_only_ringing_shows_is_found_and_the_note_says_how() {
     assert!(found.linear.reason.contains("mode"), "{}", found.linear.reason);
     assert!(!found.notes.iter().any(|note| note.contains("no record has power near")), "{:?}", found.notes);
     assert!(error(&found.model, &plant) < 5e-3, "{}", error(&found.model, &plant));
+}
+
+/// Alone, it would have a lag of seconds in place of creep.
+#[test]
+fn the_linear_block_of_a_small_signal_record_that_creeps_is_found_behind_creep() {
+    let lags = vec![Lag { tau_s: 0.16, gain: 0.03 }, Lag { tau_s: 1.6, gain: 0.06 }];
+    let plant = plant(5e-4, 0).with_creep(Creep::new(5e-4, lags).unwrap()).unwrap();
+    let chirp = |t: u32| 5.0 + (TAU * 2.0 * 3.0 / 4.6 * expm1(4.6 * 5e-4 / 3.0 * f64::from(t))).sin();
+    let small = record(&plant, (0..6000).map(chirp).collect(), 0.0);
+    let settings = named("prandtl-ishlinskii");
+    let found =
+        identified(&noisy(vec![small]), &noisy(large_signal(&plant, 2.0, &[(2.0, 0.0), (7.0, 0.0)])), &settings);
+    assert!(found.linear.reason.ends_with("behind creep"), "{}", found.linear.reason);
+    let resonance = found.model.linear().resonance().unwrap();
+    assert_close(&[resonance.hz, resonance.damping], &[60.0, 0.1], 0.05, 0.0);
+    assert!(error(&found.model, &plant) < 0.02, "{} {:?}", error(&found.model, &plant), found.model);
 }
 
 #[test]

@@ -22,7 +22,7 @@ use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::Model;
 use piezoid_models::hysteresis::{BasisDesign, Operator, Proportional};
 use piezoid_models::linear::{
-    Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, refine as refine_alone, select as select_order,
+    Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, Root, refine as refine_alone, select as select_order,
 };
 use piezoid_numerics::error::Error;
 use piezoid_numerics::optimize::swarm;
@@ -55,9 +55,9 @@ fn coarse(linear: Arx, settings: &JointOptions, design: &BasisDesign, lags: &[La
 /// The linear block from small-signal records. Its gain has the sign of the large-signal records: hysteresis with jumps
 /// at reversals may invert small signals.
 fn from_small_signal(search: &mut Search) -> Result<Candidate, Error> {
+    let (linear, reason) = select_on_small_signal(search)?;
     let Search { settings, records, runs, bridged, lags, design, reporter, .. } = search;
     let (small, large_signal) = (&bridged[..records.small.len()], &bridged[records.beside().len()..]);
-    let (linear, reason) = select_on_small_signal(small, settings, lags)?;
     let linear = with_slow_lags_limited(linear, slowest_observable(small.iter().chain(large_signal)))?;
     let inverted = proportional(&linear, 0.0, large_signal)?.0 < 0.0;
     let linear = if inverted { rescaled(&linear, -linear.dc_gain())? } else { linear };
@@ -68,8 +68,9 @@ fn from_small_signal(search: &mut Search) -> Result<Candidate, Error> {
     Ok(Candidate { structure, operator: Operator::find(COARSE)?, fitted })
 }
 
-fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag]) -> Result<(Arx, String), Error> {
-    let slowest = slowest_pole(lags);
+fn select_on_small_signal(search: &mut Search) -> Result<(Arx, String), Error> {
+    let Search { settings, records, bridged, lags, .. } = &*search;
+    let (small, slowest) = (&bridged[..records.small.len()], slowest_pole(lags));
     require_excitation(small, 1)?;
     let with_driver: Vec<Record> =
         small.iter().map(|record| behind_driver(record, settings)).collect::<Result<_, _>>()?;
@@ -79,30 +80,58 @@ fn select_on_small_signal(small: &[Record], settings: &JointOptions, lags: &[Lag
         return of_order(&with_driver, n);
     }
     let limits = OrderSearch { order: max_order, delay: POLICY.max_delay, parallel: true };
-    let found = select_order(&with_driver, &limits)?;
     let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
+    let found = select_order(&with_driver, &limits)?;
     if !creeps(&found.fit.arx) {
         return Ok((found.fit.arx, found.reason));
     }
     // A slow lag of the linear block is creep, which has its own block.
+    let behind = behind_creep(search, without_creep(&found.fit.arx, slowest)?);
+    let behind = behind.and_then(|records| Ok((select_order(&records, &limits)?, records)));
+    let (found, records) = match behind {
+        Ok((found, _)) if !creeps(&found.fit.arx) => {
+            return Ok((found.fit.arx, format!("{}, behind creep", found.reason)));
+        }
+        Ok(behind) => behind,
+        Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
+        Err(_) => (found, with_driver),
+    };
     let most = POLICY.block_without_creep_ratio * found.candidates[found.chosen].held_out;
     let near = found.candidates.iter().filter(|c| !creeps(&c.arx) && c.held_out <= most);
     let start = match near.min_by_key(|c| (c.orders.na, Reverse(c.orders.delay))) {
         Some(near) => near.arx.clone(),
         None => without_creep(&found.fit.arx, slowest)?,
     };
-    let fit = refine_alone(&with_driver, &start, &Refinement::default(), &mut Stage::ignore)?;
+    let fit = refine_alone(&records, &start, &Refinement::default(), &mut Stage::ignore)?;
     let (n, delay) = (start.a().len(), start.delay());
     let reason =
         format!("order {n} with delay {delay}, because the better block has a lag as slow as creep ({})", found.reason);
-    Ok((fit.arx, reason))
+    Ok((Some(fit.arx).filter(|arx| !creeps(arx)).unwrap_or(start), reason))
 }
 
-/// The block without its lags below the frequency `slowest` [Hz], with the same response at high frequencies.
+/// The small-signal records with their input behind creep, whose gains are fitted before this linear block.
+fn behind_creep(search: &mut Search, linear: Arx) -> Result<Vec<Record>, Error> {
+    let Search { settings, whole, lags, design, reporter, .. } = search;
+    let basis = (Operator::find("proportional")?.basis)(design)?;
+    let start = Estimate::new(settings.driver, basis, lags.clone(), linear);
+    let mut runs: Vec<_> = whole.iter().filter(|run| !run.large_signal).cloned().collect();
+    let fit = refine(start, &mut runs, FreeParameters::Creep, &mut reporter.stage(LINEAR_BLOCK, 0))?;
+    Ok(Hidden::crept(&fit, &runs)?.into_iter().map(|z| z.record).collect())
+}
+
+/// The block without its lags below the frequency `slowest` [Hz], and without the zeros next to them, with the same
+/// response at high frequencies.
 fn without_creep(arx: &Arx, slowest: f64) -> Result<Arx, Error> {
-    let slow = arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.hz < slowest);
-    let a = slow.fold(arx.denominator(), |a, pole| without_factor(&a, pole.z.re));
-    Arx::new(arx.ts(), a[1..].iter().map(|a| -a).collect(), arx.b().to_vec())
+    let (mut a, mut b, mut zeros) = (arx.denominator(), arx.b().to_vec(), arx.zeros());
+    for pole in arx.poles().into_iter().filter(|pole| is_lag(pole) && pole.hz < slowest) {
+        a = without_factor(&a, pole.z.re);
+        let distance = |zero: &Root| (zero.re - pole.z.re).abs();
+        let real = (0..zeros.len()).filter(|&k| zeros[k].im == 0.0);
+        if let Some(nearest) = real.min_by(|&j, &k| distance(&zeros[j]).total_cmp(&distance(&zeros[k]))) {
+            b = without_factor(&b, zeros.swap_remove(nearest).re);
+        }
+    }
+    Arx::new(arx.ts(), a[1..].iter().map(|a| -a).collect(), b)
 }
 
 /// The block of order `n`, with the best delay.
