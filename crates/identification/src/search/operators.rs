@@ -150,7 +150,7 @@ fn comparison(
     with_all_parameters(held, design.range, settings, runs, reporter)
 }
 
-/// The fits of each operator with the linear block held: with its own shape, then, if that is not hopeless, with others.
+/// The fits of each operator with the linear block held: with its own shape, and with others unless it is hopeless.
 fn with_block_held(
     operators: &[&'static Operator],
     design: &BasisDesign,
