@@ -18,6 +18,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use piezoid_numerics::progress::Stage;
 use piezoid_numerics::series::mean;
+use std::slice::from_ref;
 use tracing::trace_span;
 
 /// The move: the candidate with the operator that is the simplest of those as good as the best.
@@ -26,7 +27,11 @@ pub(super) fn compare(candidate: &Candidate, search: &mut Search) -> Result<Opti
     let _stage = trace_span!(target: "stage", "operators").entered();
     let design = search.design_for(blocks);
     let Search { settings, operators, runs, reporter, trials, .. } = search;
-    *trials = comparison(operators, &design, blocks, settings, runs, reporter)?;
+    let held = with_block_held(operators, &design, blocks, settings, runs, reporter)?;
+    if let [(_, Err(why))] = &held[..] {
+        return Err(why.clone());
+    }
+    *trials = with_all_parameters(held, design.range, settings, runs, reporter)?;
     let (selected, fitted) = select(trials)?;
     Ok(Some(Candidate { operator: operators[selected], ..candidate.with_fit(fitted) }))
 }
@@ -129,28 +134,14 @@ fn starting_as_parts<'a>(
 /// The fits of an operator with the linear block held, the best first.
 type Shapes = Result<Vec<Fitted>, Error>;
 
-/// The trials of the operators, each with its fit. `blocks` are the other parts of the model.
+/// Operators, each with its fits.
+type Held = Vec<(&'static Operator, Shapes)>;
+
+/// The fits of each operator with the other parts of the model, `blocks`, held: with its own shape, and with others
+/// unless it is hopeless.
 ///
 /// # Errors
-/// The error of the only operator; those of the reporter, which gets the number of fits done, and after each fit its
-/// errors.
-fn comparison(
-    operators: &[&'static Operator],
-    design: &BasisDesign,
-    blocks: &Estimate,
-    settings: &JointOptions,
-    runs: &[TrainingRecord],
-    reporter: &mut Reporter,
-) -> Result<Vec<Trial>, Error> {
-    let held = with_block_held(operators, design, blocks, settings, runs, reporter)?;
-    if let [Err(why)] = &held[..] {
-        return Err(why.clone());
-    }
-    let held = operators.iter().copied().zip(held).collect();
-    with_all_parameters(held, design.range, settings, runs, reporter)
-}
-
-/// The fits of each operator with the linear block held: with its own shape, and with others unless it is hopeless.
+/// Those of the reporter, which gets the number of fits done, and after each fit its errors.
 fn with_block_held(
     operators: &[&'static Operator],
     design: &BasisDesign,
@@ -158,7 +149,7 @@ fn with_block_held(
     settings: &JointOptions,
     runs: &[TrainingRecord],
     reporter: &mut Reporter,
-) -> Result<Vec<Shapes>, Error> {
+) -> Result<Held, Error> {
     let own = |row: &'static Operator, watch: StepCallback| -> Shapes {
         let start = blocks.with_basis((row.basis)(design)?);
         watch(0)?;
@@ -171,35 +162,37 @@ fn with_block_held(
         reporter.report(Stage { figures: &figures, ..Stage::new(operators[k].name, done, 0) })?;
         reporter.keep_better(operators[k], best, runs)
     };
-    let fits = side_by_side(operators.to_vec(), own, |k, fits| report(0, k, fits))?;
-    let most = POLICY.searched_shape_ratio * least(operators.iter().zip(&fits));
+    let paired = |fits: Vec<Shapes>| -> Held { operators.iter().copied().zip(fits).collect() };
+    let held = paired(side_by_side(operators.to_vec(), own, |k, fits| report(0, k, fits))?);
+    let most = POLICY.searched_shape_ratio * least(&held);
     let with_others = |(row, fits): (&'static Operator, Shapes), watch: StepCallback| match fits {
         Ok(mut own) if settings.effort != Effort::Quick && counted_error(row, &own[0]) <= most => {
             shapes(row, own.swap_remove(0), design, blocks, settings, &mut runs.to_vec(), watch)
         }
         fits => fits,
     };
-    let fits = operators.iter().copied().zip(fits).collect();
-    side_by_side(fits, with_others, |k, fits| report(1, k, fits))
+    side_by_side(held, with_others, |k, fits| report(1, k, fits)).map(paired)
 }
 
 /// The trial of each operator: of those with the best fits, the fit in all parameters.
+///
+/// # Errors
+/// Those of the reporter.
 fn with_all_parameters(
-    held: Vec<(&'static Operator, Shapes)>,
+    held: Held,
     range: (f64, f64),
     settings: &JointOptions,
     runs: &[TrainingRecord],
     reporter: &mut Reporter,
 ) -> Result<Vec<Trial>, Error> {
     let of_all = held.len();
-    let most = POLICY.refined_operator_ratio * least(held.iter().map(|(row, fits)| (row, fits)));
+    let most = POLICY.refined_operator_ratio * least(&held);
     let minima = held.iter().filter_map(|(row, fits)| Some(counted_cost(row, fits.as_ref().ok()?[0].minimum)));
     let least_minimum = minima.fold(f64::INFINITY, f64::min).max(f64::MIN_POSITIVE);
     let mut reach = settings.effort.breadth().reachable_operator_ratio.powi(2) * least_minimum;
     // The best ones show what the others have to reach.
-    let error = |(row, fits): &(&'static Operator, Shapes)| least([(row, fits)]);
     let mut first: Vec<(usize, _)> = held.into_iter().enumerate().collect();
-    first.sort_by(|(_, p), (_, q)| error(p).total_cmp(&error(q)));
+    first.sort_by(|(_, p), (_, q)| least(from_ref(p)).total_cmp(&least(from_ref(q))));
     let others = first.split_off(if reach.is_finite() { POLICY.first_refined.min(of_all) } else { of_all });
     let mut trials: Vec<(usize, Trial)> = Vec::new();
     for round in [first, others] {
@@ -235,8 +228,8 @@ fn reachable(settings: &JointOptions, row: &Operator, fitted: &Fitted, runs: &[T
 }
 
 /// The least error, as it counts among operators, of the best fits.
-fn least<'a>(fits: impl IntoIterator<Item = (&'a &'static Operator, &'a Shapes)>) -> f64 {
-    let best = fits.into_iter().filter_map(|(row, fits)| Some(counted_error(row, fits.as_ref().ok()?.first()?)));
+fn least(held: &[(&'static Operator, Shapes)]) -> f64 {
+    let best = held.iter().filter_map(|(row, fits)| Some(counted_error(row, fits.as_ref().ok()?.first()?)));
     best.fold(f64::INFINITY, f64::min)
 }
 

@@ -68,6 +68,7 @@ fn from_small_signal(search: &mut Search) -> Result<Candidate, Error> {
     Ok(Candidate { structure, operator: Operator::find(COARSE)?, fitted })
 }
 
+/// The linear block of the small-signal records, without creep, and the reason for its order.
 fn select_on_small_signal(search: &mut Search) -> Result<(Arx, String), Error> {
     let Search { settings, records, bridged, lags, .. } = &*search;
     let (small, slowest) = (&bridged[..records.small.len()], slowest_pole(lags));
