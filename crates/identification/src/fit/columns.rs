@@ -197,7 +197,7 @@ pub(super) fn slopes(estimate: &Estimate, run: &TrainingRecord) -> Vec<Vec<f64>>
 
 #[cfg(test)]
 mod tests {
-    use super::super::solve::Prior;
+    use super::super::solve::{Prior, Scales};
     use super::super::testing::{TS, full_estimate};
     use super::*;
     use piezoid_models::hysteresis::OPERATORS;
@@ -258,7 +258,7 @@ mod tests {
         for (row, driver) in OPERATORS.iter().flat_map(|row| [(row, None), (row, Some(driver))]) {
             let estimate = full_estimate(row, driver);
             let layout = ColumnLayout::of(&estimate);
-            let x = Prior::of(&estimate).current().as_slice().to_vec();
+            let x = Prior::of(&estimate, Scales::default()).current().as_slice().to_vec();
             let own: Vec<f64> = (0..layout.own()).map(|k| 3.0 + k as f64).collect();
             for (record, moving) in records.iter().zip([false, true]) {
                 let run = TrainingRecord::new(record, "record", true, vec![true; record.len()]).unwrap();

@@ -99,16 +99,21 @@ pub(crate) struct RecordEquations {
     pub(crate) normal: ReducedEquations,
     carried: DMatrix<f64>,
     carried_y: DVector<f64>,
+    /// The weight that draws each own coefficient to zero.
+    expected: DVector<f64>,
 }
 
 impl RecordEquations {
-    /// The equations of some segments of one run.
-    fn of(estimate: &Estimate, layout: &ColumnLayout, parts: &[&Segment]) -> Self {
+    /// The equations of some segments of one run; what is expected of the own coefficients is that of `like`.
+    fn of(estimate: &Estimate, layout: &ColumnLayout, parts: &[&Segment], like: Option<&RecordEquations>) -> Self {
         let (p, m, y) = (layout.parameters(), layout.own(), layout.columns());
         let gram = parts[1..].iter().fold(parts[0].gram.clone(), |sum, part| sum + &part.gram);
         let samples = parts.iter().map(|part| part.samples).sum();
         let mut own = gram.view((p, p), (m, m)).into_owned();
-        let expected = expected(estimate, layout, &own, samples, parts[0].drifts);
+        let expected = match like {
+            Some(like) => like.expected.clone(),
+            None => expected(estimate, layout, &own, samples, parts[0].drifts),
+        };
         expected.iter().enumerate().for_each(|(k, weight)| own[(k, k)] += weight);
         let crossed = gram.view((p, 0), (m, p)).into_owned();
         let crossed_y = gram.view((p, y), (m, 1)).column(0).into_owned();
@@ -122,7 +127,7 @@ impl RecordEquations {
             yy: gram[(y, y)] - crossed_y.dot(&carried_y),
             samples,
         };
-        RecordEquations { run: parts[0].run, normal, carried, carried_y }
+        RecordEquations { run: parts[0].run, normal, carried, carried_y, expected }
     }
 
     /// The run's own coefficients for the parameters `x`.
@@ -131,18 +136,21 @@ impl RecordEquations {
     }
 }
 
-/// The equations of each run over the `selected` segments, and their sum.
+/// The equations of each run over the `selected` segments, and their sum. What is expected of the own coefficients of
+/// a run is that of the same run in `like`, if it is there: along a fit it must not change with the parameters.
 pub(crate) fn equations(
     estimate: &Estimate,
     segments: &[Segment],
     selected: impl Fn(&Segment) -> bool + Sync,
+    like: &[RecordEquations],
 ) -> (ReducedEquations, Vec<RecordEquations>) {
     let _span = trace_span!("equations").entered();
     let layout = ColumnLayout::of(estimate);
     let runs = segments.chunk_by(|p, q| p.run == q.run).collect::<Vec<_>>();
     let of = |run: &&[Segment]| {
         let parts: Vec<&Segment> = run.iter().filter(|s| s.samples > 0.0 && selected(s)).collect();
-        (!parts.is_empty()).then(|| RecordEquations::of(estimate, &layout, &parts))
+        let like = parts.first().and_then(|part| like.iter().find(|like| like.run == part.run));
+        (!parts.is_empty()).then(|| RecordEquations::of(estimate, &layout, &parts, like))
     };
     let each: Vec<RecordEquations> = runs.par_iter().filter_map(of).collect();
     (ReducedEquations::sum(layout.parameters(), each.iter().map(|run| &run.normal)), each)
@@ -160,7 +168,7 @@ mod tests {
         let layout = ColumnLayout::of(&estimate);
         let (p, m) = (layout.parameters(), layout.own());
         let segments = [segment(&layout, 0, None, 1), segment(&layout, 0, None, 2), segment(&layout, 1, None, 3)];
-        let (normal, each) = equations(&estimate, &segments, |_| true);
+        let (normal, each) = equations(&estimate, &segments, |_| true, &[]);
         let x = normal.h.clone().cholesky().unwrap().solve(&normal.g);
 
         // All unknowns: the parameters, then the coefficients of the first run, then of the second.
@@ -192,8 +200,8 @@ mod tests {
         let estimate = estimate("prandtl-ishlinskii", 3);
         let layout = ColumnLayout::of(&estimate);
         let [one, other] = [segment(&layout, 0, Some(0), 1), segment(&layout, 0, Some(1), 2)];
-        let (selected, _) = equations(&estimate, &[one.clone(), other], |part| part.fold == Some(0));
-        let (alone, _) = equations(&estimate, &[one], |_| true);
+        let (selected, _) = equations(&estimate, &[one.clone(), other], |part| part.fold == Some(0), &[]);
+        let (alone, _) = equations(&estimate, &[one], |_| true, &[]);
         assert_eq!((selected.h, selected.g, selected.samples), (alone.h, alone.g, alone.samples));
     }
 }

@@ -6,7 +6,7 @@ use super::signals::add;
 use piezoid_models::creep::{Creep, Lag};
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::{InitialCondition, Model};
-use piezoid_models::hysteresis::{Basis, ShapeParameter};
+use piezoid_models::hysteresis::Basis;
 use piezoid_models::linear::Arx;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
@@ -53,6 +53,12 @@ impl Estimate {
         self.basis.shape().iter().map(|shape| shape.value).collect()
     }
 
+    /// The limits of the shape parameters, then those of the lag of a driver that is sought.
+    pub(super) fn shape_limits(&self) -> impl Iterator<Item = (f64, f64)> {
+        let of_lag = self.seeks_lag.then(|| (MIN_DRIVER_LAG * self.ts(), f64::INFINITY));
+        self.basis.shape().into_iter().map(|shape| (shape.low, shape.high)).chain(of_lag)
+    }
+
     pub(crate) fn ts(&self) -> f64 {
         self.linear.ts()
     }
@@ -68,17 +74,16 @@ impl Estimate {
         let layout = ColumnLayout::of(self);
         let coefficients = |range: Range<usize>| of_differences(&x[range]);
         let lags = self.lags.iter().zip(&x[layout.gains]).map(|(lag, &gain)| Lag { gain, ..*lag }).collect();
-        let within = |(shape, &p): (ShapeParameter, &f64)| p.clamp(shape.low, shape.high);
-        let shape: Vec<f64> = self.basis.shape().into_iter().zip(&x[layout.shape.clone()]).map(within).collect();
+        let within = |((low, high), p): ((f64, f64), &f64)| p.clamp(low, high);
+        let mut shape: Vec<f64> = self.shape_limits().zip(&x[layout.shape]).map(within).collect();
         let delay = std::iter::repeat_n(0.0, self.linear.delay());
         let linear = Arx::new(self.ts(), coefficients(layout.a), delay.chain(coefficients(layout.b)).collect()).ok()?;
         let linear = limited(linear).filter(Arx::is_stable)?;
-        let basis = self.basis.reshaped(&shape).ok()?.into();
-        let lag = x[layout.shape].last().filter(|_| self.seeks_lag);
-        let driver = match lag {
-            Some(lag) => Some(DriverModel { lag_s: lag.max(MIN_DRIVER_LAG * self.ts()), ..self.driver? }),
+        let driver = match shape.pop_if(|_| self.seeks_lag) {
+            Some(lag_s) => Some(DriverModel { lag_s, ..self.driver? }),
             None => self.driver,
         };
+        let basis = self.basis.reshaped(&shape).ok()?.into();
         let weights = x[layout.weights].to_vec();
         Some(Estimate { driver, seeks_lag: self.seeks_lag, basis, weights, lags, linear })
     }

@@ -142,7 +142,7 @@ struct HeldOutFold<'s> {
 impl<'s> HeldOutFold<'s> {
     fn new(estimate: &Estimate, segments: &'s [Segment], fold: usize, positive: Vec<bool>) -> Self {
         let is_training = |s: &Segment| s.fold != Some(fold);
-        let (train, mut each) = equations(estimate, segments, is_training);
+        let (train, mut each) = equations(estimate, segments, is_training, &[]);
         // Where less than half of a run is left, or not its beginning, its own coefficients are fitted to all of it:
         // offset and initial states are no knowledge of the path.
         let samples = |run: usize, selected: &dyn Fn(&Segment) -> bool| -> f64 {
@@ -153,7 +153,7 @@ impl<'s> HeldOutFold<'s> {
             !begins || samples(s.run, &is_training) < 0.5 * samples(s.run, &|_| true)
         };
         if segments.iter().any(is_little) {
-            each = equations(estimate, segments, |s| is_training(s) || is_little(s)).1;
+            each = equations(estimate, segments, |s| is_training(s) || is_little(s), &[]).1;
         }
         let tests = segments.iter().filter(|s| s.fold == Some(fold) && s.judged && s.samples > 0.0).collect();
         HeldOutFold { train, each, tests, positive }
@@ -175,7 +175,7 @@ impl<'s> HeldOutFold<'s> {
         // The run's own coefficients are those of its other segments; without any, they are fitted to this one.
         let error_of = |test: &&Segment| match self.each.iter().find(|run| run.run == test.run) {
             Some(run) => test.residual(&steps, &run.own(&steps)),
-            None => equations(estimate, std::slice::from_ref(*test), |_| true).0.residual(&steps),
+            None => equations(estimate, std::slice::from_ref(*test), |_| true, &[]).0.residual(&steps),
         };
         (mean(&self.tests.iter().map(|test| error_of(test) / test.samples).collect::<Vec<_>>()), x)
     }
@@ -183,6 +183,7 @@ impl<'s> HeldOutFold<'s> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::solve::Scales;
     use super::super::{products::products, runs::training_records, testing::estimate};
     use super::*;
     use piezoid_numerics::system::System;
@@ -207,7 +208,7 @@ mod tests {
         let estimate = estimate("proportional", 1);
         let runs = training_records(&[], &records, &mut Vec::new()).unwrap();
         let segments = products(&estimate, &runs, &[], FreeParameters::All, &[]);
-        let prior = Prior::of(&estimate);
+        let prior = Prior::of(&estimate, Scales::of(&estimate, &equations(&estimate, &segments, |_| true, &[]).0));
         let found = cross_validate(&estimate, &prior, &segments, 1e-6, FreeParameters::Weights, Smoothness::Fixed(0.0));
         assert_eq!(found.folds.len(), FOLDS);
 

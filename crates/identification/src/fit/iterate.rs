@@ -8,7 +8,7 @@ use super::hidden::Hidden;
 use super::layout::ColumnLayout;
 use super::products::{Segment, products};
 use super::runs::TrainingRecord;
-use super::solve::{FreeParameters, Prior};
+use super::solve::{FreeParameters, Prior, Scales};
 use nalgebra::DVector;
 use std::sync::Arc;
 
@@ -43,11 +43,16 @@ impl Iterate {
     }
 
     fn with(estimate: Estimate, segments: Arc<[Segment]>, free: FreeParameters) -> Self {
-        let (normal, each) = equations(&estimate, &segments, |_| true);
-        Iterate { prior: Prior::of(&estimate), estimate, segments, normal, each, free }
+        let (normal, each) = equations(&estimate, &segments, |_| true, &[]);
+        Iterate { prior: Prior::of(&estimate, Scales::of(&estimate, &normal)), estimate, segments, normal, each, free }
     }
 
-    /// At another estimate, after a step in the parameters `moved`.
+    /// The same with the scales of the penalties, and what is expected of the runs' own coefficients, as they are here.
+    pub(super) fn rescaled(self) -> Self {
+        Iterate::with(self.estimate, self.segments, self.free)
+    }
+
+    /// At another estimate, after a step in the parameters `moved`; the penalties keep their scales.
     pub(super) fn after_step(
         &self,
         next: Estimate,
@@ -56,18 +61,18 @@ impl Iterate {
         moved: FreeParameters,
     ) -> Self {
         let before = if moved == FreeParameters::Weights { &self.segments[..] } else { &[] };
-        let segments = products(&next, runs, own, self.free, before);
-        Iterate::with(next, segments.into(), self.free)
+        let segments: Arc<[Segment]> = products(&next, runs, own, self.free, before).into();
+        let (normal, each) = equations(&next, &segments, |_| true, &self.each);
+        Iterate { prior: Prior::of(&next, self.prior.scales), estimate: next, segments, normal, each, free: self.free }
     }
 
     /// The same after the weight of the small-signal records was multiplied by `factor`.
     pub(super) fn reweighted(mut self, runs: &[TrainingRecord], factor: f64) -> Self {
-        if factor == 1.0 {
-            return self;
+        if factor != 1.0 {
+            let segments = Arc::make_mut(&mut self.segments).iter_mut();
+            segments.filter(|s| !runs[s.run].large_signal).for_each(|s| s.gram *= factor.powi(2));
         }
-        let segments = Arc::make_mut(&mut self.segments).iter_mut();
-        segments.filter(|s| !runs[s.run].large_signal).for_each(|s| s.gram *= factor.powi(2));
-        Iterate::with(self.estimate, self.segments, self.free)
+        self.rescaled()
     }
 
     /// At the end of a fit of these runs, with all parameters free.
@@ -116,11 +121,12 @@ impl Iterate {
         Some(Iterate::at(alone, &runs, &[], FreeParameters::All))
     }
 
-    /// The cost of a next estimate with z alone, if that saves work; the penalty is scaled by the present equations.
+    /// The cost of a next estimate with z alone, if that saves work.
     pub(super) fn cost_of(&self, next: &Estimate, runs: &[TrainingRecord], lambda: f64) -> Option<f64> {
         let alone = (next.weights.len() > MANY_WEIGHTS).then(|| Iterate::alone(next, runs))??;
-        let prior = Prior::of(next);
-        Some(alone.normal.residual(&alone.unknowns()) + prior.penalty(&self.normal, lambda, prior.current()))
+        let (normal, _) = equations(&alone.estimate, &alone.segments, |_| true, &self.each);
+        let prior = Prior::of(next, self.prior.scales);
+        Some(normal.residual(&alone.unknowns()) + prior.penalty(&normal, lambda, prior.current()))
     }
 
     /// True if the linearised equations promise less than `ratio` times the minimum of a fit, or next to nothing.
@@ -216,12 +222,34 @@ mod tests {
                 let next = start.with_linear(Arx::new(5e-4, vec![0.5], vec![1.6]).unwrap());
                 let point = Iterate::at(start, &runs, &[], FreeParameters::All);
                 let alone = point.cost_of(&next, &runs, 0.1).unwrap();
-                let all = Iterate::at(next, &runs, &[], FreeParameters::All);
+                let all = point.after_step(next, &runs, &[], FreeParameters::All);
                 let residual = all.normal.residual(&all.unknowns());
-                let penalty = all.prior.penalty(&point.normal, 0.1, all.prior.current());
+                let penalty = all.prior.penalty(&all.normal, 0.1, all.prior.current());
                 let off = (alone / (residual + penalty) - 1.0).abs();
                 assert!(off < 1e-9 && penalty > 0.01 * residual, "{initial:?} {alone:e} {residual:e} {penalty:e}");
             }
+        }
+    }
+
+    /// The scales of the penalties once moved with the parameters, which no step predicts.
+    #[test]
+    fn along_a_step_the_cost_falls_as_predicted() {
+        let u: Vec<f64> = (0..900).map(|t| 5.0 + 28.0 * (0.3 + 0.01 * f64::from(t)).sin()).collect();
+        let ringing = |t: usize| 400.0 * 0.8f64.powi(t as i32);
+        let y = u.iter().enumerate().map(|(t, u)| u + u * u + ringing(t)).collect();
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let lags = vec![Lag { tau_s: 0.02, gain: 0.05 }, Lag { tau_s: 0.1, gain: 0.02 }];
+        let start = Estimate { lags, ..estimate("generalised-prandtl-ishlinskii", 6) };
+        let fit = refine(start, &mut runs, FreeParameters::Creep, &mut |_| Ok(())).unwrap();
+        for lambda in [0.0, 0.1] {
+            let point = Iterate::known(fit.estimate.clone(), &runs, FreeParameters::All);
+            let (from, to) = (point.prior.current(), point.solution(lambda).unwrap());
+            let x = from + (&to - from) * 1e-5;
+            let next = point.estimate.moved(x.as_slice()).unwrap();
+            let next = point.after_step(next, &runs, &point.own(&x), FreeParameters::All);
+            let fall = (point.cost(lambda) - next.cost(lambda)) / (point.cost(lambda) - point.cost_at(&x, lambda));
+            assert!((fall - 1.0).abs() < 1e-2, "{lambda} {fall}");
         }
     }
 

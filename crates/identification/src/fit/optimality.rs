@@ -4,7 +4,6 @@
 use super::fitted::Fitted;
 use super::iterate::Iterate;
 use super::runs::TrainingRecord;
-use super::solve::Prior;
 use piezoid_numerics::number::short;
 
 /// Decrease of the sum of squares from which a fit is not at its minimum, and one that is next to nothing [%].
@@ -22,14 +21,14 @@ pub(crate) struct Optimality {
 /// The optimality of a fit; the runs start as in the fit.
 pub(crate) fn optimality(fitted: &Fitted, runs: &[TrainingRecord]) -> Optimality {
     let (estimate, lambda) = (&fitted.estimate, fitted.held_out.lambda);
-    let signed: Vec<f64> = Prior::of(estimate).signed().collect();
+    let point = Iterate::at_end_of(fitted, runs);
+    let signed: Vec<f64> = point.prior.signed().collect();
     let zeros = signed.iter().filter(|value| **value == 0.0).count();
     let shape = estimate.basis.shape().into_iter();
     let limits: Vec<String> = shape
         .filter(|p| p.value <= p.low || p.value >= p.high)
         .map(|p| format!("{} = {}", p.name, short(p.value)))
         .collect();
-    let point = Iterate::at_end_of(fitted, runs);
     let (cost, predicted) = (point.cost(lambda), point.predicted(lambda));
     let left = match cost {
         0.0 => 0.0,

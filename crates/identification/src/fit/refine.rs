@@ -24,8 +24,8 @@ const MAX_TRIES: usize = 8;
 /// The step from which record weights are fixed.
 const RECORD_WEIGHT_STEPS: usize = 3;
 
-/// Maximum number of changes of the smoothness after the first.
-const MAX_SMOOTHNESS_CHANGES: usize = 3;
+/// Maximum number of changes of the smoothness, or of the scales of the penalties, after the first.
+const MAX_CHANGES: usize = 3;
 
 /// Relative decrease of the cost below which the search ends.
 const MIN_COST_DECREASE: f64 = 3e-4;
@@ -160,7 +160,7 @@ fn descend(
     let free = point.free;
     let (is_start, is_fixed) = (smoothness == Smoothness::Any, matches!(smoothness, Smoothness::Fixed(_)));
     let (mut lambda, mut damping) = (smoothness.lambda(), INITIAL_DAMPING);
-    let mut changes = if is_fixed { 0 } else { MAX_SMOOTHNESS_CHANGES };
+    let mut changes = MAX_CHANGES;
     for step in 0..MAX_STEPS {
         watch(step)?;
         let now = match (step, free) {
@@ -190,15 +190,18 @@ fn descend(
             |point: &Iterate| goal.left < 1.0 && point.predicted(lambda) < (1.0 - goal.left) * point.cost(lambda);
         let goes_on = is_lower && (fall >= MIN_COST_DECREASE || fall >= MIN_SLOW_DECREASE && is_left(&point));
         let ends = !goes_on || point.cost(lambda) < ROUNDING_ERROR * point.normal.samples;
-        if ends && now != free {
-            // More parameters are free in the next step.
-            damping = INITIAL_DAMPING;
-        } else if ends {
-            let best = if changes > 0 { point.held_out(free, Smoothness::Near(lambda)).lambda } else { lambda };
-            if best == lambda {
+        if !ends {
+            continue;
+        }
+        (point, damping) = (point.rescaled(), INITIAL_DAMPING);
+        // If more parameters are free in the next step, the search goes on.
+        if now == free {
+            let best =
+                if changes > 0 && !is_fixed { point.held_out(free, Smoothness::Near(lambda)).lambda } else { lambda };
+            if best == lambda && !(changes > 0 && is_left(&point)) {
                 break;
             }
-            (lambda, damping, changes) = (best, INITIAL_DAMPING, changes - 1);
+            (lambda, changes) = (best, changes - 1);
         }
     }
     let held_out = point.held_out(free, Smoothness::Fixed(lambda));

@@ -14,6 +14,7 @@ use super::estimate::{Estimate, of_differences};
 use super::layout::ColumnLayout;
 use nalgebra::{DMatrix, DVector};
 use piezoid_numerics::optimize::non_negative;
+use std::ops::Range;
 use tracing::trace_span;
 
 /// Weight that keeps undetermined weights at their values.
@@ -48,22 +49,46 @@ enum Target {
     Usual,
 }
 
+/// The scales of the penalties, per sample. Along a fit they are those of its start: the cost is one function of the
+/// parameters.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct Scales {
+    /// S: the mean size of the weights' columns.
+    weights: f64,
+    /// The mean size of the columns of the gains of creep.
+    gains: f64,
+}
+
+impl Scales {
+    pub(crate) fn of(estimate: &Estimate, normal: &ReducedEquations) -> Self {
+        let layout = ColumnLayout::of(estimate);
+        let mean = |columns: Range<usize>| {
+            let count = columns.len().max(1) as f64;
+            columns.map(|k| normal.h[(k, k)]).sum::<f64>() / count / normal.samples.max(1.0)
+        };
+        Scales { weights: mean(layout.weights), gains: mean(layout.gains) }
+    }
+}
+
 /// Knowledge about the parameters in addition to the data.
 #[derive(Debug)]
 pub(crate) struct Prior {
     layout: ColumnLayout,
+    pub(crate) scales: Scales,
     /// The current parameters.
     current: DVector<f64>,
     /// D'D.
     smooth: DMatrix<f64>,
     /// True for parameters that must not be negative.
     signed: Vec<bool>,
+    /// The other limits of the parameters.
+    limits: Vec<(f64, f64)>,
     /// The derivative of ln(static gain of G).
     gain: DVector<f64>,
 }
 
 impl Prior {
-    pub(crate) fn of(estimate: &Estimate) -> Self {
+    pub(crate) fn of(estimate: &Estimate, scales: Scales) -> Self {
         let layout = ColumnLayout::of(estimate);
         let (a, b) = (estimate.linear.a(), estimate.linear.b());
         let gains = estimate.lags.iter().map(|lag| lag.gain);
@@ -81,13 +106,26 @@ impl Prior {
         let mut signed = estimate.basis.non_negative();
         signed.resize(layout.gains.end, true);
         signed.resize(layout.parameters(), false);
+        let mut limits = vec![(f64::NEG_INFINITY, f64::INFINITY); layout.parameters()];
+        // Lags with more than creep of ceramics have the largest gain of creep: they are something else.
+        limits[layout.gains.clone()].fill((f64::NEG_INFINITY, MAX_CREEP_GAIN));
+        let of_shape = limits[layout.shape.clone()].iter_mut().zip(estimate.shape_limits());
+        of_shape.for_each(|(limits, shape)| *limits = shape);
 
         let (fed_back, fed_forward) = (1.0 - a.iter().sum::<f64>(), b.iter().sum::<f64>());
         let mut gain = DVector::zeros(layout.parameters());
         // Differences of a constant are zero: only the coefficients of order 0 enter.
         gain.rows_range_mut(layout.a.clone()).iter_mut().take(1).for_each(|g| *g = 1.0 / fed_back);
         gain.rows_range_mut(layout.b.clone()).iter_mut().take(1).for_each(|g| *g = 1.0 / fed_forward);
-        Prior { current: DVector::from_iterator(layout.parameters(), now), layout, smooth, signed, gain }
+        Prior {
+            current: DVector::from_iterator(layout.parameters(), now),
+            layout,
+            scales,
+            smooth,
+            signed,
+            limits,
+            gain,
+        }
     }
 
     /// The current parameters.
@@ -122,7 +160,7 @@ impl Prior {
             Target::None => 0.0,
         };
         let unlike: f64 = self.layout.gains.clone().map(unlike).sum();
-        self.size(normal) * lambda * w.dot(&(&self.smooth * w)) + self.alike(normal) * unlike
+        self.scales.weights * normal.samples * lambda * w.dot(&(&self.smooth * w)) + self.alike(normal) * unlike
     }
 
     /// What the gain `k` is drawn to at `x`.
@@ -136,8 +174,7 @@ impl Prior {
 
     /// The weight of the penalty of unlike gains.
     fn alike(&self, normal: &ReducedEquations) -> f64 {
-        let gains = self.layout.gains.clone();
-        EQUAL_GAIN_WEIGHT * gains.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / gains.len().max(1) as f64
+        EQUAL_GAIN_WEIGHT * self.scales.gains * normal.samples
     }
 
     /// The solution of `normal`, with only the `free` parameters moving. `damping` limits the steps of all but the
@@ -152,7 +189,7 @@ impl Prior {
         positive: &mut [bool],
     ) -> Option<DVector<f64>> {
         let _span = trace_span!("solutions").entered();
-        let (layout, size) = (&self.layout, self.size(normal));
+        let (layout, size) = (&self.layout, self.scales.weights * normal.samples);
         let weights = layout.weights.len();
         let (mut h, mut g) = (normal.h.clone(), normal.g.clone());
         let mut w = h.view_mut((0, 0), (weights, weights));
@@ -200,30 +237,37 @@ impl Prior {
         let target = DVector::from_fn(n, |i, _| g[moving[i]] * unit[i]);
         let signed: Vec<bool> = moving.iter().map(|&k| self.signed[k]).collect();
         let mut solved = non_negative(&scaled, &target, &signed, &mut positive[..n])?;
-        // Lags with more than creep of ceramics have the largest gain of creep: they are something else.
-        let top = |j: usize| MAX_CREEP_GAIN / unit[j];
-        let mut held_at: Vec<usize> = Vec::new();
-        let over = |solved: &DVector<f64>, held_at: &[usize]| {
-            (0..n).find(|j| self.layout.gains.contains(&moving[*j]) && !held_at.contains(j) && solved[*j] > top(*j))
+        // Weights and gains are unknown themselves, and of the others the steps.
+        let from = |k: usize| if k < layout.gains.end { 0.0 } else { self.current[k] };
+        let value = |j: usize, solved: f64| from(moving[j]) + solved * unit[j];
+        // Those that were beyond a limit, at this limit.
+        let mut held_at: Vec<(usize, f64)> = Vec::new();
+        let is_held = |held_at: &[(usize, f64)], j: usize| held_at.iter().any(|held| held.0 == j);
+        let beyond = |solved: &DVector<f64>, held_at: &[(usize, f64)]| {
+            let limited = |j: usize| {
+                let (value, (low, high)) = (value(j, solved[j]), self.limits[moving[j]]);
+                Some((j, value.clamp(low, high))).filter(|limited| limited.1 != value)
+            };
+            (0..n).filter(|&j| !is_held(held_at, j)).find_map(limited)
         };
-        while let Some(j) = over(&solved, &held_at) {
-            held_at.push(j);
-            let rest: Vec<usize> = (0..n).filter(|j| !held_at.contains(j)).collect();
-            let h = scaled.select_rows(&rest).select_columns(&rest);
-            let known = |i: usize| held_at.iter().map(|&j| scaled[(i, j)] * top(j)).sum::<f64>();
-            let g = DVector::from_fn(rest.len(), |k, _| target[rest[k]] - known(rest[k]));
+        while let Some(held) = beyond(&solved, &held_at) {
+            held_at.push(held);
+            let known =
+                DVector::from_iterator(held_at.len(), held_at.iter().map(|&(j, at)| (at - from(moving[j])) / unit[j]));
+            let columns: Vec<usize> = held_at.iter().map(|held| held.0).collect();
+            let rest: Vec<usize> = (0..n).filter(|&j| !is_held(&held_at, j)).collect();
+            let h = scaled.select_rows(&rest);
+            let g = target.select_rows(&rest) - h.select_columns(&columns) * known;
             let signed: Vec<bool> = rest.iter().map(|&i| signed[i]).collect();
             let mut free: Vec<bool> = rest.iter().map(|&i| positive[i]).collect();
-            let found = non_negative(&h, &g, &signed, &mut free)?;
+            let found = non_negative(&h.select_columns(&rest), &g, &signed, &mut free)?;
             rest.iter().zip(&found).for_each(|(&i, x)| solved[i] = *x);
             rest.iter().zip(&free).for_each(|(&i, free)| positive[i] = *free);
-            held_at.iter().for_each(|&j| solved[j] = top(j));
         }
 
         let mut x = self.current.clone();
-        for ((&k, solved), unit) in moving.iter().zip(&solved).zip(unit) {
-            x[k] = solved * unit + if k < layout.gains.end { 0.0 } else { self.current[k] };
-        }
+        moving.iter().enumerate().for_each(|(j, &k)| x[k] = value(j, solved[j]));
+        held_at.iter().for_each(|&(j, at)| x[moving[j]] = at);
         if let Some((held, ratios)) = held {
             let steps: f64 = (layout.shape.end..end).map(|k| ratios[k] * (x[k] - self.current[k])).sum();
             x[held] = self.current[held] - steps;
@@ -244,11 +288,6 @@ impl Prior {
         g.axpy(-g[held], &ratios, 1.0);
         Some((held, ratios))
     }
-
-    /// The mean size of the weights' columns.
-    fn size(&self, normal: &ReducedEquations) -> f64 {
-        self.layout.weights.clone().map(|k| normal.h[(k, k)]).sum::<f64>() / self.layout.weights.len() as f64
-    }
 }
 
 #[cfg(test)]
@@ -263,15 +302,15 @@ mod tests {
         let layout = ColumnLayout::of(&estimate);
         let mut held = 0;
         for (seed, lambda) in [(1, 0.0), (2, 1e-6), (3, 1e-3), (4, 0.1)] {
-            let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, seed)], |_| true);
-            let prior = Prior::of(&estimate);
+            let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, seed)], |_| true, &[]);
+            let prior = Prior::of(&estimate, Scales::of(&estimate, &normal));
             let mut positive = vec![true; layout.parameters()];
             let x = prior.solve(&normal, lambda, 1e-6, FreeParameters::Weights, &mut positive).unwrap();
             // Only the weights move.
             assert_eq!(x.rows_range(layout.weights.end..), prior.current().rows_range(layout.weights.end..));
             let w = x.rows_range(layout.weights.clone()).into_owned();
             let n = w.len();
-            let smooth = &prior.smooth * (lambda * prior.size(&normal));
+            let smooth = &prior.smooth * (lambda * prior.scales.weights * normal.samples);
             let gradient = (normal.h.view((0, 0), (n, n)) + smooth) * &w - normal.g.rows(0, n);
             for (k, (w, slope)) in w.iter().zip(&gradient).enumerate() {
                 let slope = slope / normal.g.amax();
@@ -288,11 +327,30 @@ mod tests {
     }
 
     #[test]
+    fn shape_parameters_end_at_their_limits_and_the_others_are_best_there() {
+        let estimate = estimate("generalised-prandtl-ishlinskii", 4);
+        let layout = ColumnLayout::of(&estimate);
+        let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, 7)], |_| true, &[]);
+        // The optimum is as far away as 200 samples of noise allow; here farther.
+        let normal = ReducedEquations { g: &normal.g * 30.0, ..normal };
+        let prior = Prior::of(&estimate, Scales::of(&estimate, &normal));
+        let mut positive = vec![true; layout.parameters()];
+        let x = prior.solve(&normal, 0.0, 0.0, FreeParameters::Shape, &mut positive).unwrap();
+        let shape = || layout.shape.clone().zip(estimate.shape_limits());
+        assert!(shape().all(|(k, (low, high))| (low..=high).contains(&x[k])), "{x}");
+        assert!(shape().any(|(k, (low, high))| x[k] == low || x[k] == high), "{x}");
+        let slope = &normal.h * prior.steps(&x) - &normal.g;
+        let inside = shape().filter(|(k, (low, high))| x[*k] > *low && x[*k] < *high).map(|(k, _)| k);
+        let weights = layout.weights.clone().filter(|k| x[*k] != 0.0);
+        assert!(inside.chain(weights).all(|k| slope[k].abs() < 1e-6 * normal.g.amax()), "{x} {slope}");
+    }
+
+    #[test]
     fn the_static_gain_of_the_linear_block_is_fixed() {
         let estimate = estimate("prandtl-ishlinskii", 4);
         let layout = ColumnLayout::of(&estimate);
-        let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, 5)], |_| true);
-        let prior = Prior::of(&estimate);
+        let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, 5)], |_| true, &[]);
+        let prior = Prior::of(&estimate, Scales::of(&estimate, &normal));
         let mut positive = vec![true; layout.parameters()];
         let x = prior.solve(&normal, 0.0, 1e-3, FreeParameters::All, &mut positive).unwrap();
         let steps = &x - prior.current();
