@@ -43,6 +43,7 @@ impl Beam {
         let modes = match spec {
             BeamSpec::Modes(modes) => modes,
             BeamSpec::Cantilever(cantilever) => &cantilever.modes()?,
+            BeamSpec::Oscillator(_) => &Vec::new(),
         };
         let steps = modes.iter().enumerate().map(|(i, mode)| ModeStep::new(mode, i, h)).collect::<Result<_, _>>()?;
         Ok(Beam { steps, residual: 1.0 - modes.iter().map(|mode| mode.share).sum::<f64>() })

@@ -40,6 +40,12 @@ impl Spec {
                     about(&mut mode.damping);
                 }
             }
+            BeamSpec::Oscillator(oscillator) => {
+                about(&mut oscillator.mass_kg);
+                about(&mut oscillator.damping_kg_per_s);
+                about(&mut oscillator.stiffness_n_per_m);
+                about(&mut oscillator.alpha_n_per_m);
+            }
         }
         match &mut spec.hysteresis {
             HysteresisSpec::BoucWen { displacement_m, width, .. }
@@ -47,6 +53,7 @@ impl Spec {
                 about(displacement_m);
                 about(width);
             }
+            HysteresisSpec::Linear { displacement_m, .. } => about(displacement_m),
         }
         about(&mut spec.creep_per_decade);
         about(&mut spec.driver.capacitance_f);

@@ -27,6 +27,8 @@ mod drawn;
 mod driver;
 mod everett;
 mod material;
+mod mechanics;
+mod oscillator;
 mod preisach;
 mod presets;
 mod saturation;
@@ -38,10 +40,10 @@ pub use saturation::Saturation;
 pub use spec::Spec;
 pub use spec::{BeamSpec, HysteresisSpec, Logged};
 
-use beam::Beam;
 use creep::CreepStage;
 use driver::DriverStage;
 use material::Material;
+use mechanics::Mechanics;
 use piezoid_numerics::error::{Error, positive};
 use piezoid_numerics::system::System;
 use sensor::Sensor;
@@ -79,7 +81,7 @@ pub struct Plant {
     /// What the ceramic's law gives at rest [m].
     rest: f64,
     creep: CreepStage,
-    beam: Beam,
+    beam: Mechanics,
     sensor: Sensor,
 }
 
@@ -139,7 +141,7 @@ impl Plant {
             middle: spec.middle_v,
             rest,
             creep: CreepStage::new(spec.creep_per_decade, spec.creep_from_s, h)?,
-            beam: Beam::new(&spec.beam, h)?,
+            beam: Mechanics::new(&spec.beam, h)?,
             sensor: Sensor::new(&spec.sensor, h, 0)?,
         })
     }

@@ -1,15 +1,17 @@
-//! The ceramic: from voltage to static displacement, by one of two laws.
+//! The ceramic: from voltage to static displacement, by one of two laws or in proportion.
 
 use super::bouc_wen::BoucWenStage;
 use super::preisach::PreisachStage;
 use super::spec::HysteresisSpec;
-use piezoid_numerics::error::Error;
+use piezoid_numerics::error::{Error, positive};
 
 /// A rate-independent law; its file describes its state.
 #[derive(Debug, Clone)]
 pub(super) enum Material {
     BoucWen(BoucWenStage),
     Preisach(PreisachStage),
+    /// Displacement per volt [m/V].
+    Linear(f64),
 }
 
 impl Material {
@@ -21,6 +23,10 @@ impl Material {
             HysteresisSpec::Preisach { range_v, displacement_m, width, half_width_v, asymmetry } => {
                 Material::Preisach(PreisachStage::new(range_v, displacement_m, width, half_width_v, asymmetry)?)
             }
+            HysteresisSpec::Linear { range_v, displacement_m } => Material::Linear(
+                positive("hysteresis.displacement_m", displacement_m, "metres")?
+                    / positive("hysteresis.range_v", range_v, "volts")?,
+            ),
         })
     }
 
@@ -28,6 +34,7 @@ impl Material {
         match self {
             Material::BoucWen(_) => BoucWenStage::ORDER,
             Material::Preisach(_) => PreisachStage::ORDER,
+            Material::Linear(_) => 0,
         }
     }
 
@@ -37,6 +44,7 @@ impl Material {
         match self {
             Material::BoucWen(law) => law.displacement(x, u),
             Material::Preisach(law) => law.displacement(x, u),
+            Material::Linear(per_volt) => per_volt * u,
         }
     }
 }

@@ -104,6 +104,13 @@ pub enum HysteresisSpec {
         /// Asymmetry c: relative to zero, the density is 1 + c at +range and 1 - c at -range [-].
         asymmetry: f64,
     },
+    /// A displacement in proportion to the voltage, without hysteresis.
+    Linear {
+        /// A voltage [V].
+        range_v: f64,
+        /// The displacement at this voltage [m].
+        displacement_m: f64,
+    },
 }
 
 /// The mechanics: vibration modes, given or from geometry.
@@ -114,6 +121,31 @@ pub enum BeamSpec {
     Modes(Vec<BeamMode>),
     /// The modes of a uniform cantilever.
     Cantilever(Cantilever),
+    /// One mode with a hysteretic force that its displacement drives.
+    Oscillator(Oscillator),
+}
+
+/// m y'' + c y' + k y + z = f,  z' = alpha y' - beta (gamma |y'| |z|^(nu-1) z + delta y' |z|^nu), and f is k + alpha
+/// times the static displacement of the ceramic.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Oscillator {
+    /// m [kg].
+    pub mass_kg: f64,
+    /// c [kg/s].
+    pub damping_kg_per_s: f64,
+    /// k [N/m].
+    pub stiffness_n_per_m: f64,
+    /// alpha [N/m].
+    pub alpha_n_per_m: f64,
+    /// beta; with the exponent 1 in 1/m.
+    pub beta: f64,
+    /// gamma [-].
+    pub gamma: f64,
+    /// delta [-].
+    pub delta: f64,
+    /// nu [-].
+    pub exponent: f64,
 }
 
 /// A vibration mode at the tip.
@@ -219,9 +251,22 @@ fn creep_from() -> f64 {
 impl HysteresisSpec {
     /// Volts per metre of the major loop.
     pub(super) fn volts_per_m(&self) -> f64 {
-        let (HysteresisSpec::BoucWen { range_v, displacement_m, .. }
-        | HysteresisSpec::Preisach { range_v, displacement_m, .. }) = self;
-        range_v / displacement_m
+        self.range_v() / self.displacement_m()
+    }
+
+    fn range_v(&self) -> f64 {
+        let (HysteresisSpec::BoucWen { range_v, .. }
+        | HysteresisSpec::Preisach { range_v, .. }
+        | HysteresisSpec::Linear { range_v, .. }) = self;
+        *range_v
+    }
+
+    /// Half the height of the major loop, or the displacement at the range [m].
+    pub(super) fn displacement_m(&self) -> f64 {
+        let (HysteresisSpec::BoucWen { displacement_m, .. }
+        | HysteresisSpec::Preisach { displacement_m, .. }
+        | HysteresisSpec::Linear { displacement_m, .. }) = self;
+        *displacement_m
     }
 }
 
