@@ -9,6 +9,7 @@
 pub mod creep;
 pub mod driver;
 pub mod elementary;
+pub mod feedback;
 pub mod hammerstein;
 pub mod hysteresis;
 pub mod linear;

@@ -8,6 +8,7 @@
 //! filtered responses. Only p needs a search (Golub & Pereyra 2003, DOI 10.1088/0266-5611/19/2/201).
 
 use super::Hysteresis;
+use super::real::Sensitive;
 use piezoid_numerics::error::Error;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -83,6 +84,18 @@ pub trait Basis: Debug + Send + Sync {
     /// For each shape parameter the sensitivity dz/dp_j at each sample of `u`, from rest.
     fn slopes(&self, _weights: &[f64], _u: &[f64]) -> Vec<Vec<f64>> {
         Vec::new()
+    }
+
+    /// One sample of z with its derivatives by some parameters, on which weights, shape, state and input may depend.
+    /// `None` if the operator has none.
+    fn sensitive_step(
+        &self,
+        _weights: &[Sensitive],
+        _shape: &[Sensitive],
+        _x: &mut [Sensitive],
+        _u: Sensitive,
+    ) -> Option<Sensitive> {
+        None
     }
 
     /// z for each sample of `u`, from rest.

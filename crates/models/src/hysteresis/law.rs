@@ -5,7 +5,7 @@
 
 use super::basis::{Basis, ShapeParameter, counted, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials, with_scratch};
-use super::real::{Dual, Real, Several, Slope};
+use super::real::{Dual, Real, Sensitive, Several, Slope};
 use super::{Hysteresis, Operator, document, parse, thresholds};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, finite, positive};
@@ -22,7 +22,7 @@ pub(super) struct Input<R = f64> {
     /// The input [input unit].
     pub(super) u: R,
     /// The previous input; 0 before the first [input unit].
-    pub(super) before: f64,
+    pub(super) before: R,
     /// Sampling period [s]; infinite for a quasi-static movement.
     pub(super) ts: f64,
     /// Input range of the identification data [input unit].
@@ -32,14 +32,14 @@ pub(super) struct Input<R = f64> {
 impl Input {
     /// The next sample.
     fn then<R: Real>(self, u: R) -> Input<R> {
-        Input { u, before: self.u, ts: self.ts, range: self.range }
+        Input { u, before: self.u.into(), ts: self.ts, range: self.range }
     }
 }
 
 impl<R: Real> Input<R> {
     /// Movement of the input [input unit].
     pub(super) fn path(&self) -> R {
-        self.u - self.before.into()
+        self.u - self.before
     }
 
     /// Direction of the movement: 1, -1, or 0 while the input is held.
@@ -221,15 +221,14 @@ impl<L: Law> Weighted<L> {
     }
 
     /// The last input, from the state `x`.
-    fn last<R: Real>(&self, x: &[R]) -> Input {
-        let u = x[0].value();
-        Input { u, before: u, ts: self.ts, range: self.params.range }
+    fn last(&self, x: &[f64]) -> Input {
+        Input { u: x[0], before: x[0], ts: self.ts, range: self.params.range }
     }
 
-    fn advance<R: Real>(&self, shape: &[R], x: &mut [R], u: f64, phi: impl FnMut(usize, R)) {
-        let input = self.last(x).then(R::from(u));
+    fn advance<R: Real>(&self, shape: &[R], x: &mut [R], u: R, phi: impl FnMut(usize, R)) {
+        let input = Input { u, before: x[0], ts: self.ts, range: self.params.range };
         self.params.law.step(shape, &mut x[1..], input, phi);
-        x[0] = u.into();
+        x[0] = u;
     }
 
     /// [`Basis::slopes`] by at most `N` shape parameters at once.
@@ -242,7 +241,7 @@ impl<L: Law> Weighted<L> {
             let mut slopes = vec![vec![0.0; u.len()]; N.min(self.shape.len() - from)];
             for (t, &u) in u.iter().enumerate() {
                 let mut slope = Several::<N>::ZERO;
-                self.advance(&shape, &mut x, u, |k, phi| slope = slope + phi.slope * weights[k]);
+                self.advance(&shape, &mut x, u.into(), |k, phi| slope = slope + phi.slope * weights[k]);
                 slopes.iter_mut().zip(slope.0).for_each(|(slopes, slope)| slopes[t] = slope);
             }
             slopes
@@ -366,6 +365,18 @@ impl<L: Law> Basis for Weighted<L> {
             3..=4 => self.slopes_by::<4>(weights, u),
             _ => self.slopes_by::<8>(weights, u),
         }
+    }
+
+    fn sensitive_step(
+        &self,
+        weights: &[Sensitive],
+        shape: &[Sensitive],
+        x: &mut [Sensitive],
+        u: Sensitive,
+    ) -> Option<Sensitive> {
+        let mut z = Sensitive::from(0.0);
+        self.advance(shape, x, u, |k, phi| z = z + weights[k] * phi);
+        Some(z)
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {

@@ -11,8 +11,8 @@
 use crate::elementary;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The numbers of the laws: `f64` or [`Dual`].
-pub(super) trait Real:
+/// The numbers of the laws: `f64`, or a number with derivatives.
+pub trait Real:
     Copy
     + PartialOrd
     + From<f64>
@@ -22,10 +22,12 @@ pub(super) trait Real:
     + Mul<Output = Self>
     + Div<Output = Self>
 {
+    /// The number without derivatives.
     fn value(self) -> f64;
     /// f(self), given its value and its derivative, which is computed only if needed.
     fn map(self, f: f64, slope: impl FnOnce() -> f64) -> Self;
 
+    /// e^self.
     fn exp(self) -> Self {
         let e = elementary::exp(self.value());
         self.map(e, || e)
@@ -62,7 +64,7 @@ impl Real for f64 {
 }
 
 /// A derivative, or several at once.
-pub(super) trait Slope:
+pub trait Slope:
     Copy + Add<Output = Self> + Sub<Output = Self> + Neg<Output = Self> + Mul<f64, Output = Self> + Div<f64, Output = Self>
 {
     const ZERO: Self;
@@ -74,9 +76,9 @@ impl Slope for f64 {
 
 /// A value and its derivative.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Dual<S = f64> {
-    pub(super) value: f64,
-    pub(super) slope: S,
+pub struct Dual<S = f64> {
+    pub value: f64,
+    pub slope: S,
 }
 
 impl<S: Slope> From<f64> for Dual<S> {
@@ -138,7 +140,10 @@ impl<S: Slope + PartialEq> Real for Dual<S> {
 
 /// The derivatives by several parameters.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Several<const N: usize>(pub(super) [f64; N]);
+pub struct Several<const N: usize>(pub [f64; N]);
+
+/// A value and its derivatives by eight parameters.
+pub type Sensitive = Dual<Several<8>>;
 
 impl<const N: usize> Several<N> {
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
