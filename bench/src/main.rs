@@ -1,9 +1,9 @@
 //! Measures what a page of docs/ states, and writes its tables and figures.
 //!
-//! `cargo run --release -p piezoid-bench -- paper|operators|accuracy|control docs`
+//! `cargo run --release -p piezoid-bench -- paper|operators|accuracy|control|feedback docs`
 //! `cargo run -p piezoid-bench -- vectors crates/piezoid/tests/vectors`
 
-use piezoid_bench::{accuracy, control, operators, paper, vectors};
+use piezoid_bench::{accuracy, control, feedback, operators, paper, vectors};
 use std::error::Error;
 use std::path::Path;
 
@@ -11,11 +11,12 @@ use std::path::Path;
 type Write = fn(&Path) -> Result<(), Box<dyn Error>>;
 
 /// What can be written.
-const WRITERS: [(&str, Write); 5] = [
+const WRITERS: [(&str, Write); 6] = [
     ("paper", paper::write),
     ("operators", operators::write),
     ("accuracy", accuracy::write),
     ("control", control::write),
+    ("feedback", feedback::write),
     ("vectors", vectors::write),
 ];
 

@@ -24,6 +24,7 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod check;
+pub mod feedback;
 mod fit;
 mod identified;
 pub mod large_signal;

@@ -74,6 +74,12 @@ pub mod excitation {
     };
 }
 
+/// Mechanics with hysteresis in feedback: driven by the displacement, for instance.
+pub mod feedback {
+    pub use piezoid_identification::feedback::FeedbackFit;
+    pub use piezoid_models::feedback::{FeedbackMode, FeedbackModel, Intersample};
+}
+
 /// File formats: bytes, tables, columns, records.
 pub mod formats {
     pub use piezoid_records::formats::{Channel, ColumnSelection, FORMATS, Format, Signal, Table};

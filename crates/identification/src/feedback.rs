@@ -1,0 +1,412 @@
+//! Hysteresis in feedback: all parameters of a feedback model by its free-run error, with exact derivatives.
+//!
+//! ```text
+//! min sum over records of |y - model|^2 / (peak-to-peak of y)^2
+//! ```
+//! Unknowns are the parameters of the model, and the state of the modes at the start of each record, unless the record
+//! is one period of a longer one. An oscillator is found from its records alone: first without hysteresis, then from
+//! several starts with it, of which the best goes on to the minimum.
+//!
+//! Reference: L. Ljung, System Identification (1999), section 10.2 (output error, Gauss-Newton).
+
+use crate::fit::FittedParameter;
+use nalgebra::{DMatrix, DVector};
+use piezoid_models::feedback::{FeedbackMode, FeedbackModel, FeedbackParameter, Intersample};
+use piezoid_models::hysteresis::{BasisDesign, Operator};
+use piezoid_models::linear::{Orders, OutputError, Refinement};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::optimize::levenberg_marquardt::{NormalEquations, SearchSettings, SumOfSquares, minimise};
+use piezoid_numerics::optimize::{Minimum, Reason};
+use piezoid_numerics::progress::{Progress, Stage};
+use piezoid_numerics::series::ends;
+use piezoid_numerics::system::System;
+use piezoid_records::record::Record;
+use rayon::prelude::*;
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+use std::ops::Range;
+
+/// Steps per sample: at 12 samples a period the error of a step is 1e-5 of the vibration.
+const SUBSTEPS: usize = 20;
+
+/// Steps of the search from each start, and from the best one.
+const FIRST_STEPS: usize = 8;
+const MOST_STEPS: usize = 100;
+
+/// Relative decrease of the sum of squares, predicted for another step, below which the search ends.
+const TOLERANCE: f64 = 1e-9;
+
+/// Starts: the stiffness of the hysteresis over that of the mode, and its bend over the range.
+const STARTS: [(f64, f64); 4] = [(0.3, 0.3), (0.3, 2.0), (1.0, 0.3), (1.0, 2.0)];
+
+/// Periods of the slowest mode in a window, and the largest number of windows.
+const WINDOW: f64 = 10.0;
+const MAX_WINDOWS: usize = 64;
+
+/// Time constants of the mode that are simulated before a record in motion: what is left is 1e-5.
+const BEFORE: f64 = 12.0;
+
+/// The initial condition of a record.
+#[derive(Debug, Clone, PartialEq)]
+enum Initial {
+    /// Unknown: p and step times p' of each mode at its start. The hysteresis was at rest.
+    States(Vec<[f64; 2]>),
+    /// The same input as in it: this number of its last samples came before.
+    Periodic(usize),
+}
+
+/// A fitted feedback model.
+#[derive(Debug, Clone)]
+pub struct FeedbackFit {
+    /// The model.
+    pub model: FeedbackModel,
+    /// Its parameters, with standard errors for white residuals; infinite for one without effect.
+    pub parameters: Vec<FittedParameter>,
+    /// The rms error of the free run along each record [output unit].
+    pub rms: Vec<f64>,
+    /// The initial condition of each record.
+    initial_conditions: Vec<Initial>,
+    /// How the search ended.
+    pub minimum: Minimum,
+}
+
+impl FeedbackFit {
+    /// An oscillator (one mode driven by the input) with Bouc-Wen hysteresis that its displacement drives.
+    ///
+    /// # Errors
+    /// Returns an error if the records show no resonance, or have different sampling periods; [`Error::Cancelled`].
+    pub fn oscillator(records: &[Record], between: Intersample, progress: &mut Progress) -> Result<Self, Error> {
+        let linear = linear(records, between, progress)?;
+        let (mode, offset) = (linear.model.modes()[0], linear.model.offset());
+        let half = records.iter().flat_map(Record::y).fold(0.0f64, |half, y| half.max((y - offset).abs()));
+        let mut best: Option<FeedbackFit> = None;
+        for (stiffness, bend) in STARTS {
+            let softer = (1.0 + stiffness).sqrt();
+            // Together they have the frequency and the gain without hysteresis.
+            let (hz, damping, input) = (mode.hz / softer, mode.damping * softer, mode.input * (1.0 + stiffness));
+            let mode = FeedbackMode { hz, damping, input, hysteretic: 1.0, sensed: 1.0 };
+            let start = oscillator(linear.model.ts(), between, mode, (stiffness, bend / half), half)?;
+            let start = start.with_direct([0.0; 2], offset)?;
+            let fit = FeedbackFit::of(&start, &linear.initial_conditions, records, FIRST_STEPS, progress)?;
+            if best.as_ref().is_none_or(|best| fit.minimum.cost < best.minimum.cost) {
+                best = Some(fit);
+            }
+        }
+        let best = best.unwrap_or(linear);
+        FeedbackFit::from(&best.model, records, progress)
+    }
+
+    /// The fit of all parameters of `start`.
+    ///
+    /// # Errors
+    /// Returns an error if the operator has no derivatives, the records have another sampling period, or the free run
+    /// from the start is not finite; [`Error::Cancelled`].
+    pub fn from(start: &FeedbackModel, records: &[Record], progress: &mut Progress) -> Result<Self, Error> {
+        let start = &windowed(start, records, progress)?;
+        let first = |of: fn(&FeedbackModel, &Record) -> Initial, progress: &mut Progress| {
+            let initial_conditions: Vec<Initial> = records.iter().map(|record| of(start, record)).collect();
+            FeedbackFit::of(start, &initial_conditions, records, FIRST_STEPS, progress)
+        };
+        let (rest, periodic) =
+            (first(|model, _| Initial::States(model.at_rest()), progress)?, first(periodic, progress)?);
+        let FeedbackFit { model, initial_conditions, .. } =
+            if periodic.minimum.cost < rest.minimum.cost { periodic } else { rest };
+        let likelier = |(record, initial): (&Record, Initial)| likelier(&model, initial, record);
+        let initial_conditions: Vec<Initial> = records.iter().zip(initial_conditions).map(likelier).collect();
+        FeedbackFit::of(&model, &initial_conditions, records, MOST_STEPS, progress)
+    }
+
+    fn of(
+        start: &FeedbackModel,
+        initial_conditions: &[Initial],
+        records: &[Record],
+        steps: usize,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        for record in records {
+            Record::same_sampling("the record", record.ts(), "the model", start.ts())?;
+            start.sensitivities(&start.at_rest(), &record.u()[..1])?;
+        }
+        let problem = FreeRun { start, initial_conditions, records };
+        let mut x: Vec<f64> = start.parameters().iter().map(|p| p.value).collect();
+        for initial in initial_conditions {
+            let Initial::States(modes) = initial else { continue };
+            x.extend(modes.as_flattened());
+        }
+        let settings = SearchSettings { iterations: steps, tolerance: TOLERANCE, ..SearchSettings::default() };
+        let named = &mut |stage: Stage| progress(Stage { what: "hysteresis in feedback", ..stage });
+        let minimum = minimise(&problem, &x, &settings, named)?;
+        if minimum.reason == Reason::Cancelled {
+            let (what, done) = ("the search of hysteresis in feedback".into(), minimum.history.len() - 1);
+            return Err(Error::Cancelled { what, done, total: steps });
+        }
+        let (model, initial_conditions) = problem.at(&minimum.x)?;
+        let rms = |(record, initial): (&Record, &Initial)| square(&model, initial, record).sqrt();
+        let rms = records.iter().zip(&initial_conditions).map(rms).collect();
+        let errors = problem.errors(&minimum);
+        let of = |(p, error): (FeedbackParameter, f64)| FittedParameter { name: p.name, value: p.value, error };
+        let parameters = model.parameters().into_iter().zip(errors).map(of).collect();
+        Ok(FeedbackFit { parameters, rms, initial_conditions, model, minimum })
+    }
+}
+
+/// The fit of `start` in windows with states of their own: a frequency that is far off then has no other minimum. What
+/// the hysteresis remembers at the start of a window is missing.
+fn windowed(start: &FeedbackModel, records: &[Record], progress: &mut Progress) -> Result<FeedbackModel, Error> {
+    let slowest = start.modes().iter().map(|mode| mode.hz).fold(f64::INFINITY, f64::min);
+    let all: usize = records.iter().map(Record::len).sum();
+    let samples = ((WINDOW / slowest / start.ts()).ceil() as usize).max(all.div_ceil(MAX_WINDOWS));
+    let mut windows = Vec::new();
+    for record in records {
+        for (u, y) in record.u().chunks(samples).zip(record.y().chunks(samples)).filter(|(u, _)| u.len() == samples) {
+            windows.push(record.with_samples(record.ts(), u.to_vec(), y.to_vec())?);
+        }
+    }
+    let initial_conditions = vec![Initial::States(start.at_rest()); windows.len()];
+    Ok(FeedbackFit::of(start, &initial_conditions, &windows, FIRST_STEPS, progress)?.model)
+}
+
+/// An oscillator with Bouc-Wen hysteresis of this stiffness and beta, for displacements of +-`half`.
+fn oscillator(
+    ts: f64,
+    between: Intersample,
+    mode: FeedbackMode,
+    (stiffness, beta): (f64, f64),
+    half: f64,
+) -> Result<FeedbackModel, Error> {
+    let design = BasisDesign { ts: ts / SUBSTEPS as f64, range: (-half, half), elements: None, frequencies: vec![] };
+    let basis = (Operator::find("bouc-wen")?.basis)(&design)?.reshaped(&[beta, 0.0])?;
+    FeedbackModel::new(ts, (SUBSTEPS, between), vec![mode], 0.0, (basis.into(), vec![0.0, stiffness]))
+}
+
+/// The mode without hysteresis: from an output-error block of second order.
+fn linear(records: &[Record], between: Intersample, progress: &mut Progress) -> Result<FeedbackFit, Error> {
+    let block = OutputError::fit(records, Orders::of(2), &Refinement::default(), progress)?.arx;
+    let Some(pole) = block.resonance() else {
+        let because = "no resonance shows in the records: excite it".into();
+        return Err(Error::Unidentifiable { what: "an oscillator".into(), because });
+    };
+    let (hz, damping, input) = (pole.hz, pole.damping.max(1e-3), block.dc_gain());
+    let mode = FeedbackMode { hz, damping, input, hysteretic: 1.0, sensed: 1.0 };
+    let start = oscillator(block.ts(), between, mode, (0.0, 1.0), 1.0)?;
+    let initial_conditions = vec![Initial::States(start.at_rest()); records.len()];
+    FeedbackFit::of(&start, &initial_conditions, records, FIRST_STEPS, progress)
+}
+
+/// The input of a record came before it too, for as long as the modes remember.
+fn periodic(model: &FeedbackModel, record: &Record) -> Initial {
+    let slowest = model.modes().iter().map(|mode| mode.damping.min(1.0) * TAU * mode.hz).fold(f64::INFINITY, f64::min);
+    Initial::Periodic(((BEFORE / slowest / record.ts()).ceil() as usize).min(record.len()))
+}
+
+/// The initial condition with which the free run of the model is nearest to the record: this one, at rest, or periodic.
+fn likelier(model: &FeedbackModel, initial: Initial, record: &Record) -> Initial {
+    let rest = Initial::States(model.at_rest());
+    let square = |initial: &Initial| square(model, initial, record);
+    [rest, periodic(model, record)]
+        .into_iter()
+        .fold(initial, |best, one| if square(&one) < square(&best) { one } else { best })
+}
+
+/// What a free run along a record needs.
+struct Whole<'a> {
+    /// The input with what was before the record, and after it as far as the interpolation needs.
+    u: Cow<'a, [f64]>,
+    /// The samples that count.
+    inside: Range<usize>,
+    /// The modes at the start.
+    start: Cow<'a, [[f64; 2]]>,
+}
+
+impl<'a> Whole<'a> {
+    fn of(model: &FeedbackModel, initial: &'a Initial, record: &'a Record) -> Self {
+        let u = record.u();
+        match initial {
+            Initial::States(modes) => Whole { u: u.into(), inside: 0..u.len(), start: modes.into() },
+            Initial::Periodic(n) => {
+                let after = &u[..u.len().min(Intersample::REACH)];
+                let all = [&u[u.len() - n..], u, after].concat();
+                Whole { u: all.into(), inside: *n..n + u.len(), start: model.at_rest().into() }
+            }
+        }
+    }
+}
+
+/// The mean squared error of the free run.
+fn square(model: &FeedbackModel, initial: &Initial, record: &Record) -> f64 {
+    let Whole { u, inside, start } = Whole::of(model, initial, record);
+    let run = model.simulate_from(&start, &u);
+    let squares = record.y().iter().zip(&run[inside]).map(|(y, m)| (y - m).powi(2));
+    squares.sum::<f64>() / record.len() as f64
+}
+
+/// The free-run errors over the peak-to-peak of their records.
+struct FreeRun<'a> {
+    start: &'a FeedbackModel,
+    initial_conditions: &'a [Initial],
+    records: &'a [Record],
+}
+
+impl FreeRun<'_> {
+    /// The model and the initial conditions of the records.
+    fn at(&self, x: &[f64]) -> Result<(FeedbackModel, Vec<Initial>), Error> {
+        let (parameters, states) = x.split_at(self.start.parameters().len());
+        let mut states = states.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+        let of = |initial: &Initial| match initial {
+            Initial::States(modes) => Initial::States(states.by_ref().take(modes.len()).collect()),
+            periodic => periodic.clone(),
+        };
+        Ok((self.start.with_parameters(parameters)?, self.initial_conditions.iter().map(of).collect()))
+    }
+
+    /// Standard errors of the parameters of the model.
+    fn errors(&self, minimum: &Minimum) -> Vec<f64> {
+        let parameters = self.start.parameters().len();
+        let (normal, d) = (self.normal(&minimum.x), minimum.x.len());
+        let samples: usize = self.records.iter().map(Record::len).sum();
+        let variance = normal.cost / samples.saturating_sub(d).max(1) as f64;
+        let size: Vec<f64> = (0..d).map(|k| normal.hessian[k * d + k].sqrt().max(f64::MIN_POSITIVE)).collect();
+        let scaled = DMatrix::from_fn(d, d, |i, j| normal.hessian[i * d + j] / (size[i] * size[j]));
+        match scaled.try_inverse() {
+            Some(inverse) => (0..parameters).map(|k| (inverse[(k, k)] * variance).sqrt() / size[k]).collect(),
+            None => vec![f64::INFINITY; parameters],
+        }
+    }
+}
+
+/// 1 / (peak-to-peak of y)^2.
+fn weight(record: &Record) -> f64 {
+    let (low, high) = ends(record.y().iter().copied());
+    if low < high { (high - low).powi(-2) } else { 1.0 }
+}
+
+impl SumOfSquares for FreeRun<'_> {
+    fn dimension(&self) -> usize {
+        let of = |initial: &Initial| if let Initial::States(modes) = initial { 2 * modes.len() } else { 0 };
+        self.start.parameters().len() + self.initial_conditions.iter().map(of).sum::<usize>()
+    }
+
+    fn cost(&self, x: &[f64]) -> f64 {
+        let Ok((model, initial_conditions)) = self.at(x) else { return f64::INFINITY };
+        let of = |(record, initial): (&Record, &Initial)| {
+            weight(record) * record.len() as f64 * square(&model, initial, record)
+        };
+        let each: Vec<f64> = self.records.par_iter().zip(&initial_conditions).map(of).collect();
+        each.iter().sum()
+    }
+
+    fn normal(&self, x: &[f64]) -> NormalEquations {
+        let (d, parameters) = (self.dimension(), self.start.parameters().len());
+        let mut sums = NormalEquations::empty(d);
+        let failed = NormalEquations { cost: f64::INFINITY, ..sums.clone() };
+        let Ok((model, initial_conditions)) = self.at(x) else { return failed };
+        let mut own = parameters;
+        for (record, initial) in self.records.iter().zip(&initial_conditions) {
+            let Whole { u, inside, start } = Whole::of(&model, initial, record);
+            let Ok((y, mut slopes)) = model.sensitivities(&start, &u) else { return failed };
+            if let Initial::Periodic(_) = initial {
+                slopes.truncate(parameters);
+            }
+            let error =
+                DVector::from_iterator(record.len(), y[inside.clone()].iter().zip(record.y()).map(|(m, y)| m - y));
+            let columns: Vec<_> =
+                slopes.iter().map(|slope| DVector::from_column_slice(&slope[inside.clone()])).collect();
+            let (weight, place) = (weight(record), |j: usize| if j < parameters { j } else { j - parameters + own });
+            sums.cost += weight * error.norm_squared();
+            for (i, column) in columns.iter().enumerate() {
+                sums.gradient[place(i)] += weight * column.dot(&error);
+                for (j, other) in columns.iter().enumerate() {
+                    sums.hessian[place(i) * d + place(j)] += weight * column.dot(other);
+                }
+            }
+            own += columns.len() - parameters;
+        }
+        sums
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid::PrepareOptions;
+    use piezoid::excitation::Multisine;
+    use piezoid::plant::Plant;
+    use piezoid_models::linear::Arx;
+    use piezoid_testing::assert_close;
+    use rand::SeedableRng;
+    use rand_chacha::ChaCha8Rng;
+    use rand_distr::{Distribution, Normal};
+    use std::ops::ControlFlow;
+
+    /// The rate of the benchmark, and that at which it is integrated.
+    const FS: f64 = 750.0;
+    const FASTER: usize = 20;
+
+    /// Samples of a period.
+    const N: usize = 2048;
+
+    /// The benchmark's record along two periods of a multisine, without its first `skip` samples, with noise of this
+    /// rms [um].
+    fn benchmark(seed: u32, skip: usize, noise: f64) -> Record {
+        let ts = 1.0 / (FS * FASTER as f64);
+        let (period, amplitude) = (N as f64 / FS, 100.0);
+        let multisine =
+            Multisine { amplitude, frequency_low: 5.0, frequency_high: 150.0, period, seed, ..Multisine::default() };
+        let u = multisine.samples(ts, 2 * N * FASTER).unwrap();
+        let y = Plant::named("bouc-wen-benchmark", ts).unwrap().run(&u).y;
+        let options = PrepareOptions { decimate: Some(FASTER), ..PrepareOptions::default() };
+        let record = options.run(&Record::new(ts, u, y).unwrap()).unwrap();
+        let mut random = ChaCha8Rng::seed_from_u64(5);
+        let noise = Normal::new(0.0, noise).unwrap();
+        let y = record.y()[skip..].iter().map(|y| y + noise.sample(&mut random)).collect();
+        Record::new(1.0 / FS, record.u()[skip..].to_vec(), y).unwrap()
+    }
+
+    fn training() -> (FeedbackFit, [Record; 1]) {
+        let records = [benchmark(1, N, 8.0)];
+        (FeedbackFit::oscillator(&records, Intersample::BandLimited, &mut Stage::ignore).unwrap(), records)
+    }
+
+    #[test]
+    fn the_benchmark_is_found_from_a_noisy_period() {
+        let (fit, _) = training();
+        assert!(matches!(fit.initial_conditions[..], [Initial::Periodic(_)]));
+        assert_close(&fit.rms, &[8.0], 0.02, 0.0);
+        // Newmark's step of 1/15000 s lowers the frequency by 2e-5, far less than its error.
+        let known = [2.5e4f64.sqrt() / TAU, 10.0 / (4.0 * 2.5e4f64.sqrt()), 20.0, 0.0, 1.0, 8e-4, -1.375];
+        for (FittedParameter { name, value, error }, known) in fit.parameters.iter().zip(known) {
+            let is_known = (value - known).abs() < 4.0 * error && *error < 0.02 * known.abs() + 0.3;
+            assert!(is_known, "{name}: {value} +- {error}, not {known}");
+        }
+        // A free run from rest, without noise [um]; black boxes leave 7.5 um.
+        let test = benchmark(2, 0, 0.0);
+        let run = fit.model.simulate(test.u());
+        let second_period: f64 = test.y()[N..].iter().zip(&run[N..]).map(|(y, m)| (y - m).powi(2)).sum();
+        let rms = (second_period / N as f64).sqrt();
+        assert!(rms < 1.0, "{rms}");
+    }
+
+    #[test]
+    fn a_start_that_is_thirty_percent_off_ends_at_the_same_minimum() {
+        let (fit, records) = training();
+        let off = |(k, p): (usize, FeedbackParameter)| p.value * if k % 2 == 0 { 1.3 } else { 0.7 };
+        let x: Vec<f64> = fit.model.parameters().into_iter().enumerate().map(off).collect();
+        let start = fit.model.with_parameters(&x).unwrap();
+        let again = FeedbackFit::from(&start, &records, &mut Stage::ignore).unwrap();
+        // The number of samples before the period differs a little.
+        assert_close(&again.rms, &fit.rms, 1e-4, 0.0);
+    }
+
+    #[test]
+    fn a_record_without_a_resonance_is_an_error_and_a_cancelled_search_says_so() {
+        let u: Vec<f64> = (0..400).map(|t| f64::from(t * t % 13) - 6.0).collect();
+        let y = Arx::new(1e-3, vec![0.8], vec![0.3]).unwrap().simulate(&u);
+        let y = y.iter().zip(u.iter().rev()).map(|(y, noise)| y + 0.01 * noise).collect();
+        let record = Record::new(1e-3, u, y).unwrap();
+        let error = FeedbackFit::oscillator(&[record], Intersample::Held, &mut Stage::ignore).unwrap_err();
+        assert!(error.to_string().contains("no resonance shows"), "{error}");
+        let records = [benchmark(1, N, 8.0)];
+        let cancelled = FeedbackFit::oscillator(&records, Intersample::BandLimited, &mut |_| ControlFlow::Break(()));
+        assert!(matches!(cancelled, Err(Error::Cancelled { .. })));
+    }
+}
