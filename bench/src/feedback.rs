@@ -54,7 +54,7 @@ fn sweep() -> Result<Record, Error> {
 }
 
 /// The second period with noise.
-pub fn training() -> Result<Record, Error> {
+fn training() -> Result<Record, Error> {
     let record = multisine(1)?;
     let (mut random, noise) =
         (ChaCha8Rng::seed_from_u64(2), Normal::new(0.0, NOISE).map_err(|e| Error::Content(e.to_string()))?);
@@ -63,12 +63,12 @@ pub fn training() -> Result<Record, Error> {
 }
 
 /// The records without noise: the second period of another multisine counts, and a sweep from rest.
-pub fn tests() -> Result<[Record; 2], Error> {
+fn tests() -> Result<[Record; 2], Error> {
     Ok([multisine(3)?, sweep()?])
 }
 
 /// The rms error of a free run from rest along each of the tests [um].
-pub fn errors(tests: &[Record; 2], simulate: &dyn Fn(&[f64]) -> Vec<f64>) -> [f64; 2] {
+fn errors(tests: &[Record; 2], simulate: &dyn Fn(&[f64]) -> Vec<f64>) -> [f64; 2] {
     [(&tests[0], PERIOD), (&tests[1], 0)].map(|(record, from)| {
         let run = simulate(record.u());
         let squares = record.y()[from..].iter().zip(&run[from..]).map(|(y, m)| (y - m).powi(2));
@@ -77,7 +77,7 @@ pub fn errors(tests: &[Record; 2], simulate: &dyn Fn(&[f64]) -> Vec<f64>) -> [f6
 }
 
 /// The fit from the record alone.
-pub fn fitted(record: &Record) -> Result<FeedbackFit, Error> {
+fn fitted(record: &Record) -> Result<FeedbackFit, Error> {
     FeedbackFit::oscillator(std::slice::from_ref(record), Intersample::BandLimited, &mut Stage::ignore)
 }
 
@@ -106,11 +106,12 @@ pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
         + &rows.map(|(name, errors)| row([name.into()].into_iter().chain(errors.map(page::cell)))).concat();
     let page = docs.join("feedback.md");
     page::write(&page, "benchmark", &table)?;
-    let parameters: String = fit
-        .parameters
-        .iter()
-        .zip(["25.165", "0.01581", "20", "0", "1", "0.0008", "-1.375"])
-        .map(|(p, known)| row([p.name.clone(), known.into(), format!("{:.4e}", p.value), format!("{:.1e}", p.error)]))
-        .collect();
-    page::write(&page, "parameters", &(head(["parameter", "true", "found", "standard error"], 1) + &parameters))
+    let known = ["25.165", "0.01581", "20", "0", "1", "0.0008", "-1.375"];
+    let parameters = fit.parameters.iter().zip(known).map(|(p, known)| {
+        // Two digits of the standard error.
+        let digits = (1.0 - p.error.log10().floor()).max(0.0) as usize;
+        row([p.name.clone(), known.into(), format!("{:.digits$}", p.value), format!("{:.digits$}", p.error)])
+    });
+    let table = head(["parameter", "benchmark", "found", "standard error"], 1) + &parameters.collect::<String>();
+    page::write(&page, "parameters", &table)
 }

@@ -173,7 +173,6 @@ fn bouc_wen_benchmark() -> Spec {
             beta: 1e3,
             gamma: 0.8,
             delta: -1.1,
-            exponent: 1.0,
         }),
         sensor: SensorSpec::default(),
         logged: Logged::After,

@@ -125,7 +125,7 @@ pub enum BeamSpec {
     Oscillator(Oscillator),
 }
 
-/// m y'' + c y' + k y + z = f,  z' = alpha y' - beta (gamma |y'| |z|^(nu-1) z + delta y' |z|^nu), and f is k + alpha
+/// m y'' + c y' + k y + z = f,  z' = alpha y' - beta (gamma |y'| z + delta y' |z|), and f is k + alpha
 /// times the static displacement of the ceramic.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -138,14 +138,12 @@ pub struct Oscillator {
     pub stiffness_n_per_m: f64,
     /// alpha [N/m].
     pub alpha_n_per_m: f64,
-    /// beta; with the exponent 1 in 1/m.
+    /// beta [1/m].
     pub beta: f64,
     /// gamma [-].
     pub gamma: f64,
     /// delta [-].
     pub delta: f64,
-    /// nu [-].
-    pub exponent: f64,
 }
 
 /// A vibration mode at the tip.

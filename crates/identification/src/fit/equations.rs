@@ -104,7 +104,7 @@ pub(crate) struct RecordEquations {
 }
 
 impl RecordEquations {
-    /// The equations of some segments of one run; what is expected of the own coefficients is that of `like`.
+    /// The equations of some segments of one run, with the priors of its own coefficients as in `like`.
     fn of(estimate: &Estimate, layout: &ColumnLayout, parts: &[&Segment], like: Option<&RecordEquations>) -> Self {
         let (p, m, y) = (layout.parameters(), layout.own(), layout.columns());
         let gram = parts[1..].iter().fold(parts[0].gram.clone(), |sum, part| sum + &part.gram);
@@ -136,8 +136,8 @@ impl RecordEquations {
     }
 }
 
-/// The equations of each run over the `selected` segments, and their sum. What is expected of the own coefficients of
-/// a run is that of the same run in `like`, if it is there: along a fit it must not change with the parameters.
+/// The equations of each run over the `selected` segments, and their sum. The priors of own coefficients are those of
+/// the same run in `like`, if it is there: along a fit they must not change with the parameters.
 pub(crate) fn equations(
     estimate: &Estimate,
     segments: &[Segment],

@@ -47,7 +47,7 @@ impl Iterate {
         Iterate { prior: Prior::of(&estimate, Scales::of(&estimate, &normal)), estimate, segments, normal, each, free }
     }
 
-    /// The same with the scales of the penalties, and what is expected of the runs' own coefficients, as they are here.
+    /// The same with the scales of the penalties, and the priors of the runs' own coefficients, of this estimate.
     pub(super) fn rescaled(self) -> Self {
         Iterate::with(self.estimate, self.segments, self.free)
     }

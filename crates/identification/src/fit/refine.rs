@@ -38,9 +38,6 @@ const MIN_SLOW_DECREASE: f64 = 1e-5;
 const MIN_PREDICTED_DECREASE: f64 = 1e-4;
 const MAX_PREDICTED_DECREASE: f64 = 5e-4;
 
-/// Ratio of the costs with z alone up to which all columns decide: the scale of the penalty may have changed.
-const SCREENING_COST_RATIO: f64 = 1.01;
-
 /// Frequency of a lag at its limit, over this limit: more than rounding of the roots.
 const SLOWEST_RATIO: f64 = 1.0 + 1e-6;
 
@@ -72,7 +69,8 @@ pub(crate) fn refine(
 }
 
 /// Fits the `free` parameters from `start`. Without a known smoothness the start is its linear block and shape; with
-/// one it is all its parameters, and for a fixed one the minimum never exceeds the value at the start.
+/// one it is all its parameters, and for a fixed one the minimum exceeds the value at the start at most by what the
+/// scales of the penalties change.
 pub(crate) fn refine_from(
     start: Estimate,
     smoothness: Smoothness,
@@ -204,6 +202,7 @@ fn descend(
             (lambda, changes) = (best, changes - 1);
         }
     }
+    let point = point.rescaled();
     let held_out = point.held_out(free, Smoothness::Fixed(lambda));
     Ok(point.fitted(held_out, runs))
 }
@@ -274,9 +273,7 @@ fn lower(
             let own = point.own(&x);
             // Any step lowers an infinite cost.
             let alone = cost.is_finite().then(|| point.cost_of(&estimate, runs, lambda)).flatten();
-            let next = alone
-                .is_none_or(|next| next < SCREENING_COST_RATIO * cost)
-                .then(|| point.after_step(estimate, runs, &own, free));
+            let next = alone.is_none_or(|next| next < cost).then(|| point.after_step(estimate, runs, &own, free));
             if let Some(next) = next.filter(|next| next.cost(lambda) < cost) {
                 *damping = (*damping * DAMPING_DECREASE).max(MIN_DAMPING);
                 return Some(next);

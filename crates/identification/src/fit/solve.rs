@@ -1,11 +1,13 @@
 //! One step: regularised, sign-constrained least squares in all parameters.
 //!
 //! ```text
-//! min |error|^2 + S lambda |D w|^2 + mu |steps|^2,   w_k >= 0 if physics requires it,  g_i >= 0
+//! min |error|^2 + S lambda |D w|^2 + mu |steps|^2,   w_k >= 0 if physics requires it,
+//! 0 <= g_i <= 0.1,   low <= p_j <= high
 //! ```
-//! D takes second differences of neighbouring weights. S is the mean size of the weights' columns, so lambda has no
-//! unit. A penalty keeps the gain of a creep lag near that of the next faster lag, and that of the fastest near a usual
-//! value. The static gain of G is fixed, because G and w can share any factor.
+//! D takes second differences of neighbouring weights. S is the mean size of the weights' columns at the start of the
+//! fit, so lambda has no unit. What goes beyond a limit of its gain or shape is held there until the next step. A
+//! penalty keeps the gain of a creep lag near that of the next faster lag, and that of the fastest near a usual value.
+//! The static gain of G is fixed, because G and w can share any factor.
 //!
 //! Why: docs/decisions/identification.md, "Creep lags are half a decade apart".
 
@@ -240,13 +242,13 @@ impl Prior {
         // Weights and gains are unknown themselves, and of the others the steps.
         let from = |k: usize| if k < layout.gains.end { 0.0 } else { self.current[k] };
         let value = |j: usize, solved: f64| from(moving[j]) + solved * unit[j];
-        // Those that were beyond a limit, at this limit.
+        // Those that were beyond a limit, at this limit; they are free again in the next step.
         let mut held_at: Vec<(usize, f64)> = Vec::new();
         let is_held = |held_at: &[(usize, f64)], j: usize| held_at.iter().any(|held| held.0 == j);
         let beyond = |solved: &DVector<f64>, held_at: &[(usize, f64)]| {
             let limited = |j: usize| {
                 let (value, (low, high)) = (value(j, solved[j]), self.limits[moving[j]]);
-                Some((j, value.clamp(low, high))).filter(|limited| limited.1 != value)
+                (value < low || value > high).then(|| (j, value.clamp(low, high)))
             };
             (0..n).filter(|&j| !is_held(held_at, j)).find_map(limited)
         };

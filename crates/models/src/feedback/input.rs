@@ -1,5 +1,6 @@
 //! The input between samples.
 
+use super::FeedbackModel;
 use libm::{cosh, sin, sqrt};
 use std::f64::consts::PI;
 
@@ -19,33 +20,56 @@ const KAISER: f64 = 18.0;
 impl Intersample {
     /// Samples to either side from which the input is interpolated.
     pub const REACH: usize = 32;
+}
 
-    /// The input at start and end of each of the steps that lead to each sample. Before its first and after its last
-    /// sample the input is held.
-    pub(super) fn path(self, u: &[f64], substeps: usize) -> Vec<[f64; 2]> {
-        match self {
-            Intersample::Held => u.iter().flat_map(|&u| std::iter::repeat_n([u; 2], substeps)).collect(),
-            Intersample::BandLimited => {
-                let tables: Vec<Vec<f64>> = (0..substeps).map(|j| weights((j + 1) as f64 / substeps as f64)).collect();
-                let last = u.len().saturating_sub(1);
-                let at = |k: isize| u[k.clamp(0, last as isize) as usize];
-                let mut before = u.first().copied().unwrap_or_default();
-                let mut path = Vec::with_capacity(u.len() * substeps);
-                for k in 0..u.len() as isize {
-                    for table in &tables {
-                        let first = k - Intersample::REACH as isize;
-                        let end = table.iter().zip(first..).map(|(weight, k)| weight * at(k)).sum();
-                        path.push([before, end]);
-                        before = end;
-                    }
-                }
-                path
-            }
+/// The input along the steps of a run, sample by sample. Before its first and after its last sample it is held.
+pub(super) struct Path<'a> {
+    u: &'a [f64],
+    between: Intersample,
+    /// For each step of a sample, the weights of the samples about it.
+    tables: Vec<Vec<f64>>,
+    sample: usize,
+    before: f64,
+    /// The input at start and end of each step.
+    steps: Vec<[f64; 2]>,
+}
+
+impl<'a> Path<'a> {
+    pub(super) fn new(model: &FeedbackModel, u: &'a [f64]) -> Self {
+        let (between, n) = (model.intersample, model.substeps);
+        let tables = match between {
+            Intersample::Held => Vec::new(),
+            Intersample::BandLimited => (1..=n).map(|j| weights(j as f64 / n as f64)).collect(),
+        };
+        let before = u.first().copied().unwrap_or_default();
+        Path { u, between, tables, sample: 0, before, steps: vec![[0.0; 2]; n] }
+    }
+
+    /// The input before the first step.
+    pub(super) fn start(&self) -> f64 {
+        self.before
+    }
+
+    /// The steps that lead to the next sample.
+    pub(super) fn next_sample(&mut self) -> Option<&[[f64; 2]]> {
+        let u = *self.u.get(self.sample)?;
+        if self.between == Intersample::Held {
+            self.steps.fill([u; 2]);
         }
+        let last = self.u.len() - 1;
+        for (step, table) in self.steps.iter_mut().zip(&self.tables) {
+            let at = |k: usize| self.u[(self.sample + k).saturating_sub(Intersample::REACH).min(last)];
+            let end = table.iter().enumerate().map(|(k, weight)| weight * at(k)).sum();
+            *step = [self.before, end];
+            self.before = end;
+        }
+        self.sample += 1;
+        Some(&self.steps)
     }
 }
 
-/// The weights of 2 REACH samples for the value at a share of the way from the last but REACH + 1 to the next one.
+/// The weights of 2 REACH samples for the value at a share of the way from sample REACH - 1 to sample REACH of them,
+/// counted from 0.
 fn weights(share: f64) -> Vec<f64> {
     const REACH: usize = Intersample::REACH;
     let weight = |k: usize| {
@@ -72,13 +96,18 @@ mod tests {
     fn a_band_limited_input_is_interpolated_to_1e_8() {
         let at = |t: f64| (2.2 * t).sin() + (0.3 * t).cos();
         let u: Vec<f64> = (0..300).map(|k| at(f64::from(k))).collect();
-        let path = Intersample::BandLimited.path(&u, 4);
+        let tables = (1..=4).map(|j| weights(f64::from(j) / 4.0)).collect();
+        let steps = vec![[0.0; 2]; 4];
+        let mut path = Path { u: &u, between: Intersample::BandLimited, tables, sample: 0, before: u[0], steps };
+        let (mut found, mut samples) = (Vec::new(), Vec::new());
+        while let Some(steps) = path.next_sample() {
+            found.extend(steps.iter().map(|step| step[1]));
+            samples.push(steps[3][1]);
+        }
         let inside = 100 * 4..200 * 4;
-        let found: Vec<f64> = path[inside.clone()].iter().map(|step| step[1]).collect();
-        let known: Vec<f64> = inside.map(|k| at((k + 1) as f64 / 4.0 - 1.0)).collect();
-        assert_close(&found, &known, 0.0, 3e-8);
+        let known: Vec<f64> = inside.clone().map(|k| at((k + 1) as f64 / 4.0 - 1.0)).collect();
+        assert_close(&found[inside], &known, 0.0, 3e-8);
         // At its samples it is exact.
-        let samples: Vec<f64> = path.iter().skip(3).step_by(4).map(|step| step[1]).collect();
         assert_close(&samples, &u, 1e-14, 1e-14);
     }
 }

@@ -10,12 +10,13 @@
 //! displacement drives the hysteresis, which acts as a force on the mode: m y'' + c y' + k y + z = u, in a scale in
 //! which the static stiffness is 1. p has the unit of y.
 //!
-//! The step of the modes is exact, and z acts at its ends (`modes.rs`), so that no equation is solved within a step. u
-//! is held over a sample, or band-limited: then it is interpolated.
+//! u and z act at the ends of each step of the modes (`modes.rs`), so that no equation is solved within a step; the
+//! error is of second order in the step. u is held over a sample, or band-limited: then it is interpolated. H must not
+//! depend on the rate of s. Before the first sample it was at rest.
 //!
-//! Only what records can show is a parameter: a coefficient that is 0 stays 0, and of the coefficients e, and of d_s
-//! and the k, the first that is not 0 is fixed, because the weights and the thresholds of H take its scale. Of an
-//! operator that is driven by modes alone, the weight of s itself would be one with the stiffness; let it be 0.
+//! Only what records can show is a parameter. A coefficient that is 0 stays 0. The first e that is not 0, and the first
+//! of d_s and the k, are fixed, because weights and shape of H can have the same effect. If s is the displacement of
+//! one mode, a weight of s itself has the effect of the stiffness: let it be 0.
 //!
 //! References: K. Zhou, J. C. Doyle, Essentials of Robust Control (1998), chapter 9 (linear fractional forms); J. P.
 //! Noel, M. Schoukens 2016, DOI 10.4121/12967592.
@@ -28,13 +29,10 @@ pub use input::Intersample;
 pub use parameters::FeedbackParameter;
 
 use crate::hysteresis::{Basis, Hysteresis, Real};
+use input::Path;
 use modes::ModeStep;
 use piezoid_numerics::error::{Error, finite, positive};
-use std::f64::consts::TAU;
 use std::sync::Arc;
-
-/// Coefficients of a mode.
-const MODE_ROWS: usize = 5;
 
 /// Most steps per sample.
 const MAX_SUBSTEPS: usize = 1000;
@@ -54,7 +52,7 @@ pub struct FeedbackMode {
     pub sensed: f64,
 }
 
-/// Linear dynamics with hysteresis in feedback.
+/// Linear dynamics with hysteresis in feedback: see docs/feedback.md.
 #[derive(Debug, Clone)]
 pub struct FeedbackModel {
     ts: f64,
@@ -86,8 +84,8 @@ impl FeedbackModel {
     /// input, times `sensed`, and by the modes as far as they have a coefficient for it.
     ///
     /// # Errors
-    /// Returns an error for a coefficient out of its range, weights that the operator does not allow, or more than 1000
-    /// steps.
+    /// Returns an error for a coefficient out of its range, an operator that depends on the rate, weights that it does
+    /// not allow, or more than 1000 steps.
     pub fn new(
         ts: f64,
         (substeps, intersample): (usize, Intersample),
@@ -99,15 +97,18 @@ impl FeedbackModel {
         if !(1..=MAX_SUBSTEPS).contains(&substeps) {
             return Err(Error::parameter("substeps", substeps, format!("must be from 1 to {MAX_SUBSTEPS}")));
         }
-        for (i, mode) in modes.iter().enumerate() {
-            positive(&format!("modes[{i}].hz"), mode.hz, "hertz")?;
-            positive(&format!("modes[{i}].damping"), mode.damping, "1")?;
-            finite(&format!("modes[{i}]"), &[mode.input, mode.hysteretic, mode.sensed])?;
-        }
-        finite("sensed", &[sensed])?;
         let operator = basis.operator(&weights)?;
+        if !operator.operator().rate_independent {
+            let rule = "must not depend on the rate of its input, because this differs within a sample";
+            return Err(Error::parameter("hysteresis", operator.operator().name, rule));
+        }
         let (direct, offset) = ([0.0; 2], 0.0);
-        Ok(FeedbackModel { ts, substeps, intersample, modes, sensed, direct, basis, weights, operator, offset })
+        let model =
+            FeedbackModel { ts, substeps, intersample, modes, sensed, direct, basis, weights, operator, offset };
+        for row in model.rows() {
+            row.checked(row.value)?;
+        }
+        Ok(model)
     }
 
     /// The same model whose displacement follows the input (d) and z (f) directly too, with an offset [output unit].
@@ -150,55 +151,38 @@ impl FeedbackModel {
         vec![[0.0; 2]; self.modes.len()]
     }
 
-    /// The response to `u` if each mode begins with this p and step times p', in the unit of y. The hysteresis begins
-    /// at rest and follows them.
+    /// The response to `u` if each mode begins with this p and step times p', in the unit of y; modes without them are
+    /// at rest. The hysteresis begins at rest and follows them.
     pub fn simulate_from(&self, start: &[[f64; 2]], u: &[f64]) -> Vec<f64> {
-        let coefficients = self.coefficients(&self.values());
+        let coefficients = Coefficients::of(self, &self.expanded(&self.values()));
         let mut x = self.operator.initial();
         let mut y = Vec::with_capacity(u.len());
         let mut hysteresis = |s| self.operator.step(&mut x, s);
-        run(&coefficients, &mut hysteresis, start.to_vec(), (&self.path(u), self.substeps), |v| y.push(v));
+        run(&coefficients, &mut hysteresis, start.to_vec(), Path::new(self, u), |v| y.push(v));
         y
-    }
-
-    /// The voltages of all steps, for each pair at its start and at its end.
-    fn path(&self, u: &[f64]) -> Vec<[f64; 2]> {
-        self.intersample.path(u, self.substeps)
-    }
-
-    /// The coefficients for the parameters `x`.
-    fn coefficients<R: Real>(&self, x: &[R]) -> Coefficients<R> {
-        let (h, rows, mut x) = (self.ts / self.substeps as f64, self.rows(), x.iter());
-        let all = rows.iter().map(|row| if row.is_free { x.next().copied() } else { None }.unwrap_or(row.value.into()));
-        let all: Vec<R> = all.collect();
-        let (of_modes, rest) = all.split_at(MODE_ROWS * self.modes.len());
-        let (mut steps, mut coupled) = (Vec::new(), Vec::new());
-        for mode in of_modes.chunks_exact(MODE_ROWS) {
-            steps.push(ModeStep::new(mode[0] * R::from(TAU), mode[1], h));
-            coupled.push([mode[2], mode[3], mode[4]]);
-        }
-        Coefficients { steps, coupled, sensed: rest[0], direct: [rest[1], rest[2]], offset: rest[3] }
     }
 }
 
-/// Runs along the steps of a path and passes each sample of y on; the hysteresis is at rest before.
+/// Runs along a path and passes each sample of y on; the hysteresis is at rest before.
 fn run<R: Real>(
     coefficients: &Coefficients<R>,
     hysteresis: &mut dyn FnMut(R) -> R,
     mut modes: Vec<[R; 2]>,
-    (path, substeps): (&[[f64; 2]], usize),
+    mut path: Path,
     mut sample: impl FnMut(R),
 ) {
     let Coefficients { steps, coupled, sensed, direct, offset } = coefficients;
+    modes.resize(steps.len(), [R::from(0.0); 2]);
     let of = |modes: &[[R; 2]], u: f64| {
         let through = modes.iter().zip(coupled).map(|(x, [_, _, k])| *k * x[0]);
         through.fold(*sensed * R::from(u), |s, through| s + through)
     };
-    let (mut z, mut before) = (R::from(0.0), 0.0);
-    for path in path.chunks(substeps) {
-        for &[start, end] in path {
-            // The input jumps, and z with it.
-            if start != before {
+    let mut before = path.start();
+    let mut z = hysteresis(of(&modes, before));
+    while let Some(stretch) = path.next_sample() {
+        for &[start, end] in stretch {
+            // If u jumps, z jumps with it.
+            if start != before && sensed.value() != 0.0 {
                 z = hysteresis(of(&modes, start));
             }
             for ((x, step), [b, e, _]) in modes.iter_mut().zip(steps).zip(coupled) {
@@ -223,6 +207,7 @@ mod tests {
     use piezoid_records::record::Record;
     use piezoid_testing::assert_close;
     use piezoid_twins::Plant;
+    use std::f64::consts::TAU;
 
     fn operator(name: &str, half: f64) -> Arc<dyn Basis> {
         let design = BasisDesign { ts: 5e-4, range: (-half, half), elements: Some(5), frequencies: vec![5.0] };
@@ -255,8 +240,8 @@ mod tests {
 
     #[test]
     fn sensitivities_are_the_differences_of_free_runs() {
-        let mut tried = 0;
-        for row in OPERATORS {
+        let without = ["proportional", "two-branch", "rate-scheduled", "preisach", "tellinen"];
+        for row in OPERATORS.iter().filter(|row| row.rate_independent) {
             let basis = operator(row.name, 40.0);
             let weights: Vec<f64> = (0..basis.len()).map(|k| 0.1 + 0.05 * (1.7 * k as f64).sin()).collect();
             let first = FeedbackMode { hz: 160.0, damping: 0.03, input: 0.5, hysteretic: 0.9, sensed: -0.2 };
@@ -267,8 +252,9 @@ mod tests {
                 let model = FeedbackModel::new(5e-4, steps, modes, sensed, (basis.clone(), weights.clone())).unwrap();
                 let model = model.with_direct([0.1, 0.2], 3.0).unwrap();
                 let start = vec![[2.0, 0.3], [-1.0, 0.1]];
-                let Ok((y, slopes)) = model.sensitivities(&start, &wave(500)) else { continue };
-                tried += 1;
+                let found = model.sensitivities(&start, &wave(500));
+                assert_eq!(found.is_err(), without.contains(&row.name), "{}", row.name);
+                let Ok((y, slopes)) = found else { continue };
                 assert_close(&y, &model.simulate_from(&start, &wave(500)), 1e-9, 1e-9);
                 let parameters = model.parameters();
                 let x: Vec<f64> = parameters.iter().map(|p| p.value).chain(start.into_flattened()).collect();
@@ -286,11 +272,12 @@ mod tests {
                         moved(h).iter().zip(moved(-h)).map(|(p, q)| (p - q) / (2.0 * h)).collect();
                     let off: f64 = difference.iter().zip(slope).map(|(d, s)| (d - s).powi(2)).sum();
                     let size: f64 = difference.iter().map(|d| d * d).sum();
-                    assert!(off <= 1e-4 * size + 1e-12, "{} {k} of {parameters:?}: {off:e} of {size:e}", row.name);
+                    // Where a play reverses, a difference is no derivative.
+                    let most = if row.name.contains("bouc") || row.name == "dahl" { 1e-8 } else { 1e-4 };
+                    assert!(off <= most * size + 1e-12, "{} {k} of {parameters:?}: {off:e} of {size:e}", row.name);
                 }
             }
         }
-        assert!(tried >= 16, "{tried}");
     }
 
     /// The benchmark: Newmark's integration at 15 kHz and decimation share nothing with the step of the modes.

@@ -1,4 +1,4 @@
-//! The exact step of a mode, as a function of frequency and damping.
+//! The step of a mode, as a function of frequency and damping: exact without a force.
 //!
 //! ```text
 //! p'' + 2 zeta w p' + w^2 p = w^2 F

@@ -1,14 +1,17 @@
 //! The parameters of a feedback model, and the derivatives of its output by all of them.
 
-use super::{FeedbackMode, FeedbackModel, run};
-use crate::hysteresis::{Real, Sensitive, Several};
+use super::input::Path;
+use super::modes::ModeStep;
+use super::{Coefficients, FeedbackMode, FeedbackModel, run};
+use crate::hysteresis::{LANES, Real, Sensitive, Several};
 use piezoid_numerics::error::Error;
 use rayon::prelude::*;
+use std::f64::consts::TAU;
 
 /// A parameter of a feedback model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FeedbackParameter {
-    /// Its name, with the index of its mode or weight.
+    /// Its name, with the unit.
     pub name: String,
     /// Its value.
     pub value: f64,
@@ -18,8 +21,8 @@ pub struct FeedbackParameter {
     pub(super) is_free: bool,
 }
 
-/// Derivatives that are computed at a time.
-const LANES: usize = 8;
+/// Coefficients of a mode.
+const OF_MODE: usize = 5;
 
 /// A mode of less damping rings for ever, and one of more is two lags.
 const DAMPING: (f64, f64) = (1e-5, 20.0);
@@ -27,43 +30,71 @@ const DAMPING: (f64, f64) = (1e-5, 20.0);
 /// gamma / beta of Bouc-Wen: below -1 the hysteretic force grows with a rise, as in the benchmark.
 const GAMMA: (f64, f64) = (-10.0, 10.0);
 
+impl FeedbackParameter {
+    /// Returns an error for a value out of its limits.
+    pub(super) fn checked(&self, value: f64) -> Result<f64, Error> {
+        let (low, high) = self.limits;
+        if value.is_finite() && value >= low && value <= high {
+            return Ok(value);
+        }
+        Err(Error::parameter(&self.name, value, format!("must be a number from {low} to {high}")))
+    }
+}
+
+impl<R: Real> Coefficients<R> {
+    /// Those of the linear part, from all [rows](FeedbackModel::rows).
+    pub(super) fn of(model: &FeedbackModel, rows: &[R]) -> Self {
+        let h = model.ts / model.substeps as f64;
+        let (of_modes, rest) = rows.split_at(OF_MODE * model.modes.len());
+        let step = |mode: &[R]| ModeStep::new(mode[0] * R::from(TAU), mode[1], h);
+        let steps = of_modes.chunks_exact(OF_MODE).map(step).collect();
+        let coupled = of_modes.chunks_exact(OF_MODE).map(|mode| [mode[2], mode[3], mode[4]]).collect();
+        Coefficients { steps, coupled, sensed: rest[0], direct: [rest[1], rest[2]], offset: rest[3] }
+    }
+}
+
 impl FeedbackModel {
     /// The coefficients of the linear part in the order of a run, then weights and shape of the hysteresis.
     pub(super) fn rows(&self) -> Vec<FeedbackParameter> {
         let any = (f64::NEG_INFINITY, f64::INFINITY);
-        let row = |name: String, value: f64, limits: (f64, f64), is_free: bool| FeedbackParameter {
-            name,
-            value,
-            limits,
-            is_free,
-        };
+        let fastest = (f64::MIN_POSITIVE, 0.5 * self.substeps as f64 / self.ts);
         let first = |of: fn(&FeedbackMode) -> f64| self.modes.iter().position(|mode| of(mode) != 0.0);
         let (hysteretic, sensed) = (first(|mode| mode.hysteretic), first(|mode| mode.sensed));
-        // Of the factors of a scale that the hysteresis has too, the first one is fixed.
-        let (is_direct, drives) = (self.direct[1] != 0.0, self.sensed != 0.0);
         let mut rows = Vec::new();
+        let mut row = |name: String, value: f64, limits: (f64, f64), is_free: bool| {
+            rows.push(FeedbackParameter { name, value, limits, is_free });
+        };
         for (i, mode) in self.modes.iter().enumerate() {
-            let fixed = |first: Option<usize>, before: bool| !before && first == Some(i);
-            rows.push(row(format!("hz {i}"), mode.hz, (0.0, 0.5 * self.substeps as f64 / self.ts), true));
-            rows.push(row(format!("damping {i}"), mode.damping, DAMPING, true));
-            rows.push(row(format!("input {i}"), mode.input, any, mode.input != 0.0));
-            let is_free = mode.hysteretic != 0.0 && !fixed(hysteretic, false);
-            rows.push(row(format!("hysteretic {i}"), mode.hysteretic, any, is_free));
-            let is_free = mode.sensed != 0.0 && !fixed(sensed, drives);
-            rows.push(row(format!("sensed {i}"), mode.sensed, any, is_free));
+            let name = |what: &str| format!("mode {} {what}", i + 1);
+            // Of the factors of a scale that the hysteresis has too, the first one is fixed.
+            let is_scale = self.sensed == 0.0 && sensed == Some(i);
+            row(name("frequency [Hz]"), mode.hz, fastest, true);
+            row(name("damping"), mode.damping, DAMPING, true);
+            row(name("input [output unit/input unit]"), mode.input, any, mode.input != 0.0);
+            row(name("hysteretic"), mode.hysteretic, any, mode.hysteretic != 0.0 && hysteretic != Some(i));
+            row(name("sensed [1/output unit]"), mode.sensed, any, mode.sensed != 0.0 && !is_scale);
         }
-        rows.push(row("sensed input".into(), self.sensed, any, false));
-        rows.push(row("direct".into(), self.direct[0], any, self.direct[0] != 0.0));
-        rows.push(row("direct hysteretic".into(), self.direct[1], any, is_direct && hysteretic.is_some()));
-        rows.push(row("offset".into(), self.offset, any, true));
+        let is_direct = self.direct[1] != 0.0 && hysteretic.is_some();
+        row("sensed input [1/input unit]".into(), self.sensed, any, false);
+        row("direct [output unit/input unit]".into(), self.direct[0], any, self.direct[0] != 0.0);
+        row("direct hysteretic".into(), self.direct[1], any, is_direct);
+        row("offset [output unit]".into(), self.offset, any, true);
         for (k, &weight) in self.weights.iter().enumerate() {
-            rows.push(row(format!("weight {k}"), weight, any, weight != 0.0));
+            row(format!("weight {k}"), weight, any, weight != 0.0);
         }
         for shape in self.basis.shape() {
-            let limits = if shape.name == "gamma_over_beta" { GAMMA } else { (shape.low, shape.high) };
-            rows.push(row(shape.name.into(), shape.value, limits, true));
+            let is_wider = self.operator.operator().name == "bouc-wen" && shape.name == "gamma_over_beta";
+            row(shape.name.into(), shape.value, if is_wider { GAMMA } else { (shape.low, shape.high) }, true);
         }
         rows
+    }
+
+    /// The values of all rows, with those of the parameters `x`.
+    pub(super) fn expanded<R: Real>(&self, x: &[R]) -> Vec<R> {
+        let (rows, mut x) = (self.rows(), x.iter());
+        let value =
+            |row: &FeedbackParameter| if row.is_free { x.next().copied() } else { None }.unwrap_or(row.value.into());
+        rows.iter().map(value).collect()
     }
 
     /// Its parameters: those that are free.
@@ -87,11 +118,7 @@ impl FeedbackModel {
             return Err(Error::Lengths { left, left_len: x.len(), right, right_len: free.len() });
         }
         for (row, &value) in free.into_iter().zip(x) {
-            if !(row.limits.0..=row.limits.1).contains(&value) || !value.is_finite() {
-                let rule = format!("must be from {} to {}", row.limits.0, row.limits.1);
-                return Err(Error::parameter(&row.name, value, rule));
-            }
-            row.value = value;
+            row.value = row.checked(value)?;
         }
         let mut values = rows.iter().map(|row| row.value);
         let mut next = || values.next().unwrap_or_default();
@@ -111,12 +138,13 @@ impl FeedbackModel {
     }
 
     /// The [response](Self::simulate_from) to `u`, and its derivatives by each of the [parameters](Self::parameters),
-    /// then by each number of `start`.
+    /// then by each number of `start`. At a start with s = 0 the way of the hysteresis is unknown, and its share of
+    /// the derivatives by p is missing.
     ///
     /// # Errors
     /// Returns an error if the operator has no derivatives.
     pub fn sensitivities(&self, start: &[[f64; 2]], u: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), Error> {
-        let (path, mut x) = (self.path(u), self.values());
+        let mut x = self.values();
         let parameters = x.len();
         x.extend(start.as_flattened());
         let of = |from: usize| {
@@ -126,8 +154,10 @@ impl FeedbackModel {
             };
             let x: Vec<Sensitive> = x.iter().enumerate().map(|(k, value)| seeded(k, *value)).collect();
             let (parameters, start) = x.split_at(parameters);
-            let coefficients = self.coefficients(parameters);
-            let (weights, shape) = self.of_hysteresis(parameters);
+            let mut rows = self.expanded(parameters);
+            let coefficients = Coefficients::of(self, &rows);
+            let shape = rows.split_off(rows.len() - self.basis.shape().len());
+            let weights = rows.split_off(rows.len() - self.weights.len());
             let start = start.chunks_exact(2).map(|x| [x[0], x[1]]).collect();
             let mut state = vec![Sensitive::from(0.0); self.basis.order()];
             let (mut y, mut slopes) = (Vec::with_capacity(u.len()), vec![Vec::new(); LANES]);
@@ -137,7 +167,7 @@ impl FeedbackModel {
                 known &= z.is_some();
                 z.unwrap_or(Sensitive::from(0.0))
             };
-            run(&coefficients, &mut hysteresis, start, (&path, self.substeps), |v: Sensitive| {
+            run(&coefficients, &mut hysteresis, start, Path::new(self, u), |v: Sensitive| {
                 y.push(v.value());
                 slopes.iter_mut().zip(v.slope.0).for_each(|(slopes, slope)| slopes.push(slope));
             });
@@ -152,18 +182,5 @@ impl FeedbackModel {
         };
         let y = parts.first().map(|part| part.0.clone()).unwrap_or_default();
         Ok((y, parts.into_iter().flat_map(|part| part.1).collect()))
-    }
-
-    /// Weights and shape of the hysteresis, for the parameters `x`.
-    fn of_hysteresis(&self, x: &[Sensitive]) -> (Vec<Sensitive>, Vec<Sensitive>) {
-        let rows = self.rows();
-        let mut x = x.iter();
-        let all = rows.iter().map(|row| {
-            let free = if row.is_free { x.next() } else { None };
-            free.copied().unwrap_or(row.value.into())
-        });
-        let mut all: Vec<Sensitive> = all.collect();
-        let shape = all.split_off(all.len() - self.basis.shape().len());
-        (all.split_off(all.len() - self.weights.len()), shape)
     }
 }

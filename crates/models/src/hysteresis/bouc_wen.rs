@@ -107,7 +107,9 @@ impl Law for BoucWen {
     fn check(&self) -> Result<(), Error> {
         positive("beta", self.beta, "1 / input unit")?;
         let ratio = self.gamma_over_beta;
-        require(ratio.is_finite(), "gamma_over_beta", ratio, "must be a finite number")
+        let rule =
+            "must be finite and at least -10, because the hysteresis grows by exp(-(beta + gamma) s) along a rise s";
+        require(ratio >= -10.0 && ratio.is_finite(), "gamma_over_beta", ratio, rule)
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
@@ -162,7 +164,7 @@ mod tests {
     fn the_division_of_a_path_into_samples_has_no_effect() {
         let run = |pieces: u32| {
             let u = path(&[0.0, 30.0, -20.0, 5.0, -30.0, 12.0], pieces);
-            [-0.5, 0.25, 2.0].map(|ratio| {
+            [-1.4, -1.0, -0.5, 0.25, 2.0].map(|ratio| {
                 let law = BoucWen { beta: 0.05, gamma_over_beta: ratio };
                 *Weighted::new(1.0, (-30.0, 30.0), law, vec![0.0, 1.0]).unwrap().simulate(&u).last().unwrap()
             })
@@ -172,9 +174,11 @@ mod tests {
 
     #[test]
     fn an_unbounded_law_is_an_error() {
-        let law = BoucWen { beta: 0.02, gamma_over_beta: -1.0 };
-        let message = Weighted::new(1.0, (-1.0, 1.0), law, vec![1.0, 1.0]).unwrap_err().to_string();
-        assert!(message.starts_with("gamma_over_beta = -1: must be"), "{message}");
+        for (beta, gamma_over_beta, start) in [(0.0, 0.5, "beta = 0"), (0.02, f64::NAN, "gamma_over_beta = NaN")] {
+            let law = BoucWen { beta, gamma_over_beta };
+            let message = Weighted::new(1.0, (-1.0, 1.0), law, vec![1.0, 1.0]).unwrap_err().to_string();
+            assert!(message.starts_with(start), "{message}");
+        }
     }
 
     #[test]

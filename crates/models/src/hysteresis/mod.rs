@@ -32,7 +32,7 @@ pub(crate) use inverse::{between, inverse, inverse_behind_a_driver, with_scratch
 pub use proportional::Proportional;
 pub use rate_scheduled::{Pair, RateScheduled};
 #[doc(hidden)]
-pub use real::{Real, Sensitive, Several};
+pub use real::{LANES, Real, Sensitive, Several};
 pub use two_branch::{HeldInput, TwoBranch};
 
 use crate::program::Block;

@@ -142,8 +142,11 @@ impl<S: Slope + PartialEq> Real for Dual<S> {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Several<const N: usize>(pub [f64; N]);
 
-/// A value and its derivatives by eight parameters.
-pub type Sensitive = Dual<Several<8>>;
+/// Number of parameters of a [`Sensitive`] number.
+pub const LANES: usize = 8;
+
+/// A value and its derivatives by some parameters.
+pub type Sensitive = Dual<Several<LANES>>;
 
 impl<const N: usize> Several<N> {
     fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
