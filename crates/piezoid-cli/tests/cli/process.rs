@@ -87,9 +87,9 @@ fn ctrl_c_keeps_the_best_model_so_far_and_no_older_file_is_lost() {
         assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
         Run::of(line, &child.wait_with_output().unwrap()).exits(130)
     };
-    // At first there is no model yet.
+    // At first there is no model yet. Small steps: soon after the first model the search may be over.
     let kept = |after| Some((after, interrupted(after))).filter(|(_, run)| !run.err.contains("nothing was written"));
-    let (after, run) = (0..6).map(|k| Duration::from_millis(500 << k)).find_map(kept).unwrap();
+    let (after, run) = (0..12).map(|k| Duration::from_secs_f64(0.5 * 1.4f64.powi(k))).find_map(kept).unwrap();
     let run = run.says(&["error: cancelled: wrote the best model until then to m.json, only good to "]);
     assert_eq!(run.out, "");
     let first = bench.text("m.json");
@@ -97,7 +97,7 @@ fn ctrl_c_keeps_the_best_model_so_far_and_no_older_file_is_lost() {
         |text: &str| serde_json::from_str::<serde_json::Value>(text).unwrap()["fit"]["verdict"]["cancelled_in"].clone();
     assert!(of(&first).is_string(), "{first}");
 
-    interrupted(after + Duration::from_millis(500)).says(&["m.unfinished.json"]);
+    interrupted(after + Duration::from_millis(200)).says(&["m.unfinished.json"]);
     assert_eq!(bench.text("m.json"), first);
     assert!(of(&bench.text("m.unfinished.json")).is_string());
     bench.run("validate sine5.csv --model m.json").ok().prints(&["the search was cancelled in"]);
