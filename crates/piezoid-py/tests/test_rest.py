@@ -42,7 +42,7 @@ def test_every_excitation_is_a_function_that_says_what_it_takes() -> None:
 
 def test_lists_answer_by_name_and_say_what_there_is() -> None:
     assert "preisach" in pz.operators and pz.targets["c"].summary.startswith("a header")
-    assert "prandtl-ishlinskii" in repr(pz.operators) and len(pz.plants) == 11
+    assert "prandtl-ishlinskii" in repr(pz.operators) and len(pz.plants) == 12
     stack, driver = pz.actuators["p-885.51"], pz.drivers["pdu150cl"]
     assert stack.summary.startswith("PI P-885.51, stack: 15 um") and stack.figures["stroke_at"] == [0, 100]
     assert driver.figures["current"] == 0.3 and driver.figures["capacitance"] is None and driver.reference
