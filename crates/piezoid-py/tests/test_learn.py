@@ -220,10 +220,15 @@ def test_cross_validation_is_the_same_with_metadata_routing() -> None:
 
 @cache
 def searched() -> tuple[GridSearchCV, list[pz.Record]]:
-    """A grid search on records that prandtl-ishlinskii of order 2 made, and these records."""
+    """A grid search on records that prandtl-ishlinskii of order 2 made, and these records.
+
+    Their sines alone do not excite the second pole: a fast signal of 2 V is added, which begins after the actuator was
+    at rest.
+    """
     made_by = pz.identify(data=TWIN, **PLAYS)
     rng = np.random.default_rng(1)
-    noisy = [pz.Record(u, made_by.simulate(u) + rng.normal(0, 0.5, len(u)), TS) for u in SINES]
+    inputs = [u + rng.choice([-2.0, 2.0], len(u)) * (np.arange(len(u)) >= 20) for u in SINES]
+    noisy = [pz.Record(u, made_by.simulate(u) + rng.normal(0, 0.5, len(u)), TS) for u in inputs]
     X, y, groups = stack(noisy)
     grid = {"operator": ["proportional", "prandtl-ishlinskii", "bouc-wen"], "order": [1, 2]}
     search = GridSearchCV(HammersteinRegressor(TS, elements=8), grid, cv=GroupKFold(3), error_score="raise")
@@ -236,13 +241,10 @@ def test_a_grid_search_finds_the_operator_that_made_the_data() -> None:
     assert search.best_estimator_.model_ == pz.identify(data=noisy, elements=8, **search.best_params_)
 
 
-def test_a_grid_search_rates_the_order_that_made_the_data_like_the_best() -> None:
-    """The sines hardly show the second pole: both orders leave the noise alone."""
-    search, _ = searched()
-    results = search.cv_results_
-    scores = {tuple(p.values()): s for p, s in zip(results["params"], results["mean_test_score"], strict=True)}
-    assert scores["prandtl-ishlinskii", 2] > search.best_score_ - 2e-6
-    assert max(s for (operator, _), s in scores.items() if operator != "prandtl-ishlinskii") < search.best_score_ - 1e-4
+def test_a_grid_search_finds_the_order_that_made_the_data() -> None:
+    search, noisy = searched()
+    assert search.best_params_ == {"operator": "prandtl-ishlinskii", "order": 2}
+    assert search.best_estimator_.model_ == pz.identify(data=noisy, **PLAYS)
 
 
 def test_records_that_differ_in_kind_are_not_stacked() -> None:
