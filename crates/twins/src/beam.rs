@@ -14,7 +14,7 @@
 //!
 //! State: for each mode, p [m] and p' / w [m].
 
-use super::spec::{BeamMode, BeamSpec, Cantilever, non_negative, require};
+use super::spec::{BeamMode, Cantilever, non_negative, require};
 use libm::{cos, cosh, exp, sin, sincos, tanh};
 use piezoid_numerics::error::{Error, positive};
 use std::f64::consts::{PI, TAU};
@@ -39,12 +39,7 @@ struct ModeStep {
 
 impl Beam {
     /// The beam advanced in steps of `h` [s].
-    pub(crate) fn new(spec: &BeamSpec, h: f64) -> Result<Self, Error> {
-        let modes = match spec {
-            BeamSpec::Modes(modes) => modes,
-            BeamSpec::Cantilever(cantilever) => &cantilever.modes()?,
-            BeamSpec::Oscillator(_) => &Vec::new(),
-        };
+    pub(crate) fn new(modes: &[BeamMode], h: f64) -> Result<Self, Error> {
         let steps = modes.iter().enumerate().map(|(i, mode)| ModeStep::new(mode, i, h)).collect::<Result<_, _>>()?;
         Ok(Beam { steps, residual: 1.0 - modes.iter().map(|mode| mode.share).sum::<f64>() })
     }
@@ -186,7 +181,7 @@ mod tests {
     fn the_response_to_a_held_sine_is_the_analytic_one() {
         let h = 5e-4;
         let modes = cantilever(&PL140, 3).modes().unwrap();
-        let beam = Beam::new(&BeamSpec::Modes(modes.clone()), h).unwrap();
+        let beam = Beam::new(&modes, h).unwrap();
         for frequency in [1.0, 50.0, 166.3, 400.0, 900.0] {
             let w = TAU * frequency;
             let (mut re, mut im) = (0.0, 0.0);
@@ -217,7 +212,7 @@ mod tests {
 
     #[test]
     fn the_settled_tip_is_at_the_static_displacement() {
-        let beam = Beam::new(&BeamSpec::Cantilever(cantilever(&PL140, 2)), 1e-4).unwrap();
+        let beam = Beam::new(&cantilever(&PL140, 2).modes().unwrap(), 1e-4).unwrap();
         let mut x = vec![0.0; beam.order()];
         (0..20_000).for_each(|_| beam.advance(&mut x, 1e-3));
         assert_close(&[beam.tip(&x, 1e-3)], &[1e-3], 1e-12, 0.0);
@@ -227,7 +222,7 @@ mod tests {
     fn a_mode_that_softens_rings_more_slowly_when_it_rings_widely() {
         let (h, s) = (1e-5, 140.0);
         let mode = BeamMode { frequency_hz: 160.0, damping: 1e-4, share: 1.0, softening_per_m: s };
-        let beam = Beam::new(&BeamSpec::Modes(vec![mode]), h).unwrap();
+        let beam = Beam::new(&[mode], h).unwrap();
         for amplitude in [1e-5, 0.5e-3] {
             let mut x = vec![amplitude, 0.0];
             let mut falls = Vec::new();
@@ -247,9 +242,8 @@ mod tests {
 
     #[test]
     fn a_mode_without_damping_is_an_error() {
-        let spec =
-            BeamSpec::Modes(vec![BeamMode { frequency_hz: 160.0, damping: 0.0, share: 1.0, softening_per_m: 0.0 }]);
-        let message = Beam::new(&spec, 1e-4).unwrap_err().to_string();
+        let mode = BeamMode { frequency_hz: 160.0, damping: 0.0, share: 1.0, softening_per_m: 0.0 };
+        let message = Beam::new(&[mode], 1e-4).unwrap_err().to_string();
         assert!(message.starts_with("beam.modes[0].damping = 0"), "{message}");
     }
 }

@@ -16,8 +16,9 @@ impl Mechanics {
     /// The mechanics advanced in steps of `h` [s].
     pub(crate) fn new(spec: &BeamSpec, h: f64) -> Result<Self, Error> {
         Ok(match spec {
+            BeamSpec::Modes(modes) => Mechanics::Beam(Beam::new(modes, h)?),
+            BeamSpec::Cantilever(cantilever) => Mechanics::Beam(Beam::new(&cantilever.modes()?, h)?),
             BeamSpec::Oscillator(spec) => Mechanics::Oscillator(OscillatorStage::new(spec, h)?),
-            beam => Mechanics::Beam(Beam::new(beam, h)?),
         })
     }
 

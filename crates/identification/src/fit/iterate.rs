@@ -39,17 +39,19 @@ pub(crate) struct Iterate {
 impl Iterate {
     pub(crate) fn at(estimate: Estimate, runs: &[TrainingRecord], own: &[Vec<f64>], free: FreeParameters) -> Self {
         let segments = products(&estimate, runs, own, free, &[]);
-        Iterate::with(estimate, segments.into(), free)
+        Iterate::with(estimate, segments.into(), free, None)
     }
 
-    fn with(estimate: Estimate, segments: Arc<[Segment]>, free: FreeParameters) -> Self {
-        let (normal, each) = equations(&estimate, &segments, |_| true, &[]);
-        Iterate { prior: Prior::of(&estimate, Scales::of(&estimate, &normal)), estimate, segments, normal, each, free }
+    /// With the scales of the penalties, and the priors of the runs' own coefficients, of `like`, or of this estimate.
+    fn with(estimate: Estimate, segments: Arc<[Segment]>, free: FreeParameters, like: Option<&Iterate>) -> Self {
+        let (normal, each) = equations(&estimate, &segments, |_| true, like.map_or(&[], |like| &like.each));
+        let scales = like.map_or_else(|| Scales::of(&estimate, &normal), |like| like.prior.scales);
+        Iterate { prior: Prior::of(&estimate, scales), estimate, segments, normal, each, free }
     }
 
     /// The same with the scales of the penalties, and the priors of the runs' own coefficients, of this estimate.
     pub(super) fn rescaled(self) -> Self {
-        Iterate::with(self.estimate, self.segments, self.free)
+        Iterate::with(self.estimate, self.segments, self.free, None)
     }
 
     /// At another estimate, after a step in the parameters `moved`; the penalties keep their scales.
@@ -61,9 +63,8 @@ impl Iterate {
         moved: FreeParameters,
     ) -> Self {
         let before = if moved == FreeParameters::Weights { &self.segments[..] } else { &[] };
-        let segments: Arc<[Segment]> = products(&next, runs, own, self.free, before).into();
-        let (normal, each) = equations(&next, &segments, |_| true, &self.each);
-        Iterate { prior: Prior::of(&next, self.prior.scales), estimate: next, segments, normal, each, free: self.free }
+        let segments = products(&next, runs, own, self.free, before);
+        Iterate::with(next, segments.into(), self.free, Some(self))
     }
 
     /// The same after the weight of the small-signal records was multiplied by `factor`.
@@ -79,7 +80,7 @@ impl Iterate {
     pub(super) fn at_end_of(fit: &Fitted, runs: &[TrainingRecord]) -> Self {
         let (estimate, free) = (fit.estimate.clone(), FreeParameters::All);
         match &fit.segments {
-            Some(segments) if fit.is_of(runs) => Iterate::with(estimate, segments.clone(), free),
+            Some(segments) if fit.is_of(runs) => Iterate::with(estimate, segments.clone(), free, None),
             _ => Iterate::known(estimate, runs, free),
         }
     }
@@ -105,7 +106,7 @@ impl Iterate {
 
     /// At an estimate whose weights are known too, with the runs' own coefficients of this estimate.
     pub(super) fn known(estimate: Estimate, runs: &[TrainingRecord], free: FreeParameters) -> Self {
-        let Some(alone) = Iterate::alone(&estimate, runs) else {
+        let Some(alone) = Iterate::alone(&estimate, runs, None) else {
             let point = Iterate::at(estimate, runs, &[], free);
             let own = point.own(point.prior.current());
             return Iterate::at(point.estimate, runs, &own, free);
@@ -114,19 +115,19 @@ impl Iterate {
     }
 
     /// With z in place of the columns of the weights; `None` if the weights give no operator.
-    fn alone(estimate: &Estimate, runs: &[TrainingRecord]) -> Option<Self> {
+    fn alone(estimate: &Estimate, runs: &[TrainingRecord], like: Option<&Iterate>) -> Option<Self> {
         let hidden = Hidden::of_all(estimate, runs).ok()?;
         let runs: Vec<_> = hidden.iter().zip(runs).map(|(z, run)| z.run(run)).collect();
         let alone = Hidden::alone(estimate.lags.clone(), estimate.linear.clone()).ok()?;
-        Some(Iterate::at(alone, &runs, &[], FreeParameters::All))
+        let segments = products(&alone, &runs, &[], FreeParameters::All, &[]);
+        Some(Iterate::with(alone, segments.into(), FreeParameters::All, like))
     }
 
     /// The cost of a next estimate with z alone, if that saves work.
     pub(super) fn cost_of(&self, next: &Estimate, runs: &[TrainingRecord], lambda: f64) -> Option<f64> {
-        let alone = (next.weights.len() > MANY_WEIGHTS).then(|| Iterate::alone(next, runs))??;
-        let (normal, _) = equations(&alone.estimate, &alone.segments, |_| true, &self.each);
+        let alone = (next.weights.len() > MANY_WEIGHTS).then(|| Iterate::alone(next, runs, Some(self)))??;
         let prior = Prior::of(next, self.prior.scales);
-        Some(normal.residual(&alone.unknowns()) + prior.penalty(&normal, lambda, prior.current()))
+        Some(alone.normal.residual(&alone.unknowns()) + prior.penalty(&alone.normal, lambda, prior.current()))
     }
 
     /// True if the linearised equations promise less than `ratio` times the minimum of a fit, or next to nothing.
