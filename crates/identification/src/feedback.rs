@@ -112,7 +112,7 @@ impl FeedbackFit {
             let softer = (1.0 + stiffness).sqrt();
             // Together they have the frequency and the gain without hysteresis.
             let (hz, damping, input) = (mode.hz / softer, mode.damping * softer, mode.input * (1.0 + stiffness));
-            let mode = FeedbackMode { hz, damping, input, hysteretic: 1.0, sensed: 1.0 };
+            let mode = FeedbackMode { hz, damping, input, hysteretic: 1.0, sensed: 1.0, softening: 0.0 };
             let start = oscillator(linear.model.ts(), between, mode, (stiffness, bend / half), half)?;
             search(&start.with_direct([0.0; 2], offset)?, &runs, FIRST_STEPS, progress)
         };
@@ -233,7 +233,7 @@ fn linear(records: &[Record], between: Intersample, progress: &mut Progress) -> 
         return Err(Error::Unidentifiable { what: "an oscillator".into(), because });
     };
     let (hz, damping, input) = (pole.hz, pole.damping.max(1e-3), block.dc_gain());
-    let mode = FeedbackMode { hz, damping, input, hysteretic: 1.0, sensed: 1.0 };
+    let mode = FeedbackMode { hz, damping, input, hysteretic: 1.0, sensed: 1.0, softening: 0.0 };
     let start = oscillator(block.ts(), between, mode, (0.0, 1.0), 1.0)?;
     let runs: Vec<Run> = records.iter().map(|record| run(record, states(&start, record))).collect();
     search(&start, &runs, FIRST_STEPS, progress)

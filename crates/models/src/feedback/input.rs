@@ -1,14 +1,17 @@
 //! The input between samples.
 
 use super::FeedbackModel;
+use crate::driver::DriverModel;
 use libm::{cosh, sin, sqrt};
 use std::f64::consts::PI;
 
 /// How the input moves between its samples.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Intersample {
     /// It is held by a converter from its sample on; y is read at the end of this sample.
     Held,
+    /// It is held by a converter, and passes this driver; y is read at the end of this sample.
+    Driven(DriverModel),
     /// It is band-limited, as behind an anti-alias filter, and read at the same instant as y.
     BandLimited,
 }
@@ -30,6 +33,8 @@ pub(super) struct Path<'a> {
     tables: Vec<Vec<f64>>,
     sample: usize,
     before: f64,
+    /// Duration of a step [s].
+    h: f64,
     /// The input at start and end of each step.
     steps: Vec<[f64; 2]>,
 }
@@ -38,11 +43,11 @@ impl<'a> Path<'a> {
     pub(super) fn new(model: &FeedbackModel, u: &'a [f64]) -> Self {
         let (between, n) = (model.intersample, model.substeps);
         let tables = match between {
-            Intersample::Held => Vec::new(),
+            Intersample::Held | Intersample::Driven(_) => Vec::new(),
             Intersample::BandLimited => (1..=n).map(|j| weights(j as f64 / n as f64)).collect(),
         };
         let before = u.first().copied().unwrap_or_default();
-        Path { u, between, tables, sample: 0, before, steps: vec![[0.0; 2]; n] }
+        Path { u, between, tables, sample: 0, before, h: model.ts / n as f64, steps: vec![[0.0; 2]; n] }
     }
 
     /// The input before the first step.
@@ -53,8 +58,13 @@ impl<'a> Path<'a> {
     /// The steps that lead to the next sample.
     pub(super) fn next_sample(&mut self) -> Option<&[[f64; 2]]> {
         let u = *self.u.get(self.sample)?;
-        if self.between == Intersample::Held {
-            self.steps.fill([u; 2]);
+        match self.between {
+            Intersample::Held => self.steps.fill([u; 2]),
+            Intersample::Driven(driver) => self.steps.iter_mut().for_each(|step| {
+                *step = [self.before, driver.advance(self.before, u, self.h)];
+                self.before = step[1];
+            }),
+            Intersample::BandLimited => {}
         }
         let last = self.u.len() - 1;
         for (step, table) in self.steps.iter_mut().zip(&self.tables) {
@@ -98,7 +108,8 @@ mod tests {
         let u: Vec<f64> = (0..300).map(|k| at(f64::from(k))).collect();
         let tables = (1..=4).map(|j| weights(f64::from(j) / 4.0)).collect();
         let steps = vec![[0.0; 2]; 4];
-        let mut path = Path { u: &u, between: Intersample::BandLimited, tables, sample: 0, before: u[0], steps };
+        let mut path =
+            Path { u: &u, between: Intersample::BandLimited, tables, sample: 0, before: u[0], h: 1.0, steps };
         let (mut found, mut samples) = (Vec::new(), Vec::new());
         while let Some(steps) = path.next_sample() {
             found.extend(steps.iter().map(|step| step[1]));

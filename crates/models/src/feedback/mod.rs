@@ -2,17 +2,21 @@
 //! time.
 //!
 //! ```text
-//! p_i'' + 2 zeta_i w_i p_i' + w_i^2 p_i = w_i^2 (b_i u + e_i z)      modes
-//! s = d_s u + sum_i k_i p_i,   z = H(s)                              hysteresis
-//! y = sum_i p_i + d u + f z + offset                                 displacement
+//! F_i = b_i u + e_i z
+//! p_i'' + 2 zeta_i w_i p_i' + w_i^2 (p_i - N_i(p_i - F_i)) = w_i^2 F_i          modes
+//! s = d_s u + sum_i k_i p_i,   z = H(s) + sum_j g_j x_j,   tau_j x_j' = H(s) - x_j    hysteresis and creep
+//! q = sum_i p_i + d u + f z,   y = q + c q^2 + offset                             displacement and sensor
+//! N(e) = e m / (1 + m), m = softening |e|; N(e) = -e |m| of a mode that stiffens (softening < 0)
 //! ```
 //! With k_i = 0 and b_i = d = 0 hysteresis comes first and mechanics after: the Hammerstein model. With d_s = 0 the
 //! displacement drives the hysteresis, which acts as a force on the mode: m y'' + c y' + k y + z = u, in a scale in
 //! which the static stiffness is 1. p has the unit of y.
 //!
-//! u and z act at the ends of each step of the modes (`modes.rs`), so that no equation is solved within a step; the
-//! error is of second order in the step. u is held over a sample, or band-limited: then it is interpolated. H must not
-//! depend on the rate of s. Before the first sample it was at rest.
+//! A mode that softens has the restoring force w^2 e / (1 + m) at the distance e from its static displacement.
+//!
+//! u, z and N act at the ends of each step of the modes (`modes.rs`), so that no equation is solved within a step; the
+//! error is of second order in the step. u is held over a sample, or what a known driver makes of it, or band-limited:
+//! then it is interpolated. H must not depend on the rate of s. Before the first sample all was at rest.
 //!
 //! Only what records can show is a parameter. A coefficient that is 0 stays 0. The first e that is not 0, and the first
 //! of d_s and the k, are fixed, because weights and shape of H can have the same effect. If s is the displacement of
@@ -28,6 +32,7 @@ mod parameters;
 pub use input::Intersample;
 pub use parameters::FeedbackParameter;
 
+use crate::creep::{Creep, Lag};
 use crate::hysteresis::{Basis, Hysteresis, Real};
 use input::Path;
 use modes::ModeStep;
@@ -50,6 +55,8 @@ pub struct FeedbackMode {
     pub hysteretic: f64,
     /// k: what it adds to the input of the hysteresis [unit of s/output unit].
     pub sensed: f64,
+    /// The share by which its stiffness falls, per distance from its static displacement [1/output unit].
+    pub softening: f64,
 }
 
 /// Linear dynamics with hysteresis in feedback: see docs/feedback.md.
@@ -63,6 +70,9 @@ pub struct FeedbackModel {
     sensed: f64,
     /// d and f.
     direct: [f64; 2],
+    creep: Vec<Lag>,
+    /// c [1/output unit].
+    curve: f64,
     basis: Arc<dyn Basis>,
     weights: Vec<f64>,
     operator: Arc<dyn Hysteresis>,
@@ -72,11 +82,14 @@ pub struct FeedbackModel {
 /// The coefficients of a run.
 struct Coefficients<R> {
     steps: Vec<ModeStep<R>>,
-    /// b, e and k of each mode.
-    coupled: Vec<[R; 3]>,
+    /// b, e, k and softening of each mode.
+    coupled: Vec<[R; 4]>,
     sensed: R,
     direct: [R; 2],
+    curve: R,
     offset: R,
+    /// What a step leaves of the way to H(s), and the gain, of each lag.
+    lags: Vec<(f64, R)>,
 }
 
 impl FeedbackModel {
@@ -102,9 +115,20 @@ impl FeedbackModel {
             let rule = "must not depend on the rate of its input, because this differs within a sample";
             return Err(Error::parameter("hysteresis", operator.operator().name, rule));
         }
-        let (direct, offset) = ([0.0; 2], 0.0);
-        let model =
-            FeedbackModel { ts, substeps, intersample, modes, sensed, direct, basis, weights, operator, offset };
+        let model = FeedbackModel {
+            ts,
+            substeps,
+            intersample,
+            modes,
+            sensed,
+            direct: [0.0; 2],
+            creep: Vec::new(),
+            curve: 0.0,
+            basis,
+            weights,
+            operator,
+            offset: 0.0,
+        };
         for row in model.rows() {
             row.checked(row.value)?;
         }
@@ -119,6 +143,24 @@ impl FeedbackModel {
         finite("direct", &direct)?;
         finite("offset", &[offset])?;
         Ok(FeedbackModel { direct, offset, ..self })
+    }
+
+    /// The same model with creep between the hysteresis and the modes.
+    ///
+    /// # Errors
+    /// The errors of [`Creep::new`].
+    pub fn with_creep(self, lags: Vec<Lag>) -> Result<Self, Error> {
+        let creep = Creep::new(self.ts, lags)?.lags().to_vec();
+        Ok(FeedbackModel { creep, ..self })
+    }
+
+    /// The same model with a sensor that reads q + c q^2, `curve` = c [1/output unit].
+    ///
+    /// # Errors
+    /// Returns an error unless it is finite.
+    pub fn with_curve(self, curve: f64) -> Result<Self, Error> {
+        finite("curve", &[curve])?;
+        Ok(FeedbackModel { curve, ..self })
     }
 
     /// Sampling period [s].
@@ -163,7 +205,7 @@ impl FeedbackModel {
     }
 }
 
-/// Runs along a path and passes each sample of y on; the hysteresis is at rest before.
+/// Runs along a path and passes each sample of y on; hysteresis and creep are at rest before.
 fn run<R: Real>(
     coefficients: &Coefficients<R>,
     hysteresis: &mut dyn FnMut(R) -> R,
@@ -171,42 +213,64 @@ fn run<R: Real>(
     mut path: Path,
     mut sample: impl FnMut(R),
 ) {
-    let Coefficients { steps, coupled, sensed, direct, offset } = coefficients;
-    modes.resize(steps.len(), [R::from(0.0); 2]);
+    let Coefficients { steps, coupled, sensed, direct, curve, offset, lags } = coefficients;
+    let zero = R::from(0.0);
+    modes.resize(steps.len(), [zero; 2]);
     let of = |modes: &[[R; 2]], u: f64| {
-        let through = modes.iter().zip(coupled).map(|(x, [_, _, k])| *k * x[0]);
+        let through = modes.iter().zip(coupled).map(|(x, [_, _, k, _])| *k * x[0]);
         through.fold(*sensed * R::from(u), |s, through| s + through)
     };
+    let push = |modes: &mut [[R; 2]], u: f64, z: R| {
+        for ((x, step), [b, e, _, softening]) in modes.iter_mut().zip(steps).zip(coupled) {
+            let force = *b * R::from(u) + *e * z;
+            *x = step.push(*x, force + lost(*softening, x[0] - force));
+        }
+    };
+    let mut crept = vec![zero; lags.len()];
+    let slow = |crept: &[R]| lags.iter().zip(crept).fold(zero, |sum, ((_, gain), x)| sum + *gain * *x);
     let mut before = path.start();
-    let mut z = hysteresis(of(&modes, before));
+    let mut h = hysteresis(of(&modes, before));
+    let mut z = h;
     while let Some(stretch) = path.next_sample() {
         for &[start, end] in stretch {
             // If u jumps, z jumps with it.
             if start != before && sensed.value() != 0.0 {
-                z = hysteresis(of(&modes, start));
+                h = hysteresis(of(&modes, start));
+                z = h + slow(&crept);
             }
-            for ((x, step), [b, e, _]) in modes.iter_mut().zip(steps).zip(coupled) {
-                *x = step.turn(step.push(*x, *b * R::from(start) + *e * z));
+            push(&mut modes, start, z);
+            modes.iter_mut().zip(steps).for_each(|(x, step)| *x = step.turn(*x));
+            let next = hysteresis(of(&modes, end));
+            let mean = (h + next) * R::from(0.5);
+            for (x, (stays, _)) in crept.iter_mut().zip(lags) {
+                *x = mean + R::from(*stays) * (*x - mean);
             }
-            z = hysteresis(of(&modes, end));
-            for ((x, step), [b, e, _]) in modes.iter_mut().zip(steps).zip(coupled) {
-                *x = step.push(*x, *b * R::from(end) + *e * z);
-            }
+            h = next;
+            z = h + slow(&crept);
+            push(&mut modes, end, z);
             before = end;
         }
         let end = R::from(before);
-        sample(modes.iter().fold(direct[0] * end + direct[1] * z + *offset, |y, x| y + x[0]));
+        let q = modes.iter().fold(direct[0] * end + direct[1] * z, |q, x| q + x[0]);
+        sample(q + *curve * q * q + *offset);
     }
+}
+
+/// N: what a mode at the distance `e` from its static displacement lacks of the linear restoring force, over w^2.
+fn lost<R: Real>(softening: R, e: R) -> R {
+    let m = softening * if e.value() < 0.0 { -e } else { e };
+    if m.value() < 0.0 { e * m } else { e * m / (R::from(1.0) + m) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::driver::DriverModel;
     use crate::hysteresis::{BasisDesign, OPERATORS, Operator};
     use piezoid_records::preparation::PrepareOptions;
     use piezoid_records::record::Record;
     use piezoid_testing::assert_close;
-    use piezoid_twins::Plant;
+    use piezoid_twins::{HysteresisSpec, Logged, Plant, Preset, Spec};
     use std::f64::consts::TAU;
 
     fn operator(name: &str, half: f64) -> Arc<dyn Basis> {
@@ -222,7 +286,7 @@ mod tests {
     fn without_a_path_back_the_mode_follows_z() {
         let basis = operator("prandtl-ishlinskii", 30.0);
         let weights: Vec<f64> = (0..basis.len()).map(|k| 1.0 / (1.0 + k as f64)).collect();
-        let mode = FeedbackMode { hz: 900.0, damping: 1.0, input: 0.0, hysteretic: 1.0, sensed: 0.0 };
+        let mode = FeedbackMode { hz: 900.0, damping: 1.0, input: 0.0, hysteretic: 1.0, sensed: 0.0, softening: 0.0 };
         let z = basis.operator(&weights).unwrap().simulate(&wave(400));
         let model = FeedbackModel::new(5e-4, (40, Intersample::Held), vec![mode], 1.0, (basis, weights)).unwrap();
         // By the equation: a lag of second order on a staircase.
@@ -244,13 +308,17 @@ mod tests {
         for row in OPERATORS.iter().filter(|row| row.rate_independent) {
             let basis = operator(row.name, 40.0);
             let weights: Vec<f64> = (0..basis.len()).map(|k| 0.1 + 0.05 * (1.7 * k as f64).sin()).collect();
-            let first = FeedbackMode { hz: 160.0, damping: 0.03, input: 0.5, hysteretic: 0.9, sensed: -0.2 };
-            let second = FeedbackMode { hz: 400.0, damping: 0.3, input: 0.1, hysteretic: 0.05, sensed: 0.1 };
+            let first =
+                FeedbackMode { hz: 160.0, damping: 0.03, input: 0.5, hysteretic: 0.9, sensed: -0.2, softening: 0.004 };
+            let second =
+                FeedbackMode { hz: 400.0, damping: 0.3, input: 0.1, hysteretic: 0.05, sensed: 0.1, softening: -0.003 };
             for sensed in [0.0, 0.7] {
                 let modes = vec![first, second];
                 let steps = (5, Intersample::BandLimited);
                 let model = FeedbackModel::new(5e-4, steps, modes, sensed, (basis.clone(), weights.clone())).unwrap();
-                let model = model.with_direct([0.1, 0.2], 3.0).unwrap();
+                let lag = |tau_s, gain| Lag { tau_s, gain };
+                let model = model.with_direct([0.1, 0.2], 3.0).unwrap().with_curve(1e-3).unwrap();
+                let model = model.with_creep(vec![lag(0.01, 0.05), lag(0.1, 0.03)]).unwrap();
                 let start = vec![[2.0, 0.3], [-1.0, 0.1]];
                 let found = model.sensitivities(&start, &wave(500));
                 assert_eq!(found.is_err(), without.contains(&row.name), "{}", row.name);
@@ -280,6 +348,47 @@ mod tests {
         }
     }
 
+    /// The bender `pl140-nonlinear` without hysteresis: its driver, creep, softening mode and curved sensor.
+    #[test]
+    fn the_true_parameters_of_a_mode_that_softens_leave_less_than_a_thousandth() {
+        let ts = 5e-4;
+        let spec = Preset::find("pl140-nonlinear").unwrap().spec();
+        let hysteresis = HysteresisSpec::Linear { range_v: 30.0, displacement_m: 1e-3 };
+        let mut plant = Spec { hysteresis, coupling: 0.0, logged: Logged::After, ..spec };
+        plant.sensor.noise_rms_m = 0.0;
+        // 3 V about the resonance, up to half the stroke.
+        let u: Vec<f64> = (0..4000).map(|t| 3.0 * (TAU * (120.0 + 0.01 * t as f64) * ts * t as f64).sin()).collect();
+        let y = Plant::new(&plant, ts).unwrap().run(&u).y;
+
+        let driver = DriverModel::new(1e-4, Some(0.5 / 8.2e-6)).unwrap();
+        let gain = 1000.0 / 30.0;
+        let lags = [0.1, 1.0, 10.0, 100.0];
+        let direct = 1.0 - 0.015 * lags.iter().map(|tau| 1.0 - (-0.1f64 / tau).exp()).sum::<f64>();
+        let lags = lags.map(|tau_s| Lag { tau_s, gain: 0.015 / direct });
+        let mode = |hz, hysteretic, softening| FeedbackMode {
+            hz,
+            damping: 0.03,
+            input: 0.0,
+            hysteretic,
+            sensed: 0.0,
+            softening,
+        };
+        let rms = |softening: f64, curve: f64| {
+            let modes = vec![mode(166.3, 0.891, softening), mode(1042.0, 0.0788, 0.0), mode(2918.0, 0.0165, 0.0)];
+            let (basis, steps) = (operator("prandtl-ishlinskii", 30.0), (20, Intersample::Driven(driver)));
+            let mut weights = vec![0.0; basis.len()];
+            weights[0] = gain * direct;
+            let model = FeedbackModel::new(ts, steps, modes, 1.0, (basis, weights)).unwrap();
+            let model = model.with_direct([0.0, 0.0137], 0.0).unwrap().with_curve(curve).unwrap();
+            let run = model.with_creep(lags.to_vec()).unwrap().simulate(&u);
+            (y.iter().zip(run).map(|(y, m)| (y - m).powi(2)).sum::<f64>() / y.len() as f64).sqrt()
+        };
+        let high = y.iter().fold(0.0f64, |high, y| high.max(y.abs()));
+        let [full, straight, stiff] = [rms(140e-6, 1e-5), rms(140e-6, 0.0), rms(0.0, 1e-5)];
+        assert!(high > 400.0 && full < 1e-3 * high, "{full} of {high} um");
+        assert!(straight > 2.0 * full && stiff > 50.0 * full, "{full}, {straight}, {stiff} um");
+    }
+
     /// The benchmark: Newmark's integration at 15 kHz and decimation share nothing with the step of the modes.
     #[test]
     fn the_true_parameters_of_the_benchmark_leave_less_than_its_floor() {
@@ -304,6 +413,7 @@ mod tests {
             input: 20.0,
             hysteretic: 1.0,
             sensed: 1.0,
+            softening: 0.0,
         };
         let steps = (20, Intersample::BandLimited);
         let model = FeedbackModel::new(1.0 / 750.0, steps, vec![mode], 0.0, (basis.into(), vec![0.0, 1.0])).unwrap();

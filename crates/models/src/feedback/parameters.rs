@@ -3,8 +3,11 @@
 use super::input::Path;
 use super::modes::ModeStep;
 use super::{Coefficients, FeedbackMode, FeedbackModel, run};
+use crate::creep::Lag;
 use crate::hysteresis::{LANES, Real, Sensitive, Several};
+use libm::exp;
 use piezoid_numerics::error::Error;
+use piezoid_numerics::number::short;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
@@ -22,7 +25,10 @@ pub struct FeedbackParameter {
 }
 
 /// Coefficients of a mode.
-const OF_MODE: usize = 5;
+const OF_MODE: usize = 6;
+
+/// Coefficients after those of the modes: of s and y.
+const OF_OUTPUT: usize = 5;
 
 /// A mode of less damping rings for ever, and one of more is two lags.
 const DAMPING: (f64, f64) = (1e-5, 20.0);
@@ -48,8 +54,10 @@ impl<R: Real> Coefficients<R> {
         let (of_modes, rest) = rows.split_at(OF_MODE * model.modes.len());
         let step = |mode: &[R]| ModeStep::new(mode[0] * R::from(TAU), mode[1], h);
         let steps = of_modes.chunks_exact(OF_MODE).map(step).collect();
-        let coupled = of_modes.chunks_exact(OF_MODE).map(|mode| [mode[2], mode[3], mode[4]]).collect();
-        Coefficients { steps, coupled, sensed: rest[0], direct: [rest[1], rest[2]], offset: rest[3] }
+        let coupled = of_modes.chunks_exact(OF_MODE).map(|mode| [mode[2], mode[3], mode[4], mode[5]]).collect();
+        let lags = model.creep.iter().zip(&rest[OF_OUTPUT..]).map(|(lag, gain)| (exp(-h / lag.tau_s), *gain)).collect();
+        let (direct, curve, offset) = ([rest[1], rest[2]], rest[3], rest[4]);
+        Coefficients { steps, coupled, sensed: rest[0], direct, curve, offset, lags }
     }
 }
 
@@ -73,12 +81,17 @@ impl FeedbackModel {
             row(name("input [output unit/input unit]"), mode.input, any, mode.input != 0.0);
             row(name("hysteretic"), mode.hysteretic, any, mode.hysteretic != 0.0 && hysteretic != Some(i));
             row(name("sensed [1/output unit]"), mode.sensed, any, mode.sensed != 0.0 && !is_scale);
+            row(name("softening [1/output unit]"), mode.softening, any, mode.softening != 0.0);
         }
         let is_direct = self.direct[1] != 0.0 && hysteretic.is_some();
         row("sensed input [1/input unit]".into(), self.sensed, any, false);
         row("direct [output unit/input unit]".into(), self.direct[0], any, self.direct[0] != 0.0);
         row("direct hysteretic".into(), self.direct[1], any, is_direct);
+        row("curve [1/output unit]".into(), self.curve, any, self.curve != 0.0);
         row("offset [output unit]".into(), self.offset, any, true);
+        for lag in &self.creep {
+            row(format!("creep of {} s", short(lag.tau_s)), lag.gain, any, lag.gain != 0.0);
+        }
         for (k, &weight) in self.weights.iter().enumerate() {
             row(format!("weight {k}"), weight, any, weight != 0.0);
         }
@@ -128,13 +141,16 @@ impl FeedbackModel {
             input: next(),
             hysteretic: next(),
             sensed: next(),
+            softening: next(),
         };
         let modes = self.modes.iter().map(mode).collect();
-        let (sensed, direct, offset) = (next(), [next(), next()], next());
+        let (sensed, direct, curve, offset) = (next(), [next(), next()], next(), next());
+        let creep = self.creep.iter().map(|lag| Lag { gain: next(), ..*lag }).collect();
         let weights: Vec<f64> = self.weights.iter().map(|_| next()).collect();
         let basis = self.basis.reshaped(&values.collect::<Vec<_>>())?;
         let steps = (self.substeps, self.intersample);
-        FeedbackModel::new(self.ts, steps, modes, sensed, (basis.into(), weights))?.with_direct(direct, offset)
+        let model = FeedbackModel::new(self.ts, steps, modes, sensed, (basis.into(), weights))?;
+        model.with_direct(direct, offset)?.with_creep(creep)?.with_curve(curve)
     }
 
     /// The [response](Self::simulate_from) to `u`, and its derivatives by each of the [parameters](Self::parameters),
