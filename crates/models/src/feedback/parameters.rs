@@ -2,7 +2,8 @@
 
 use super::input::Path;
 use super::modes::ModeStep;
-use super::{Coefficients, FeedbackMode, FeedbackModel, run};
+use super::run::{Coefficients, run};
+use super::{FeedbackMode, FeedbackModel};
 use crate::creep::Lag;
 use crate::hysteresis::{LANES, Real, Sensitive, Several};
 use libm::exp;
@@ -57,7 +58,8 @@ impl<R: Real> Coefficients<R> {
         let coupled = of_modes.chunks_exact(OF_MODE).map(|mode| [mode[2], mode[3], mode[4], mode[5]]).collect();
         let lags = model.creep.iter().zip(&rest[OF_OUTPUT..]).map(|(lag, gain)| (exp(-h / lag.tau_s), *gain)).collect();
         let (direct, curve, offset) = ([rest[1], rest[2]], rest[3], rest[4]);
-        Coefficients { steps, coupled, sensed: rest[0], direct, curve, offset, lags }
+        let senses_vibration = model.senses_vibration;
+        Coefficients { steps, coupled, sensed: rest[0], senses_vibration, direct, curve, offset, lags }
     }
 }
 
@@ -150,7 +152,8 @@ impl FeedbackModel {
         let basis = self.basis.reshaped(&values.collect::<Vec<_>>())?;
         let steps = (self.substeps, self.intersample);
         let model = FeedbackModel::new(self.ts, steps, modes, sensed, (basis.into(), weights))?;
-        model.with_direct(direct, offset)?.with_creep(creep)?.with_curve(curve)
+        let model = model.with_direct(direct, offset)?.with_creep(creep)?.with_curve(curve)?;
+        Ok(FeedbackModel { senses_vibration: self.senses_vibration, ..model })
     }
 
     /// The [response](Self::simulate_from) to `u`, and its derivatives by each of the [parameters](Self::parameters),
