@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 pub enum Intersample {
     /// It is held by a converter from its sample on; y is read at the end of this sample.
     Held,
-    /// It is held by a converter, and passes this driver; y is read at the end of this sample.
+    /// It is held by a converter, and passes this driver, which is settled at the first sample; y is read at the end of
+    /// this sample.
     Driven(DriverModel),
     /// It is band-limited, as behind an anti-alias filter, and read at the same instant as y.
     BandLimited,

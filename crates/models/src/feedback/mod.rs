@@ -19,7 +19,8 @@
 //!
 //! u, z and N act at the ends of each step of the modes (`modes.rs`), so that no equation is solved within a step; the
 //! error is of second order in the step. u is held over a sample, or what a known driver makes of it, or band-limited:
-//! then it is interpolated. H must not depend on the rate of s. Before the first sample all was at rest.
+//! then it is interpolated. H must not depend on the rate of s. Before the first sample hysteresis and creep were at
+//! rest.
 //!
 //! Only what records can show is a parameter. A coefficient that is 0 stays 0. The first e that is not 0, and the first
 //! of d_s and the k, are fixed, because weights and shape of H can have the same effect. If s is the displacement of
@@ -311,16 +312,9 @@ mod tests {
         let lags = [0.1, 1.0, 10.0, 100.0];
         let direct = 1.0 - 0.015 * lags.iter().map(|tau| 1.0 - (-0.1f64 / tau).exp()).sum::<f64>();
         let lags = lags.map(|tau_s| Lag { tau_s, gain: 0.015 / direct });
-        let mode = |hz, hysteretic, sensed, softening| FeedbackMode {
-            hz,
-            damping: 0.03,
-            input: 0.0,
-            hysteretic,
-            sensed,
-            softening,
-        };
         let rms = |[softening, curve, coupling]: [f64; 3]| {
-            let mode = |hz, hysteretic, softening| mode(hz, hysteretic, -coupling / gain, softening);
+            let (damping, input, sensed) = (0.03, 0.0, -coupling / gain);
+            let mode = |hz, hysteretic, softening| FeedbackMode { hz, damping, input, hysteretic, sensed, softening };
             let modes = vec![mode(166.3, 0.891, softening), mode(1042.0, 0.0788, 0.0), mode(2918.0, 0.0165, 0.0)];
             let (basis, steps) = (operator("prandtl-ishlinskii", 30.0), (20, Intersample::Driven(driver)));
             let mut weights = vec![0.0; basis.len()];

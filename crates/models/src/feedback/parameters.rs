@@ -55,11 +55,13 @@ impl<R: Real> Coefficients<R> {
         let (of_modes, rest) = rows.split_at(OF_MODE * model.modes.len());
         let step = |mode: &[R]| ModeStep::new(mode[0] * R::from(TAU), mode[1], h);
         let steps = of_modes.chunks_exact(OF_MODE).map(step).collect();
-        let coupled = of_modes.chunks_exact(OF_MODE).map(|mode| [mode[2], mode[3], mode[4], mode[5]]).collect();
+        let of_mode = |mode: &[R]| [mode[2], mode[3], mode[4], mode[5]];
+        let coupled: Vec<[R; 4]> = of_modes.chunks_exact(OF_MODE).map(of_mode).collect();
+        let returned = coupled.iter().fold(R::from(0.0), |sum, [_, e, k, _]| sum + *k * *e);
         let lags = model.creep.iter().zip(&rest[OF_OUTPUT..]).map(|(lag, gain)| (exp(-h / lag.tau_s), *gain)).collect();
         let (direct, curve, offset) = ([rest[1], rest[2]], rest[3], rest[4]);
         let senses_vibration = model.senses_vibration;
-        Coefficients { steps, coupled, sensed: rest[0], senses_vibration, direct, curve, offset, lags }
+        Coefficients { steps, coupled, sensed: rest[0], senses_vibration, returned, direct, curve, offset, lags }
     }
 }
 
@@ -152,8 +154,8 @@ impl FeedbackModel {
         let basis = self.basis.reshaped(&values.collect::<Vec<_>>())?;
         let steps = (self.substeps, self.intersample);
         let model = FeedbackModel::new(self.ts, steps, modes, sensed, (basis.into(), weights))?;
-        let model = model.with_direct(direct, offset)?.with_creep(creep)?.with_curve(curve)?;
-        Ok(FeedbackModel { senses_vibration: self.senses_vibration, ..model })
+        let senses_vibration = self.senses_vibration;
+        Ok(FeedbackModel { senses_vibration, direct, offset, creep, curve, ..model })
     }
 
     /// The [response](Self::simulate_from) to `u`, and its derivatives by each of the [parameters](Self::parameters),

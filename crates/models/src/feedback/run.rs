@@ -14,6 +14,8 @@ pub(super) struct Coefficients<R> {
     pub(super) coupled: Vec<[R; 4]>,
     pub(super) sensed: R,
     pub(super) senses_vibration: bool,
+    /// K = sum_i k_i e_i: what z takes from s if it senses vibration.
+    pub(super) returned: R,
     pub(super) direct: [R; 2],
     pub(super) curve: R,
     pub(super) offset: R,
@@ -68,7 +70,7 @@ pub(super) fn run<R: Real>(
     }
 }
 
-/// Least value of 1 + K dH/ds, K = sum_i k_i e_i, by which the secant divides.
+/// Least value of 1 + K dH/ds by which the secant divides.
 const LEAST: f64 = 0.2;
 
 /// The input of the hysteresis and its output H(s).
@@ -98,7 +100,7 @@ impl<R: Real> Sensed<R> {
         self.s = of.driven(modes, u, z);
         if of.senses_vibration {
             // z follows s by `slope`, and takes its share of the way.
-            let back = of.coupled.iter().fold(R::from(1.0), |sum, [_, e, k, _]| sum + *k * *e * self.slope);
+            let back = R::from(1.0) + of.returned * self.slope;
             self.s = old + (self.s - old) / if back.value() < LEAST { R::from(LEAST) } else { back };
         }
         self.h = hysteresis(self.s);
