@@ -99,8 +99,11 @@ pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let hammerstein = identify(&[training], &IdentifyOptions::default())?.model;
     let rows = [
         ("`identify`: hysteresis first, mechanics after", errors(&tests, &|u| hammerstein.simulate(u))),
-        ("hysteresis in feedback, from the record alone", errors(&tests, &|u| fit.model.simulate(u))),
-        ("hysteresis in feedback, from each parameter 30 % off", errors(&tests, &|u| again.model.simulate(u))),
+        ("hysteresis in feedback, from the record alone", errors(&tests, &|u| fit.model.simulate_from(&[], u))),
+        (
+            "hysteresis in feedback, from each parameter 30 % off",
+            errors(&tests, &|u| again.model.simulate_from(&[], u)),
+        ),
     ];
     let table = head(["model", "multisine [um]", "sweep [um]"], 1)
         + &rows.map(|(name, errors)| row([name.into()].into_iter().chain(errors.map(page::cell)))).concat();

@@ -11,7 +11,7 @@
 
 use crate::fit::FittedParameter;
 use nalgebra::{DMatrix, DVector};
-use piezoid_models::feedback::{FeedbackMode, FeedbackModel, FeedbackParameter, Intersample};
+use piezoid_models::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel, FeedbackParameter, Intersample};
 use piezoid_models::hysteresis::{BasisDesign, Operator};
 use piezoid_models::linear::{Orders, OutputError, Refinement};
 use piezoid_numerics::error::Error;
@@ -25,9 +25,6 @@ use rayon::prelude::*;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::ops::Range;
-
-/// Steps per sample: at 12 samples a period the error of a step is 1e-5 of the vibration.
-const SUBSTEPS: usize = 20;
 
 /// Steps of the search from each start, and from the best one.
 const FIRST_STEPS: usize = 8;
@@ -97,7 +94,7 @@ impl FeedbackFit {
     /// let slower = PrepareOptions { decimate: Some(20), ..PrepareOptions::default() };
     /// let record = slower.run(&Record::new(ts, u, y)?)?;
     /// let fit = FeedbackFit::oscillator(&[record], Intersample::BandLimited, &mut Stage::ignore)?;
-    /// assert!((fit.model.modes()[0].hz - 25.2).abs() < 1.0);
+    /// assert!((fit.model.dynamics().modes[0].hz - 25.2).abs() < 1.0);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
@@ -105,7 +102,8 @@ impl FeedbackFit {
     /// Returns an error if the records show no resonance, or have different sampling periods; [`Error::Cancelled`].
     pub fn oscillator(records: &[Record], between: Intersample, progress: &mut Progress) -> Result<Self, Error> {
         let linear = linear(records, between, progress)?;
-        let (mode, offset) = (linear.model.modes()[0], linear.model.offset());
+        let FeedbackDynamics { ref modes, offset, .. } = *linear.model.dynamics();
+        let mode = modes[0];
         let half = records.iter().flat_map(Record::y).fold(0.0f64, |half, y| half.max((y - offset).abs()));
         let runs: Vec<Run> = records.iter().zip(&linear.initial).map(|(r, initial)| run(r, initial.clone())).collect();
         let mut first = |(stiffness, bend): (f64, f64)| {
@@ -113,8 +111,9 @@ impl FeedbackFit {
             // Together they have the frequency and the gain without hysteresis.
             let (hz, damping, input) = (mode.hz / softer, mode.damping * softer, mode.input * (1.0 + stiffness));
             let mode = FeedbackMode { hz, damping, input, hysteretic: 1.0, sensed: 1.0, softening: 0.0 };
-            let start = oscillator(linear.model.ts(), between, mode, (stiffness, bend / half), half)?;
-            search(&start.with_direct([0.0; 2], offset)?, &runs, FIRST_STEPS, progress)
+            let dynamics = FeedbackDynamics { modes: vec![mode], ..linear.model.dynamics().clone() };
+            let start = oscillator(linear.model.ts(), dynamics, (stiffness, bend / half), half)?;
+            search(&start, &runs, FIRST_STEPS, progress)
         };
         let best = best(STARTS.map(&mut first).into_iter())?;
         FeedbackFit::from(&best.model, records, progress)
@@ -198,7 +197,7 @@ fn run<'a>(record: &'a Record, initial: Initial) -> Run<'a> {
 /// The fit of `start` in windows with states of their own: a frequency that is far off then has no other minimum. What
 /// the hysteresis remembers at the start of a window is missing.
 fn windowed(start: &FeedbackModel, records: &[Record], progress: &mut Progress) -> Result<FeedbackModel, Error> {
-    let slowest = start.modes().iter().map(|mode| mode.hz).fold(f64::INFINITY, f64::min);
+    let slowest = start.dynamics().modes.iter().map(|mode| mode.hz).fold(f64::INFINITY, f64::min);
     let all: usize = records.iter().map(Record::len).sum();
     let samples = ((WINDOW / slowest / start.ts()).ceil() as usize).max(all.div_ceil(MAX_WINDOWS));
     let mut windows = Vec::new();
@@ -215,14 +214,14 @@ fn windowed(start: &FeedbackModel, records: &[Record], progress: &mut Progress) 
 /// An oscillator with Bouc-Wen hysteresis of this stiffness and beta, for displacements of +-`half`.
 fn oscillator(
     ts: f64,
-    between: Intersample,
-    mode: FeedbackMode,
+    dynamics: FeedbackDynamics,
     (stiffness, beta): (f64, f64),
     half: f64,
 ) -> Result<FeedbackModel, Error> {
-    let design = BasisDesign { ts: ts / SUBSTEPS as f64, range: (-half, half), elements: None, frequencies: vec![] };
+    let ts_of_step = ts / dynamics.substeps as f64;
+    let design = BasisDesign { ts: ts_of_step, range: (-half, half), elements: None, frequencies: vec![] };
     let basis = (Operator::find("bouc-wen")?.basis)(&design)?.reshaped(&[beta, 0.0])?;
-    FeedbackModel::new(ts, (SUBSTEPS, between), vec![mode], 0.0, (basis.into(), vec![0.0, stiffness]))
+    FeedbackModel::weighted(ts, dynamics, basis.into(), vec![0.0, stiffness])
 }
 
 /// The mode without hysteresis: from an output-error block of second order.
@@ -234,7 +233,9 @@ fn linear(records: &[Record], between: Intersample, progress: &mut Progress) -> 
     };
     let (hz, damping, input) = (pole.hz, pole.damping.max(1e-3), block.dc_gain());
     let mode = FeedbackMode { hz, damping, input, hysteretic: 1.0, sensed: 1.0, softening: 0.0 };
-    let start = oscillator(block.ts(), between, mode, (0.0, 1.0), 1.0)?;
+    let dynamics =
+        FeedbackDynamics { intersample: between, modes: vec![mode], sensed: 0.0, ..FeedbackDynamics::default() };
+    let start = oscillator(block.ts(), dynamics, (0.0, 1.0), 1.0)?;
     let runs: Vec<Run> = records.iter().map(|record| run(record, states(&start, record))).collect();
     search(&start, &runs, FIRST_STEPS, progress)
 }
@@ -243,14 +244,15 @@ fn linear(records: &[Record], between: Intersample, progress: &mut Progress) -> 
 fn states(model: &FeedbackModel, record: &Record) -> Initial {
     let mut modes = model.at_rest();
     if let (Some(first), Some(y)) = (modes.first_mut(), record.y().first()) {
-        first[0] = y - model.offset();
+        first[0] = y - model.dynamics().offset;
     }
     Initial::States(modes)
 }
 
 /// Whole periods, as far as the modes remember.
 fn periodic(model: &FeedbackModel, record: &Record) -> Initial {
-    let slowest = model.modes().iter().map(|mode| mode.damping.min(1.0) * TAU * mode.hz).fold(f64::INFINITY, f64::min);
+    let slowest =
+        model.dynamics().modes.iter().map(|mode| mode.damping.min(1.0) * TAU * mode.hz).fold(f64::INFINITY, f64::min);
     let remembered = REMEMBERED / slowest / (record.ts() * record.len() as f64);
     Initial::Periodic((remembered.ceil() as usize).clamp(1, MAX_PERIODS))
 }
@@ -429,7 +431,7 @@ mod tests {
         }
         // A free run from rest, without noise [um]; black boxes leave 7.5 um.
         let test = benchmark(2, 0, 0.0);
-        let run = fit.model.simulate(test.u());
+        let run = fit.model.simulate_from(&[], test.u());
         let second_period: f64 = test.y()[N..].iter().zip(&run[N..]).map(|(y, m)| (y - m).powi(2)).sum();
         let rms = (second_period / N as f64).sqrt();
         assert!(rms < 1.0, "{rms}");

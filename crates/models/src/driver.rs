@@ -69,25 +69,27 @@ impl DriverModel {
     /// The program of the driver: a block `driver` with a function `hidden` that steps the hysteresis block through a
     /// sample of `ts` [s]. `remembers` is false if the hysteresis block has no state.
     pub fn block(&self, ts: f64, remembers: bool) -> Block {
-        let h = ts / DriverModel::SUBSTEPS as f64;
         let block = Block::new("driver", "the driver: an amplifier with a lag and a slew limit");
-        let block = block.number("v", 0.0).number("z", 0.0).constant("h", h).constant("lag", self.lag_s);
+        let block = block.number("v", 0.0).number("z", 0.0);
         let block = block.constant("twice_substeps", (2 * DriverModel::SUBSTEPS) as f64);
+        let (block, limited) = self.stepped(block, ts / DriverModel::SUBSTEPS as f64, "d.v");
+        let text = HIDDEN.replace("DRIVEN", &limited);
+        let text = if remembers { text } else { text.replace("x: hysteresis, ", "").replace("(x, ", "(") };
+        block.count("substeps", DriverModel::SUBSTEPS).text(&text)
+    }
+
+    /// `block` with what gives the voltage after a step of `h` [s] of u from the voltage `v`, and the call of this.
+    pub(crate) fn stepped(&self, block: Block, h: f64, v: &str) -> (Block, String) {
+        let block = block.constant("h", h).constant("lag", self.lag_s);
         let lags = self.lag_s > 0.0;
         let block = if lags { block.text(LAGGING) } else { block };
         // Without a lag the voltage is u immediately.
         let after = |from: &str, s: &str| if lags { format!("lagging({from}, u, {s})") } else { "u".into() };
-        let (block, limited) = match self.slew {
-            None => (block, after("d.v", "h")),
-            Some(slew) => {
-                let text = SLEWING.replace("NEAR", &after("u - points * near", "h - limited"));
-                let text = text.replace("AFTER", &after("v", "h"));
-                (block.constant("slew", slew).constant("near", slew * self.lag_s).text(&text), "driven(d.v, u)".into())
-            }
-        };
-        let text = HIDDEN.replace("DRIVEN", &limited);
-        let text = if remembers { text } else { text.replace("x: hysteresis, ", "").replace("(x, ", "(") };
-        block.count("substeps", DriverModel::SUBSTEPS).text(&text)
+        let Some(slew) = self.slew else { return (block, after(v, "h")) };
+        let text = SLEWING.replace("NEAR", &after("u - points * near", "h - limited"));
+        let text = text.replace("AFTER", &after("v", "h"));
+        let block = block.constant("slew", slew).constant("near", slew * self.lag_s).text(&text);
+        (block, format!("driven({v}, u)"))
     }
 
     fn approach(&self, v: f64, u: f64, h: f64) -> f64 {

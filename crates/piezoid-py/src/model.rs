@@ -124,7 +124,10 @@ impl Model {
             })?,
         };
         let mut x = py.detach(|| self.model.before(u, initial_condition));
-        let y = in_pieces(py, u, |u| self.model.resume(&mut x, u))?;
+        let y = match self.model.interpolates() {
+            true => py.detach(|| self.model.follow(&mut x, u)),
+            false => in_pieces(py, u, |u| self.model.resume(&mut x, u))?,
+        };
         Ok(array(py, y))
     }
 

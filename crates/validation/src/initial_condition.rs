@@ -4,7 +4,6 @@
 
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::series::mean;
-use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 
 /// Share of a record, and of the path of its input, that determines the initial condition: before the input moves, all
@@ -27,7 +26,7 @@ pub(super) fn free_run_from(model: &Model, record: &Record, k: f64, free_offset:
     });
     let part = (before_enough.count() + 2).max((u.len() as f64 * FIRST_PART_SHARE).ceil() as usize).min(u.len());
     let error = |initial_condition: InitialCondition| {
-        let simulated = model.resume(&mut model.before(u, initial_condition), &u[..part]);
+        let simulated = model.follow(&mut model.before(u, initial_condition), &u[..part]);
         let e: Vec<f64> = record.y().iter().zip(&simulated).map(|(y, s)| y - k * s).collect();
         let offset = if free_offset { mean(&e) } else { 0.0 };
         e.iter().map(|e| (e - offset).powi(2)).sum::<f64>()
@@ -35,6 +34,6 @@ pub(super) fn free_run_from(model: &Model, record: &Record, k: f64, free_offset:
     let [likely, others @ ..] = InitialCondition::of(u).map(|condition| (error(condition), condition));
     let (_, initial_condition) =
         others.into_iter().fold(likely, |best, one| if one.0 < MAX_ERROR_RATIO * best.0 { one } else { best });
-    let simulated = model.resume(&mut model.before(u, initial_condition), u);
+    let simulated = model.follow(&mut model.before(u, initial_condition), u);
     (simulated.into_iter().map(|y| k * y).collect(), initial_condition)
 }

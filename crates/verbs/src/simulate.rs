@@ -123,9 +123,12 @@ impl SimulateOptions {
         take: &mut dyn FnMut(f64, Vec<f64>, Vec<f64>) -> Result<(), Error>,
     ) -> Result<String, Error> {
         let mut run = None;
-        // All other initial conditions depend on the whole input.
+        // All other initial conditions depend on the whole input, and so does an interpolation.
+        let interpolates = matches!(subject, Subject::Model(model) if model.interpolates());
         let pieces: Box<dyn Iterator<Item = _>> = match self.begin {
-            InitialCondition::Rest | InitialCondition::Settled => Box::new(input.input_in_pieces(columns)?),
+            InitialCondition::Rest | InitialCondition::Settled if !interpolates => {
+                Box::new(input.input_in_pieces(columns)?)
+            }
             _ => Box::new(std::iter::once(input.input(columns))),
         };
         for piece in pieces {
@@ -196,7 +199,7 @@ impl Run<'_> {
     /// The response to the next inputs; an error if it is not finite.
     fn respond(&mut self, u: &[f64]) -> Result<Vec<f64>, Error> {
         let y = match &mut self.system {
-            Simulator::Model(model) => model.resume(&mut self.state, u),
+            Simulator::Model(model) => model.follow(&mut self.state, u),
             Simulator::Plant(plant, spec, jumps) => {
                 u.iter().for_each(|u| jumps.add(limited(spec, *u)));
                 plant.resume(&mut self.state, u)

@@ -3,7 +3,6 @@
 use super::runs::TrainingRecord;
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::series::{mean, scatter};
-use piezoid_numerics::system::System;
 use tracing::trace_span;
 
 /// Mean of the free-run error of a record, and its rms about that mean.
@@ -21,7 +20,7 @@ pub(crate) fn free_run_squares(run: &TrainingRecord, model: &Model, initial: Ini
 fn errors(run: &TrainingRecord, model: &Model, initial: InitialCondition) -> impl Iterator<Item = (usize, f64)> {
     let _span = trace_span!("free run").entered();
     let TrainingRecord { record, usable, .. } = run.whole.unwrap_or(run);
-    let simulated = model.resume(&mut model.before(record.u(), initial), record.u());
+    let simulated = model.follow(&mut model.before(record.u(), initial), record.u());
     let errors = record.y().iter().zip(simulated).zip(usable).enumerate();
     errors.filter(|(_, (_, usable))| **usable).map(|(t, ((y, simulated), _))| (t, y - simulated))
 }

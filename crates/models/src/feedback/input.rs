@@ -3,10 +3,12 @@
 use super::FeedbackModel;
 use crate::driver::DriverModel;
 use libm::{cosh, sin, sqrt};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 
 /// How the input moves between its samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum Intersample {
     /// It is held by a converter from its sample on; y is read at the end of this sample.
     Held,
@@ -26,7 +28,8 @@ impl Intersample {
     pub const REACH: usize = 32;
 }
 
-/// The input along the steps of a run, sample by sample. Before its first and after its last sample it is held.
+/// The input along the steps of a run, sample by sample. Of an input that is interpolated, the first and the last sample
+/// are held before and after it.
 pub(super) struct Path<'a> {
     u: &'a [f64],
     between: Intersample,
@@ -41,13 +44,19 @@ pub(super) struct Path<'a> {
 }
 
 impl<'a> Path<'a> {
-    pub(super) fn new(model: &FeedbackModel, u: &'a [f64]) -> Self {
-        let (between, n) = (model.intersample, model.substeps);
+    /// The path along all samples of an input that was constant before.
+    pub(super) fn of(model: &FeedbackModel, u: &'a [f64]) -> Self {
+        Path::new(model, u, u.first().copied().unwrap_or_default(), true)
+    }
+
+    /// The path after the input `before` along all samples of an input, or, if it is not `whole`, sample by sample: then
+    /// a band-limited input is on straight lines.
+    pub(super) fn new(model: &FeedbackModel, u: &'a [f64], before: f64, whole: bool) -> Self {
+        let (between, n) = (model.dynamics.intersample, model.dynamics.substeps);
         let tables = match between {
-            Intersample::Held | Intersample::Driven(_) => Vec::new(),
-            Intersample::BandLimited => (1..=n).map(|j| weights(j as f64 / n as f64)).collect(),
+            Intersample::BandLimited if whole => (1..=n).map(|j| weights(j as f64 / n as f64)).collect(),
+            _ => Vec::new(),
         };
-        let before = u.first().copied().unwrap_or_default();
         Path { u, between, tables, sample: 0, before, h: model.ts / n as f64, steps: vec![[0.0; 2]; n] }
     }
 
@@ -59,13 +68,15 @@ impl<'a> Path<'a> {
     /// The steps that lead to the next sample.
     pub(super) fn next_sample(&mut self) -> Option<&[[f64; 2]]> {
         let u = *self.u.get(self.sample)?;
-        match self.between {
-            Intersample::Held => self.steps.fill([u; 2]),
-            Intersample::Driven(driver) => self.steps.iter_mut().for_each(|step| {
-                *step = [self.before, driver.advance(self.before, u, self.h)];
-                self.before = step[1];
-            }),
-            Intersample::BandLimited => {}
+        let share = (u - self.before) / self.steps.len() as f64;
+        for step in &mut self.steps {
+            *step = match self.between {
+                Intersample::Held => [u; 2],
+                Intersample::Driven(driver) => [self.before, driver.advance(self.before, u, self.h)],
+                Intersample::BandLimited if self.tables.is_empty() => [self.before, self.before + share],
+                Intersample::BandLimited => break,
+            };
+            self.before = step[1];
         }
         let last = self.u.len() - 1;
         for (step, table) in self.steps.iter_mut().zip(&self.tables) {

@@ -29,26 +29,37 @@
 //! References: K. Zhou, J. C. Doyle, Essentials of Robust Control (1998), chapter 9 (linear fractional forms); J. P.
 //! Noel, M. Schoukens 2016, DOI 10.4121/12967592.
 
+mod document;
 mod input;
 mod modes;
 mod parameters;
+mod program;
 mod run;
+mod state;
 
+pub(crate) use document::FeedbackDocument;
 pub use input::Intersample;
 pub use parameters::FeedbackParameter;
 
 use crate::creep::{Creep, Lag};
+use crate::driver::DriverModel;
 use crate::hysteresis::{Basis, Hysteresis};
 use input::Path;
-use piezoid_numerics::error::{Error, finite, positive};
+use piezoid_numerics::error::{Error, positive};
 use run::{Coefficients, run};
+use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// Most steps per sample.
+/// Usual number of steps per sample: at 12 samples a period the error of a step is 1e-5 of the vibration.
+const SUBSTEPS: usize = 20;
+
+/// Most steps per sample, and samples of a delay.
 const MAX_SUBSTEPS: usize = 1000;
+const MAX_DELAY: usize = 1000;
 
 /// A mode of the mechanics.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FeedbackMode {
     /// Undamped natural frequency [Hz].
     pub hz: f64,
@@ -64,152 +75,149 @@ pub struct FeedbackMode {
     pub softening: f64,
 }
 
-/// Linear dynamics with hysteresis in feedback: see docs/feedback.md.
-#[derive(Debug, Clone)]
-pub struct FeedbackModel {
-    ts: f64,
-    substeps: usize,
-    intersample: Intersample,
-    modes: Vec<FeedbackMode>,
-    /// d_s.
-    sensed: f64,
-    senses_vibration: bool,
-    /// d and f.
-    direct: [f64; 2],
-    creep: Vec<Lag>,
-    /// c [1/output unit].
-    curve: f64,
-    basis: Arc<dyn Basis>,
-    weights: Vec<f64>,
-    operator: Arc<dyn Hysteresis>,
-    offset: f64,
+/// What surrounds the hysteresis of a feedback model. The default has no modes, and the input drives the hysteresis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FeedbackDynamics {
+    /// Steps in each sample, from 1 to 1000.
+    pub substeps: usize,
+    /// How the input moves between its samples.
+    pub intersample: Intersample,
+    /// Samples after which y is read.
+    pub delay: usize,
+    /// The modes.
+    pub modes: Vec<FeedbackMode>,
+    /// d_s: what the input adds to the input of the hysteresis [unit of s/input unit].
+    pub sensed: f64,
+    /// True if the vibration of the modes, their distance from the static displacement, drives the hysteresis in place
+    /// of their displacement.
+    pub senses_vibration: bool,
+    /// d [output unit/input unit] and f [-]: how the displacement follows the input and z directly.
+    pub direct: [f64; 2],
+    /// Creep between the hysteresis and the modes.
+    pub creep: Vec<Lag>,
+    /// c: the sensor reads q + c q^2 [1/output unit].
+    pub curve: f64,
+    /// Offset of the output [output unit].
+    pub offset: f64,
 }
 
-impl FeedbackModel {
-    /// The modes and the operator, with `substeps` steps in each sample of `ts` [s]. Its hysteresis is driven by the
-    /// input, times `sensed`, and by the modes as far as they have a coefficient for it.
-    ///
-    /// # Errors
-    /// Returns an error for a coefficient out of its range, an operator that depends on the rate, weights that it does
-    /// not allow, or more than 1000 steps.
-    pub fn new(
-        ts: f64,
-        (substeps, intersample): (usize, Intersample),
-        modes: Vec<FeedbackMode>,
-        sensed: f64,
-        (basis, weights): (Arc<dyn Basis>, Vec<f64>),
-    ) -> Result<Self, Error> {
-        positive("ts", ts, "seconds")?;
-        if !(1..=MAX_SUBSTEPS).contains(&substeps) {
-            return Err(Error::parameter("substeps", substeps, format!("must be from 1 to {MAX_SUBSTEPS}")));
-        }
-        let operator = basis.operator(&weights)?;
-        if !operator.operator().rate_independent {
-            let rule = "must not depend on the rate of its input, because this differs within a sample";
-            return Err(Error::parameter("hysteresis", operator.operator().name, rule));
-        }
-        let model = FeedbackModel {
-            ts,
-            substeps,
-            intersample,
-            modes,
-            sensed,
+impl Default for FeedbackDynamics {
+    fn default() -> Self {
+        FeedbackDynamics {
+            substeps: SUBSTEPS,
+            intersample: Intersample::Held,
+            delay: 0,
+            modes: Vec::new(),
+            sensed: 1.0,
             senses_vibration: false,
             direct: [0.0; 2],
             creep: Vec::new(),
             curve: 0.0,
-            basis,
-            weights,
-            operator,
             offset: 0.0,
-        };
-        for row in model.rows() {
-            row.checked(row.value)?;
         }
-        Ok(model)
     }
+}
 
-    /// The same model whose displacement follows the input (d) and z (f) directly too, with an offset [output unit].
+/// Linear dynamics with hysteresis in feedback: see docs/feedback.md.
+#[derive(Debug, Clone)]
+pub struct FeedbackModel {
+    ts: f64,
+    dynamics: FeedbackDynamics,
+    hysteresis: Arc<dyn Hysteresis>,
+    /// The basis of the hysteresis and its weights; `None` if they are unknown.
+    weighted: Option<(Arc<dyn Basis>, Vec<f64>)>,
+    coefficients: Coefficients<f64>,
+}
+
+impl FeedbackModel {
+    /// The dynamics about an operator, sampled every `ts` [s]. Its weights are no parameters.
     ///
     /// # Errors
-    /// Returns an error unless all are finite.
-    pub fn with_direct(self, direct: [f64; 2], offset: f64) -> Result<Self, Error> {
-        finite("direct", &direct)?;
-        finite("offset", &[offset])?;
-        Ok(FeedbackModel { direct, offset, ..self })
+    /// Returns an error for a coefficient out of its range, an operator that depends on the rate, or a wrong number of
+    /// steps.
+    pub fn new(ts: f64, dynamics: FeedbackDynamics, hysteresis: Arc<dyn Hysteresis>) -> Result<Self, Error> {
+        FeedbackModel::from_parts(ts, dynamics, hysteresis, None)
     }
 
-    /// The same model whose hysteresis is driven by the vibration of the modes, their distance from the static
-    /// displacement, in place of their displacement.
-    pub fn sensing_vibration(self) -> Self {
-        FeedbackModel { senses_vibration: true, ..self }
-    }
-
-    /// The same model with creep between the hysteresis and the modes.
+    /// The dynamics about the operator of a basis with these weights, which are parameters.
     ///
     /// # Errors
-    /// The errors of [`Creep::new`].
-    pub fn with_creep(self, lags: Vec<Lag>) -> Result<Self, Error> {
-        let creep = Creep::new(self.ts, lags)?.lags().to_vec();
-        Ok(FeedbackModel { creep, ..self })
+    /// The errors of [`FeedbackModel::new`]; weights that the operator does not allow.
+    pub fn weighted(
+        ts: f64,
+        dynamics: FeedbackDynamics,
+        basis: Arc<dyn Basis>,
+        weights: Vec<f64>,
+    ) -> Result<Self, Error> {
+        FeedbackModel::from_parts(ts, dynamics, basis.operator(&weights)?, Some((basis, weights)))
     }
 
-    /// The same model with a sensor that reads q + c q^2, `curve` = c [1/output unit].
+    fn from_parts(
+        ts: f64,
+        dynamics: FeedbackDynamics,
+        hysteresis: Arc<dyn Hysteresis>,
+        weighted: Option<(Arc<dyn Basis>, Vec<f64>)>,
+    ) -> Result<Self, Error> {
+        positive("ts", ts, "seconds")?;
+        if !(1..=MAX_SUBSTEPS).contains(&dynamics.substeps) {
+            let rule = format!("must be from 1 to {MAX_SUBSTEPS}");
+            return Err(Error::parameter("substeps", dynamics.substeps, rule));
+        }
+        if !hysteresis.operator().rate_independent {
+            let rule = "must not depend on the rate of its input, because this differs within a sample";
+            return Err(Error::parameter("hysteresis", hysteresis.operator().name, rule));
+        }
+        if dynamics.delay > MAX_DELAY {
+            return Err(Error::parameter("delay", dynamics.delay, format!("must be at most {MAX_DELAY} samples")));
+        }
+        if let Intersample::Driven(driver) = dynamics.intersample {
+            DriverModel::new(driver.lag_s, driver.slew)?;
+        }
+        Creep::new(ts, dynamics.creep.clone())?;
+        let rows = parameters::rows(ts, &dynamics, hysteresis.operator().name, weighted.as_ref());
+        let values = rows.iter().map(|row| row.checked(row.value)).collect::<Result<Vec<_>, _>>()?;
+        let coefficients = Coefficients::of(ts, &dynamics, &values);
+        Ok(FeedbackModel { ts, dynamics, hysteresis, weighted, coefficients })
+    }
+
+    /// The same model about other dynamics.
     ///
     /// # Errors
-    /// Returns an error unless it is finite.
-    pub fn with_curve(self, curve: f64) -> Result<Self, Error> {
-        finite("curve", &[curve])?;
-        Ok(FeedbackModel { curve, ..self })
+    /// The errors of [`FeedbackModel::new`].
+    pub fn with_dynamics(self, dynamics: FeedbackDynamics) -> Result<Self, Error> {
+        FeedbackModel::from_parts(self.ts, dynamics, self.hysteresis, self.weighted)
     }
 
-    /// Sampling period [s].
-    pub fn ts(&self) -> f64 {
-        self.ts
-    }
-
-    /// The modes.
-    pub fn modes(&self) -> &[FeedbackMode] {
-        &self.modes
+    /// What surrounds the hysteresis.
+    pub fn dynamics(&self) -> &FeedbackDynamics {
+        &self.dynamics
     }
 
     /// The operator.
     pub fn hysteresis(&self) -> &dyn Hysteresis {
-        &*self.operator
-    }
-
-    /// Offset of the output [output unit].
-    pub fn offset(&self) -> f64 {
-        self.offset
-    }
-
-    /// The response to `u`, from rest.
-    pub fn simulate(&self, u: &[f64]) -> Vec<f64> {
-        self.simulate_from(&self.at_rest(), u)
+        &*self.hysteresis
     }
 
     /// The modes at rest.
     pub fn at_rest(&self) -> Vec<[f64; 2]> {
-        vec![[0.0; 2]; self.modes.len()]
+        vec![[0.0; 2]; self.dynamics.modes.len()]
     }
 
-    /// The response to `u` if each mode begins with this p and step times p', in the unit of y; modes without them are
-    /// at rest. The hysteresis begins at rest and follows them.
+    /// The response to `u`, which is the input before the first sample too, if each mode begins with this p and step
+    /// times p', in the unit of y; modes without them are at rest. The hysteresis begins at rest and follows them.
     pub fn simulate_from(&self, start: &[[f64; 2]], u: &[f64]) -> Vec<f64> {
-        let coefficients = Coefficients::of(self, &self.expanded(&self.values()));
-        let mut x = self.operator.initial();
-        let mut y = Vec::with_capacity(u.len());
-        let mut hysteresis = |s| self.operator.step(&mut x, s);
-        run(&coefficients, &mut hysteresis, start.to_vec(), Path::new(self, u), |v| y.push(v));
-        y
+        let mut x = self.hysteresis.initial();
+        let mut hysteresis = |s| self.hysteresis.step(&mut x, s);
+        run(&self.coefficients, &mut hysteresis, start.to_vec(), Path::of(self, u))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::driver::DriverModel;
     use crate::hysteresis::{BasisDesign, OPERATORS, Operator};
+    use piezoid_numerics::system::System;
     use piezoid_records::preparation::PrepareOptions;
     use piezoid_records::record::Record;
     use piezoid_testing::assert_close;
@@ -231,7 +239,8 @@ mod tests {
         let weights: Vec<f64> = (0..basis.len()).map(|k| 1.0 / (1.0 + k as f64)).collect();
         let mode = FeedbackMode { hz: 900.0, damping: 1.0, input: 0.0, hysteretic: 1.0, sensed: 0.0, softening: 0.0 };
         let z = basis.operator(&weights).unwrap().simulate(&wave(400));
-        let model = FeedbackModel::new(5e-4, (40, Intersample::Held), vec![mode], 1.0, (basis, weights)).unwrap();
+        let dynamics = FeedbackDynamics { substeps: 40, modes: vec![mode], ..FeedbackDynamics::default() };
+        let model = FeedbackModel::weighted(5e-4, dynamics, basis, weights).unwrap();
         // By the equation: a lag of second order on a staircase.
         let (mut p, mut v, n) = (0.0, 0.0, 20_000);
         let (w, h) = (TAU * 900.0, 5e-4 / n as f64);
@@ -242,7 +251,7 @@ mod tests {
             }
             p
         });
-        assert_close(&model.simulate(&wave(400)), &known.collect::<Vec<_>>(), 0.0, 5e-3);
+        assert_close(&model.simulate_from(&[], &wave(400)), &known.collect::<Vec<_>>(), 0.0, 5e-3);
     }
 
     #[test]
@@ -255,14 +264,21 @@ mod tests {
                 FeedbackMode { hz: 160.0, damping: 0.03, input: 0.5, hysteretic: 0.9, sensed: -0.2, softening: 0.004 };
             let second =
                 FeedbackMode { hz: 400.0, damping: 0.3, input: 0.1, hysteretic: 0.05, sensed: 0.1, softening: -0.003 };
-            for (sensed, vibration) in [(0.0, false), (0.7, false), (0.7, true)] {
-                let modes = vec![first, second];
-                let steps = (5, Intersample::BandLimited);
-                let model = FeedbackModel::new(5e-4, steps, modes, sensed, (basis.clone(), weights.clone())).unwrap();
+            for (sensed, senses_vibration) in [(0.0, false), (0.7, false), (0.7, true)] {
                 let lag = |tau_s, gain| Lag { tau_s, gain };
-                let model = model.with_direct([0.1, 0.2], 3.0).unwrap().with_curve(1e-3).unwrap();
-                let model = model.with_creep(vec![lag(0.01, 0.05), lag(0.1, 0.03)]).unwrap();
-                let model = if vibration { model.sensing_vibration() } else { model };
+                let dynamics = FeedbackDynamics {
+                    substeps: 5,
+                    intersample: Intersample::BandLimited,
+                    delay: 1,
+                    modes: vec![first, second],
+                    sensed,
+                    senses_vibration,
+                    direct: [0.1, 0.2],
+                    creep: vec![lag(0.01, 0.05), lag(0.1, 0.03)],
+                    curve: 1e-3,
+                    offset: 3.0,
+                };
+                let model = FeedbackModel::weighted(5e-4, dynamics, basis.clone(), weights.clone()).unwrap();
                 let start = vec![[2.0, 0.3], [-1.0, 0.1]];
                 let found = model.sensitivities(&start, &wave(500));
                 assert_eq!(found.is_err(), without.contains(&row.name), "{}", row.name);
@@ -316,12 +332,19 @@ mod tests {
             let (damping, input, sensed) = (0.03, 0.0, -coupling / gain);
             let mode = |hz, hysteretic, softening| FeedbackMode { hz, damping, input, hysteretic, sensed, softening };
             let modes = vec![mode(166.3, 0.891, softening), mode(1042.0, 0.0788, 0.0), mode(2918.0, 0.0165, 0.0)];
-            let (basis, steps) = (operator("prandtl-ishlinskii", 30.0), (20, Intersample::Driven(driver)));
+            let basis = operator("prandtl-ishlinskii", 30.0);
             let mut weights = vec![0.0; basis.len()];
             weights[0] = gain * direct;
-            let model = FeedbackModel::new(ts, steps, modes, 1.0, (basis, weights)).unwrap();
-            let model = model.with_direct([0.0, 0.0137], 0.0).unwrap().with_curve(curve).unwrap();
-            let run = model.with_creep(lags.to_vec()).unwrap().sensing_vibration().simulate(&u);
+            let dynamics = FeedbackDynamics {
+                intersample: Intersample::Driven(driver),
+                modes,
+                senses_vibration: true,
+                direct: [0.0, 0.0137],
+                creep: lags.to_vec(),
+                curve,
+                ..FeedbackDynamics::default()
+            };
+            let run = FeedbackModel::weighted(ts, dynamics, basis, weights).unwrap().simulate_from(&[], &u);
             (y.iter().zip(run).map(|(y, m)| (y - m).powi(2)).sum::<f64>() / y.len() as f64).sqrt()
         };
         let high = y.iter().fold(0.0f64, |high, y| high.max(y.abs()));
@@ -357,9 +380,10 @@ mod tests {
             sensed: 1.0,
             softening: 0.0,
         };
-        let steps = (20, Intersample::BandLimited);
-        let model = FeedbackModel::new(1.0 / 750.0, steps, vec![mode], 0.0, (basis.into(), vec![0.0, 1.0])).unwrap();
-        let modelled = model.simulate(u);
+        let (intersample, modes) = (Intersample::BandLimited, vec![mode]);
+        let dynamics = FeedbackDynamics { intersample, modes, sensed: 0.0, ..FeedbackDynamics::default() };
+        let model = FeedbackModel::weighted(1.0 / 750.0, dynamics, basis.into(), vec![0.0, 1.0]).unwrap();
+        let modelled = model.follow(&mut model.initial(), u);
         let rms = |x: &mut dyn Iterator<Item = f64>| {
             let squares: Vec<f64> = x.map(|v| v * v).collect();
             (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()

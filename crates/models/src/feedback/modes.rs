@@ -21,9 +21,9 @@ const SMALL: f64 = 1e-3;
 /// The step of a mode: (p, h p') is multiplied by a matrix.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ModeStep<R> {
-    matrix: [[R; 2]; 2],
+    pub(super) matrix: [[R; 2]; 2],
     /// What a force of 1 adds to h p' at either end of a step.
-    kick: R,
+    pub(super) kick: R,
 }
 
 impl<R: Real> ModeStep<R> {
@@ -44,6 +44,12 @@ impl<R: Real> ModeStep<R> {
     #[inline]
     pub(super) fn push(&self, [p, q]: [R; 2], force: R) -> [R; 2] {
         [p, q + self.kick * force]
+    }
+
+    /// At rest at `p`, where a constant force holds it. Between the two pushes of that force h p' is not 0.
+    pub(super) fn resting(&self, p: R) -> [R; 2] {
+        let [[m11, m12], _] = self.matrix;
+        [p, p * ((R::from(1.0) - m11) / m12 - self.kick)]
     }
 
     /// The step without a force.

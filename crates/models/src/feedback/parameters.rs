@@ -3,14 +3,15 @@
 use super::input::Path;
 use super::modes::ModeStep;
 use super::run::{Coefficients, run};
-use super::{FeedbackMode, FeedbackModel};
+use super::{FeedbackDynamics, FeedbackMode, FeedbackModel};
 use crate::creep::Lag;
-use crate::hysteresis::{LANES, Real, Sensitive, Several};
+use crate::hysteresis::{Basis, LANES, Real, Sensitive, Several};
 use libm::exp;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// A parameter of a feedback model.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,65 +50,89 @@ impl FeedbackParameter {
 }
 
 impl<R: Real> Coefficients<R> {
-    /// Those of the linear part, from all [rows](FeedbackModel::rows).
-    pub(super) fn of(model: &FeedbackModel, rows: &[R]) -> Self {
-        let h = model.ts / model.substeps as f64;
-        let (of_modes, rest) = rows.split_at(OF_MODE * model.modes.len());
+    /// Those of the dynamics, from all [rows].
+    pub(super) fn of(ts: f64, dynamics: &FeedbackDynamics, rows: &[R]) -> Self {
+        let h = ts / dynamics.substeps as f64;
+        let (of_modes, rest) = rows.split_at(OF_MODE * dynamics.modes.len());
         let step = |mode: &[R]| ModeStep::new(mode[0] * R::from(TAU), mode[1], h);
         let steps = of_modes.chunks_exact(OF_MODE).map(step).collect();
         let of_mode = |mode: &[R]| [mode[2], mode[3], mode[4], mode[5]];
         let coupled: Vec<[R; 4]> = of_modes.chunks_exact(OF_MODE).map(of_mode).collect();
         let returned = coupled.iter().fold(R::from(0.0), |sum, [_, e, k, _]| sum + *k * *e);
-        let lags = model.creep.iter().zip(&rest[OF_OUTPUT..]).map(|(lag, gain)| (exp(-h / lag.tau_s), *gain)).collect();
-        let (direct, curve, offset) = ([rest[1], rest[2]], rest[3], rest[4]);
-        let senses_vibration = model.senses_vibration;
-        Coefficients { steps, coupled, sensed: rest[0], senses_vibration, returned, direct, curve, offset, lags }
+        let lag = |(lag, gain): (&Lag, &R)| (exp(-h / lag.tau_s), *gain);
+        let lags = dynamics.creep.iter().zip(&rest[OF_OUTPUT..]).map(lag).collect();
+        Coefficients {
+            steps,
+            coupled,
+            sensed: rest[0],
+            senses_vibration: dynamics.senses_vibration,
+            returned,
+            direct: [rest[1], rest[2]],
+            curve: rest[3],
+            offset: rest[4],
+            lags,
+            delay: dynamics.delay,
+        }
     }
 }
 
+/// The coefficients of the dynamics in the order of a run, then weights and shape of the hysteresis.
+pub(super) fn rows(
+    ts: f64,
+    dynamics: &FeedbackDynamics,
+    operator: &str,
+    weighted: Option<&(Arc<dyn Basis>, Vec<f64>)>,
+) -> Vec<FeedbackParameter> {
+    let FeedbackDynamics { substeps, modes, sensed: input_sensed, direct, creep, curve, offset, .. } = dynamics;
+    let any = (f64::NEG_INFINITY, f64::INFINITY);
+    let fastest = (f64::MIN_POSITIVE, 0.5 * *substeps as f64 / ts);
+    let first = |of: fn(&FeedbackMode) -> f64| modes.iter().position(|mode| of(mode) != 0.0);
+    let (hysteretic, sensed) = (first(|mode| mode.hysteretic), first(|mode| mode.sensed));
+    // Factors of a scale that the weights have too; an operator without them has none of its own.
+    let is_scaled = weighted.is_some();
+    let mut rows = Vec::new();
+    let mut row = |name: String, value: f64, limits: (f64, f64), is_free: bool| {
+        rows.push(FeedbackParameter { name, value, limits, is_free });
+    };
+    for (i, mode) in modes.iter().enumerate() {
+        let name = |what: &str| format!("mode {} {what}", i + 1);
+        // Of the factors of a scale that the hysteresis has too, the first one is fixed.
+        let is_scale = is_scaled && *input_sensed == 0.0 && sensed == Some(i);
+        let is_output_scale = is_scaled && hysteretic == Some(i);
+        row(name("frequency [Hz]"), mode.hz, fastest, true);
+        row(name("damping"), mode.damping, DAMPING, true);
+        row(name("input [output unit/input unit]"), mode.input, any, mode.input != 0.0);
+        row(name("hysteretic"), mode.hysteretic, any, mode.hysteretic != 0.0 && !is_output_scale);
+        row(name("sensed [1/output unit]"), mode.sensed, any, mode.sensed != 0.0 && !is_scale);
+        row(name("softening [1/output unit]"), mode.softening, any, mode.softening != 0.0);
+    }
+    let is_direct = direct[1] != 0.0 && hysteretic.is_some();
+    row("sensed input [1/input unit]".into(), *input_sensed, any, false);
+    row("direct [output unit/input unit]".into(), direct[0], any, direct[0] != 0.0);
+    row("direct hysteretic".into(), direct[1], any, is_direct);
+    row("curve [1/output unit]".into(), *curve, any, *curve != 0.0);
+    row("offset [output unit]".into(), *offset, any, true);
+    for lag in creep {
+        row(format!("creep of {} s", short(lag.tau_s)), lag.gain, any, lag.gain != 0.0);
+    }
+    let Some((basis, weights)) = weighted else { return rows };
+    for (k, &weight) in weights.iter().enumerate() {
+        row(format!("weight {k}"), weight, any, weight != 0.0);
+    }
+    for shape in basis.shape() {
+        let is_wider = operator == "bouc-wen" && shape.name == "gamma_over_beta";
+        row(shape.name.into(), shape.value, if is_wider { GAMMA } else { (shape.low, shape.high) }, true);
+    }
+    rows
+}
+
 impl FeedbackModel {
-    /// The coefficients of the linear part in the order of a run, then weights and shape of the hysteresis.
-    pub(super) fn rows(&self) -> Vec<FeedbackParameter> {
-        let any = (f64::NEG_INFINITY, f64::INFINITY);
-        let fastest = (f64::MIN_POSITIVE, 0.5 * self.substeps as f64 / self.ts);
-        let first = |of: fn(&FeedbackMode) -> f64| self.modes.iter().position(|mode| of(mode) != 0.0);
-        let (hysteretic, sensed) = (first(|mode| mode.hysteretic), first(|mode| mode.sensed));
-        let mut rows = Vec::new();
-        let mut row = |name: String, value: f64, limits: (f64, f64), is_free: bool| {
-            rows.push(FeedbackParameter { name, value, limits, is_free });
-        };
-        for (i, mode) in self.modes.iter().enumerate() {
-            let name = |what: &str| format!("mode {} {what}", i + 1);
-            // Of the factors of a scale that the hysteresis has too, the first one is fixed.
-            let is_scale = self.sensed == 0.0 && sensed == Some(i);
-            row(name("frequency [Hz]"), mode.hz, fastest, true);
-            row(name("damping"), mode.damping, DAMPING, true);
-            row(name("input [output unit/input unit]"), mode.input, any, mode.input != 0.0);
-            row(name("hysteretic"), mode.hysteretic, any, mode.hysteretic != 0.0 && hysteretic != Some(i));
-            row(name("sensed [1/output unit]"), mode.sensed, any, mode.sensed != 0.0 && !is_scale);
-            row(name("softening [1/output unit]"), mode.softening, any, mode.softening != 0.0);
-        }
-        let is_direct = self.direct[1] != 0.0 && hysteretic.is_some();
-        row("sensed input [1/input unit]".into(), self.sensed, any, false);
-        row("direct [output unit/input unit]".into(), self.direct[0], any, self.direct[0] != 0.0);
-        row("direct hysteretic".into(), self.direct[1], any, is_direct);
-        row("curve [1/output unit]".into(), self.curve, any, self.curve != 0.0);
-        row("offset [output unit]".into(), self.offset, any, true);
-        for lag in &self.creep {
-            row(format!("creep of {} s", short(lag.tau_s)), lag.gain, any, lag.gain != 0.0);
-        }
-        for (k, &weight) in self.weights.iter().enumerate() {
-            row(format!("weight {k}"), weight, any, weight != 0.0);
-        }
-        for shape in self.basis.shape() {
-            let is_wider = self.operator.operator().name == "bouc-wen" && shape.name == "gamma_over_beta";
-            row(shape.name.into(), shape.value, if is_wider { GAMMA } else { (shape.low, shape.high) }, true);
-        }
-        rows
+    fn rows(&self) -> Vec<FeedbackParameter> {
+        rows(self.ts, &self.dynamics, self.hysteresis.operator().name, self.weighted.as_ref())
     }
 
     /// The values of all rows, with those of the parameters `x`.
-    pub(super) fn expanded<R: Real>(&self, x: &[R]) -> Vec<R> {
+    fn expanded<R: Real>(&self, x: &[R]) -> Vec<R> {
         let (rows, mut x) = (self.rows(), x.iter());
         let value =
             |row: &FeedbackParameter| if row.is_free { x.next().copied() } else { None }.unwrap_or(row.value.into());
@@ -147,15 +172,16 @@ impl FeedbackModel {
             sensed: next(),
             softening: next(),
         };
-        let modes = self.modes.iter().map(mode).collect();
+        let modes = self.dynamics.modes.iter().map(mode).collect();
         let (sensed, direct, curve, offset) = (next(), [next(), next()], next(), next());
-        let creep = self.creep.iter().map(|lag| Lag { gain: next(), ..*lag }).collect();
-        let weights: Vec<f64> = self.weights.iter().map(|_| next()).collect();
-        let basis = self.basis.reshaped(&values.collect::<Vec<_>>())?;
-        let steps = (self.substeps, self.intersample);
-        let model = FeedbackModel::new(self.ts, steps, modes, sensed, (basis.into(), weights))?;
-        let senses_vibration = self.senses_vibration;
-        Ok(FeedbackModel { senses_vibration, direct, offset, creep, curve, ..model })
+        let creep = self.dynamics.creep.iter().map(|lag| Lag { gain: next(), ..*lag }).collect();
+        let dynamics = FeedbackDynamics { modes, sensed, direct, curve, offset, creep, ..self.dynamics };
+        let Some((basis, weights)) = &self.weighted else {
+            return FeedbackModel::new(self.ts, dynamics, self.hysteresis.clone());
+        };
+        let weights: Vec<f64> = weights.iter().map(|_| next()).collect();
+        let basis = basis.reshaped(&values.collect::<Vec<_>>())?;
+        FeedbackModel::weighted(self.ts, dynamics, basis.into(), weights)
     }
 
     /// The [response](Self::simulate_from) to `u`, and its derivatives by each of the [parameters](Self::parameters),
@@ -168,6 +194,12 @@ impl FeedbackModel {
         let mut x = self.values();
         let parameters = x.len();
         x.extend(start.as_flattened());
+        let unknown = || {
+            let name = self.hysteresis.operator().name;
+            let because = format!("the operator {name} has no derivatives by its input: take another one");
+            Error::Unidentifiable { what: "hysteresis in feedback".into(), because }
+        };
+        let (basis, weights) = self.weighted.as_ref().ok_or_else(unknown)?;
         let of = |from: usize| {
             let seeded = |k: usize, value: f64| {
                 let slope = Several(std::array::from_fn(|j| f64::from(u8::from(from + j == k))));
@@ -176,31 +208,25 @@ impl FeedbackModel {
             let x: Vec<Sensitive> = x.iter().enumerate().map(|(k, value)| seeded(k, *value)).collect();
             let (parameters, start) = x.split_at(parameters);
             let mut rows = self.expanded(parameters);
-            let coefficients = Coefficients::of(self, &rows);
-            let shape = rows.split_off(rows.len() - self.basis.shape().len());
-            let weights = rows.split_off(rows.len() - self.weights.len());
+            let coefficients = Coefficients::of(self.ts, &self.dynamics, &rows);
+            let shape = rows.split_off(rows.len() - basis.shape().len());
+            let weights = rows.split_off(rows.len() - weights.len());
             let start = start.chunks_exact(2).map(|x| [x[0], x[1]]).collect();
-            let mut state = vec![Sensitive::from(0.0); self.basis.order()];
-            let (mut y, mut slopes) = (Vec::with_capacity(u.len()), vec![Vec::new(); LANES]);
+            let mut state = vec![Sensitive::from(0.0); basis.order()];
             let mut known = true;
             let mut hysteresis = |s: Sensitive| {
-                let z = self.basis.sensitive_step(&weights, &shape, &mut state, s);
+                let z = basis.sensitive_step(&weights, &shape, &mut state, s);
                 known &= z.is_some();
                 z.unwrap_or(Sensitive::from(0.0))
             };
-            run(&coefficients, &mut hysteresis, start, Path::new(self, u), |v: Sensitive| {
-                y.push(v.value());
-                slopes.iter_mut().zip(v.slope.0).for_each(|(slopes, slope)| slopes.push(slope));
-            });
-            slopes.truncate(x.len() - from);
+            let run = run(&coefficients, &mut hysteresis, start, Path::of(self, u));
+            let y = run.iter().map(|v| v.value).collect::<Vec<_>>();
+            let slope = |k: usize| run.iter().map(|v| v.slope.0[k]).collect::<Vec<_>>();
+            let slopes = (0..LANES.min(x.len() - from)).map(slope).collect::<Vec<_>>();
             known.then_some((y, slopes))
         };
         let parts: Option<Vec<_>> = (0..x.len()).step_by(LANES).collect::<Vec<_>>().into_par_iter().map(of).collect();
-        let Some(parts) = parts else {
-            let name = self.operator.operator().name;
-            let because = format!("the operator {name} has no derivatives by its input: take another one");
-            return Err(Error::Unidentifiable { what: "hysteresis in feedback".into(), because });
-        };
+        let parts = parts.ok_or_else(unknown)?;
         let y = parts.first().map(|part| part.0.clone()).unwrap_or_default();
         Ok((y, parts.into_iter().flat_map(|part| part.1).collect()))
     }

@@ -8,6 +8,7 @@ use super::modes::ModeStep;
 use crate::hysteresis::Real;
 
 /// The coefficients of a run.
+#[derive(Debug, Clone)]
 pub(super) struct Coefficients<R> {
     pub(super) steps: Vec<ModeStep<R>>,
     /// b, e, k and softening of each mode.
@@ -21,64 +22,101 @@ pub(super) struct Coefficients<R> {
     pub(super) offset: R,
     /// What a step leaves of the way to H(s), and the gain, of each lag.
     pub(super) lags: Vec<(f64, R)>,
+    pub(super) delay: usize,
 }
 
-/// Runs along a path and passes each sample of y on; hysteresis and creep are at rest before.
-pub(super) fn run<R: Real>(
-    coefficients: &Coefficients<R>,
-    hysteresis: &mut dyn FnMut(R) -> R,
-    mut modes: Vec<[R; 2]>,
-    mut path: Path,
-    mut sample: impl FnMut(R),
-) {
-    let Coefficients { steps, coupled, direct, curve, offset, lags, .. } = coefficients;
-    let zero = R::from(0.0);
-    modes.resize(steps.len(), [zero; 2]);
-    let push = |modes: &mut [[R; 2]], u: f64, z: R| {
-        for ((x, step), [b, e, _, softening]) in modes.iter_mut().zip(steps).zip(coupled) {
-            let force = *b * R::from(u) + *e * z;
-            *x = step.push(*x, force + lost(*softening, x[0] - force));
-        }
-    };
-    let mut crept = vec![zero; lags.len()];
-    let slow = |crept: &[R]| lags.iter().zip(crept).fold(zero, |sum, ((_, gain), x)| sum + *gain * *x);
-    let mut before = path.start();
-    let mut sensed = Sensed::at_start(coefficients, &modes, before, hysteresis);
-    let mut z = sensed.h;
-    while let Some(stretch) = path.next_sample() {
+/// What moves.
+pub(super) struct Motion<'x, R> {
+    /// p and step times p' of each mode.
+    pub(super) modes: &'x mut [[R; 2]],
+    pub(super) crept: &'x mut [R],
+    pub(super) sensed: Sensed<R>,
+    /// The output of hysteresis and creep.
+    pub(super) z: R,
+    /// The input.
+    pub(super) before: f64,
+}
+
+impl<R: Real> Motion<'_, R> {
+    /// One sample: along these steps to the next reading.
+    pub(super) fn advance(
+        &mut self,
+        of: &Coefficients<R>,
+        stretch: &[[f64; 2]],
+        hysteresis: &mut dyn FnMut(R) -> R,
+    ) -> R {
         for &[start, end] in stretch {
             // If u jumps, z jumps with it.
-            if start != before && coefficients.sensed.value() != 0.0 {
-                sensed.advance(coefficients, &modes, (start, z), hysteresis);
-                z = sensed.h + slow(&crept);
+            if start != self.before && of.sensed.value() != 0.0 {
+                self.sensed.advance(of, self.modes, (start, self.z), hysteresis);
+                self.z = self.sensed.h + self.slow(of);
             }
-            push(&mut modes, start, z);
-            modes.iter_mut().zip(steps).for_each(|(x, step)| *x = step.turn(*x));
-            let h = sensed.h;
-            sensed.advance(coefficients, &modes, (end, z), hysteresis);
-            let mean = (h + sensed.h) * R::from(0.5);
-            for (x, (stays, _)) in crept.iter_mut().zip(lags) {
+            self.push(of, start);
+            self.modes.iter_mut().zip(&of.steps).for_each(|(x, step)| *x = step.turn(*x));
+            let h = self.sensed.h;
+            self.sensed.advance(of, self.modes, (end, self.z), hysteresis);
+            let mean = (h + self.sensed.h) * R::from(0.5);
+            for (x, (stays, _)) in self.crept.iter_mut().zip(&of.lags) {
                 *x = mean + R::from(*stays) * (*x - mean);
             }
-            z = sensed.h + slow(&crept);
-            push(&mut modes, end, z);
-            before = end;
+            self.z = self.sensed.h + self.slow(of);
+            self.push(of, end);
+            self.before = end;
         }
-        let end = R::from(before);
-        let q = modes.iter().fold(direct[0] * end + direct[1] * z, |q, x| q + x[0]);
-        sample(q + *curve * q * q + *offset);
+        self.reading(of)
+    }
+
+    /// What the sensor reads.
+    pub(super) fn reading(&self, of: &Coefficients<R>) -> R {
+        let q = of.direct[0] * R::from(self.before) + of.direct[1] * self.z;
+        let q = self.modes.iter().fold(q, |q, x| q + x[0]);
+        q + of.curve * q * q + of.offset
+    }
+
+    /// The force acts on the modes at this input.
+    fn push(&mut self, of: &Coefficients<R>, u: f64) {
+        for ((x, step), [b, e, _, softening]) in self.modes.iter_mut().zip(&of.steps).zip(&of.coupled) {
+            let force = *b * R::from(u) + *e * self.z;
+            *x = step.push(*x, force + lost(*softening, x[0] - force));
+        }
+    }
+
+    /// What creep adds to H(s).
+    fn slow(&self, of: &Coefficients<R>) -> R {
+        of.lags.iter().zip(&*self.crept).fold(R::from(0.0), |sum, ((_, gain), x)| sum + *gain * *x)
     }
 }
 
+/// The samples of y along a path; hysteresis and creep are at rest before.
+pub(super) fn run<R: Real>(
+    of: &Coefficients<R>,
+    hysteresis: &mut dyn FnMut(R) -> R,
+    mut modes: Vec<[R; 2]>,
+    mut path: Path,
+) -> Vec<R> {
+    let zero = R::from(0.0);
+    modes.resize(of.steps.len(), [zero; 2]);
+    let (crept, before) = (&mut vec![zero; of.lags.len()][..], path.start());
+    let sensed = Sensed::at_start(of, &modes, before, hysteresis);
+    let mut motion = Motion { modes: &mut modes, crept, z: sensed.h, sensed, before };
+    let mut y = vec![motion.reading(of); of.delay];
+    while let Some(stretch) = path.next_sample() {
+        y.push(motion.advance(of, stretch, hysteresis));
+    }
+    y.truncate(y.len() - of.delay);
+    y
+}
+
 /// Least value of 1 + K dH/ds by which the secant divides.
-const LEAST: f64 = 0.2;
+pub(super) const LEAST: f64 = 0.2;
 
 /// The input of the hysteresis and its output H(s).
-struct Sensed<R> {
-    s: R,
-    h: R,
+#[derive(Clone, Copy)]
+pub(super) struct Sensed<R> {
+    pub(super) s: R,
+    pub(super) h: R,
     /// dH/ds of the last movement.
-    slope: R,
+    pub(super) slope: R,
 }
 
 impl<R: Real> Sensed<R> {

@@ -63,12 +63,23 @@ impl Model {
     /// expected one. The range is [`Model::known_inputs`].
     pub fn before(&self, u: &[f64], initial_condition: InitialCondition) -> Vec<f64> {
         let Some(&first) = u.first() else { return self.initial() };
+        let range = || self.known_inputs().unwrap_or_else(|| ends(u.iter().copied()));
+        if let Some(feedback) = self.feedback() {
+            return match initial_condition {
+                InitialCondition::Rest => feedback.initial(),
+                InitialCondition::Motion => {
+                    let mut x = feedback.settled(mean(u));
+                    feedback.follow(&mut x, &inputs_before(u));
+                    x
+                }
+                _ => feedback.after_slow(&initial_condition.inputs_before(u, range())),
+            };
+        }
         match initial_condition {
             InitialCondition::Rest => self.initial(),
             InitialCondition::Settled => self.settled(first),
             InitialCondition::FromAbove | InitialCondition::FromBelow => {
-                let range = self.known_inputs().unwrap_or_else(|| ends(u.iter().copied()));
-                let mut z = initial_condition.inputs_before(u, range);
+                let mut z = initial_condition.inputs_before(u, range());
                 let mut x = self.settled(z[0]);
                 let [hysteresis, creep, linear, driver] = self.parts(&mut x);
                 self.hidden(hysteresis, driver, &mut z);

@@ -1,4 +1,6 @@
-//! Inversion of the blocks before the linear block (driver, hysteresis and creep), one sample at a time.
+//! Inversion of the blocks before the linear block (driver, hysteresis and creep), one sample at a time. A state is that
+//! of the blocks in series: of a model with mechanics in feedback, take the model [without
+//! them](Model::without_feedback).
 
 use super::Model;
 use crate::hysteresis::{Inverted, between, with_scratch};
@@ -29,7 +31,7 @@ impl Model {
 
     /// z settled at `u`.
     pub fn settled_hidden(&self, u: f64) -> f64 {
-        self.step_hidden(&mut self.settled(u), u)
+        self.step_hidden(&mut self.settled_blocks(u), u)
     }
 
     /// The output of creep for the input `u`. The state `x` is updated except for the linear block.
@@ -60,7 +62,7 @@ impl Model {
 
     /// The output of creep settled at `u`.
     pub fn settled_before_linear(&self, u: f64) -> f64 {
-        self.step_before_linear(&mut self.settled(u), u)
+        self.step_before_linear(&mut self.settled_blocks(u), u)
     }
 }
 

@@ -3,6 +3,9 @@
 //! ```text
 //! u -> (driver) -> hysteresis -> z -> creep -> linear -> + offset -> y
 //! ```
+//! A model may also have mechanics with hysteresis in feedback ([`crate::feedback`]), which then give its response; the
+//! blocks in series approximate them where an inverse or a margin needs blocks.
+//!
 //! The driver is a separate block if it is known; otherwise the linear block includes its effect on small steps.
 //!
 //! Why: docs/decisions/structure-and-operator-selection.md, "No further nonlinearity pays".
@@ -21,6 +24,7 @@ pub use loops::{HiddenLoop, LoopPoints, MIN_OPEN_AGREEMENT, named, remarks};
 
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
+use crate::feedback::{FeedbackDocument, FeedbackModel, Intersample};
 use crate::hysteresis::{self, Hysteresis};
 use crate::linear::Arx;
 use piezoid_numerics::error::Error;
@@ -46,7 +50,7 @@ const SCHEMA: u64 = 1;
 /// u -> hysteresis -> creep -> linear -> y, with the units of the records that it was identified from.
 ///
 /// State: that of the hysteresis block, then of creep, then of the linear block; with a driver also its voltage and the
-/// z at that instant.
+/// z at that instant. With mechanics in feedback it is their state alone.
 ///
 /// ```
 /// use piezoid::{System, hammerstein::Model, hysteresis::Proportional, linear::Arx};
@@ -66,6 +70,7 @@ pub struct Model {
     linear: Arx,
     offset: f64,
     units: Units,
+    feedback: Option<FeedbackModel>,
     identified: Option<Domain>,
     provenance: Value,
 }
@@ -102,7 +107,8 @@ impl Model {
         Record::same_sampling("the hysteresis block", hysteresis.ts() * faster, "the linear block", linear.ts())?;
         piezoid_numerics::error::finite("offset", &[offset])?;
         let (creep, units) = (Creep::new(linear.ts(), Vec::new())?, Units::default());
-        Ok(Model { driver, hysteresis, creep, linear, offset, units, identified: None, provenance: Value::Null })
+        let (feedback, identified, provenance) = (None, None, Value::Null);
+        Ok(Model { driver, hysteresis, creep, linear, offset, units, feedback, identified, provenance })
     }
 
     /// The same model with creep between the hysteresis and the linear block.
@@ -118,6 +124,20 @@ impl Model {
     pub fn with_linear(self, linear: Arx) -> Result<Self, Error> {
         Record::same_sampling("the linear block", linear.ts(), "creep", self.creep.ts())?;
         Ok(Model { linear, ..self })
+    }
+
+    /// The same model whose response is that of `feedback`; its blocks in series approximate it.
+    ///
+    /// # Errors
+    /// Returns an error if the sampling periods differ.
+    pub fn with_feedback(self, feedback: FeedbackModel) -> Result<Self, Error> {
+        Record::same_sampling("the feedback model", feedback.ts(), "the linear block", self.linear.ts())?;
+        Ok(Model { feedback: Some(feedback), ..self })
+    }
+
+    /// The blocks in series alone.
+    pub fn without_feedback(&self) -> Self {
+        Model { feedback: None, ..self.clone() }
     }
 
     /// The same model with other units.
@@ -160,6 +180,11 @@ impl Model {
         self.offset
     }
 
+    /// Mechanics with hysteresis in feedback, which give the response; `None` if the blocks in series do.
+    pub fn feedback(&self) -> Option<&FeedbackModel> {
+        self.feedback.as_ref()
+    }
+
     /// Units of input and output.
     pub fn units(&self) -> &Units {
         &self.units
@@ -191,6 +216,7 @@ impl Model {
             creep: Some(self.creep.lags().to_vec()).filter(|lags| !lags.is_empty()),
             linear: LinearDocument { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
             offset: self.offset,
+            feedback: self.feedback.as_ref().map(FeedbackModel::document),
             identified: self.identified,
             fit: self.provenance.clone(),
         };
@@ -229,7 +255,8 @@ impl Model {
         let model = Model::from_blocks(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
         let model = model.with_creep(Creep::new(d.ts, d.creep.unwrap_or_default())?)?;
         let identified = d.identified.map(Domain::checked).transpose()?;
-        Ok(Model { identified, ..model.with_units(d.units).with_provenance(d.fit) })
+        let feedback = d.feedback.map(|document| FeedbackModel::load(d.ts, document)).transpose()?;
+        Ok(Model { identified, feedback, ..model.with_units(d.units).with_provenance(d.fit) })
     }
 }
 
@@ -250,6 +277,8 @@ struct Document {
     #[serde(default)]
     offset: f64,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    feedback: Option<FeedbackDocument>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     identified: Option<Domain>,
     #[serde(default)]
     fit: Value,
@@ -265,11 +294,25 @@ struct LinearDocument {
 impl Model {
     /// The response of hysteresis and creep to the input, from rest: the input of the linear block.
     pub fn simulate_before_linear(&self, u: &[f64]) -> Vec<f64> {
-        let (mut x, mut z) = (self.initial(), u.to_vec());
+        let (mut x, mut z) = (self.initial_blocks(), u.to_vec());
         let [hysteresis, creep, _, driver] = self.parts(&mut x);
         self.hidden(hysteresis, driver, &mut z);
         self.creep.respond(creep, &mut z);
         z
+    }
+
+    /// The response from the state `x`, which is advanced to the end of the run, to an input that is known as a whole: a
+    /// band-limited one is interpolated. Otherwise that of [`System::resume`].
+    pub fn follow(&self, x: &mut [f64], u: &[f64]) -> Vec<f64> {
+        match &self.feedback {
+            Some(feedback) => feedback.follow(x, u),
+            None => self.resume(x, u),
+        }
+    }
+
+    /// True if [`follow`](Model::follow) depends on inputs to come, so that a run in parts differs from the whole run.
+    pub fn interpolates(&self) -> bool {
+        self.feedback.as_ref().is_some_and(|feedback| feedback.dynamics().intersample == Intersample::BandLimited)
     }
 
     /// One-step prediction: `y[t]` from `u` up to t and measured `y` up to t-1. The actuator is at rest before the
@@ -281,12 +324,38 @@ impl Model {
         if u.len() != y.len() {
             return Err(Error::Lengths { left: "u".into(), left_len: u.len(), right: "y".into(), right_len: y.len() });
         }
+        if self.feedback.is_some() {
+            // The error of the free run goes on as the linear block lets it.
+            let run = self.follow(&mut self.initial(), u);
+            let errors: Vec<f64> = y.iter().zip(&run).map(|(y, run)| y - run).collect();
+            let expected = self.linear.predict(&vec![0.0; errors.len()], &errors);
+            return Ok(run.iter().zip(expected).map(|(run, error)| run + error).collect());
+        }
         let measured: Vec<f64> = y.iter().map(|y| y - self.offset).collect();
         let predicted = self.linear.predict(&self.simulate_before_linear(u), &measured);
         Ok(predicted.iter().map(|y| y + self.offset).collect())
     }
 
-    /// The parts of a state: hysteresis, creep, linear, driver.
+    /// The blocks in series at rest.
+    fn initial_blocks(&self) -> Vec<f64> {
+        let mut x = [self.hysteresis.initial(), self.creep.initial(), self.linear.initial()].concat();
+        x.extend(self.driver.iter().flat_map(|_| [0.0; 2]));
+        x
+    }
+
+    /// The blocks in series, settled at the input `u`.
+    fn settled_blocks(&self, u: f64) -> Vec<f64> {
+        let mut x = self.hysteresis.settled(u);
+        let z = self.hysteresis.step(&mut x.clone(), u);
+        let creep = self.creep.settled(z);
+        let crept = self.creep.step(&mut creep.clone(), z);
+        x.extend(creep);
+        x.extend(self.linear.settled(crept));
+        x.extend(self.driver.iter().flat_map(|_| [u, z]));
+        x
+    }
+
+    /// The parts of a state of the blocks in series: hysteresis, creep, linear, driver.
     fn parts<'x>(&self, x: &'x mut [f64]) -> [&'x mut [f64]; 4] {
         let (hysteresis, x) = x.split_at_mut(self.hysteresis.order());
         let (creep, x) = x.split_at_mut(self.creep.order());
@@ -327,24 +396,16 @@ impl System for Model {
 
     fn order(&self) -> usize {
         let driver = if self.driver.is_some() { 2 } else { 0 };
-        self.hysteresis.order() + self.creep.order() + self.linear.order() + driver
+        let blocks = || self.hysteresis.order() + self.creep.order() + self.linear.order() + driver;
+        self.feedback.as_ref().map_or_else(blocks, FeedbackModel::order)
     }
 
     fn initial(&self) -> Vec<f64> {
-        let mut x = [self.hysteresis.initial(), self.creep.initial(), self.linear.initial()].concat();
-        x.resize(self.order(), 0.0);
-        x
+        self.feedback.as_ref().map_or_else(|| self.initial_blocks(), FeedbackModel::initial)
     }
 
     fn settled(&self, u: f64) -> Vec<f64> {
-        let mut x = self.hysteresis.settled(u);
-        let z = self.hysteresis.step(&mut x.clone(), u);
-        let creep = self.creep.settled(z);
-        let crept = self.creep.step(&mut creep.clone(), z);
-        x.extend(creep);
-        x.extend(self.linear.settled(crept));
-        x.extend(self.driver.iter().flat_map(|_| [u, z]));
-        x
+        self.feedback.as_ref().map_or_else(|| self.settled_blocks(u), |feedback| feedback.settled(u))
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
@@ -354,6 +415,9 @@ impl System for Model {
     }
 
     fn respond(&self, x: &mut [f64], signal: &mut [f64]) {
+        if let Some(feedback) = &self.feedback {
+            return feedback.respond(x, signal);
+        }
         let [hysteresis, creep, linear, driver] = self.parts(x);
         for stretch in signal.chunks_mut(BLOCK_SAMPLES) {
             self.hidden(hysteresis, driver, stretch);

@@ -24,6 +24,9 @@ impl Model {
     /// # Errors
     /// [`Error::Unsuited`] if the operator has no program.
     pub fn program(&self) -> Result<Program, Error> {
+        if let Some(feedback) = self.feedback() {
+            return feedback.program();
+        }
         let mut program = self.before_the_linear_block()?;
         program.add(self.linear().block("linear", "the linear block: a difference equation"))?;
         let mut state = self.hidden_parts(Block::new("state", "the model: hysteresis, creep, linear dynamics, offset"));
