@@ -2,10 +2,10 @@
 
 use crate::page::{self, head, row};
 use piezoid::excitation::Chirp;
-use piezoid::feedback::{FeedbackFit, FeedbackModel, Intersample};
+use piezoid::feedback::{FeedbackFit, FeedbackModel, Structure};
 use piezoid::plant::Plant;
 use piezoid::progress::Stage;
-use piezoid::{Error, IdentifyOptions, PrepareOptions, Record, System, identify};
+use piezoid::{Error, IdentifyOptions, Model, PrepareOptions, Record, System, identify};
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};
@@ -68,49 +68,43 @@ fn tests() -> Result<[Record; 2], Error> {
 }
 
 /// The rms error of a free run from rest along each of the tests [um].
-fn errors(tests: &[Record; 2], simulate: &dyn Fn(&[f64]) -> Vec<f64>) -> [f64; 2] {
+fn errors(tests: &[Record; 2], model: &Model) -> [f64; 2] {
     [(&tests[0], PERIOD), (&tests[1], 0)].map(|(record, from)| {
-        let run = simulate(record.u());
+        let run = model.follow(&mut model.initial(), record.u());
         let squares = record.y()[from..].iter().zip(&run[from..]).map(|(y, m)| (y - m).powi(2));
         (squares.sum::<f64>() / (record.len() - from) as f64).sqrt()
     })
 }
 
-/// The fit from the record alone.
-fn fitted(record: &Record) -> Result<FeedbackFit, Error> {
-    FeedbackFit::oscillator(std::slice::from_ref(record), Intersample::BandLimited, &mut Stage::ignore)
-}
-
 /// The model with each parameter 30 % off.
-fn off(fit: &FeedbackFit) -> Result<FeedbackModel, Error> {
-    let x: Vec<f64> = fit.parameters.iter().zip(OFF.iter().cycle()).map(|(p, factor)| p.value * factor).collect();
-    fit.model.with_parameters(&x)
+fn off(model: &FeedbackModel) -> Result<FeedbackModel, Error> {
+    let x: Vec<f64> = model.parameters().iter().zip(OFF.iter().cycle()).map(|(p, factor)| p.value * factor).collect();
+    model.with_parameters(&x)
 }
 
 /// Measures, and writes the table of the page.
 pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
-    let (training, tests) = (training()?, tests()?);
+    let (training, tests) = ([training()?], tests()?);
     let started = std::time::Instant::now();
-    let fit = fitted(&training)?;
+    let found = identify(&training, &IdentifyOptions { structure: Structure::Auto, ..IdentifyOptions::default() })?;
     eprintln!("from the record alone: {:?}", started.elapsed());
+    found.remarks().iter().for_each(|remark| eprintln!("{remark}"));
+    let feedback = found.model.feedback().ok_or("the record does not show the feedback")?;
     let started = std::time::Instant::now();
-    let again = FeedbackFit::from(&off(&fit)?, std::slice::from_ref(&training), &mut Stage::ignore)?;
+    let again = FeedbackFit::from(&off(feedback)?, &training, &mut Stage::ignore)?;
     eprintln!("from 30 % off: {:?}", started.elapsed());
-    let hammerstein = identify(&[training], &IdentifyOptions::default())?.model;
+    let again = found.model.clone().with_feedback(again.model)?;
     let rows = [
-        ("`identify`: hysteresis first, mechanics after", errors(&tests, &|u| hammerstein.simulate(u))),
-        ("hysteresis in feedback, from the record alone", errors(&tests, &|u| fit.model.simulate_from(&[], u))),
-        (
-            "hysteresis in feedback, from each parameter 30 % off",
-            errors(&tests, &|u| again.model.simulate_from(&[], u)),
-        ),
+        ("`--structure hammerstein`, the default", errors(&tests, &found.model.without_feedback())),
+        ("`--structure auto`: hysteresis in feedback", errors(&tests, &found.model)),
+        ("the same from each parameter 30 % off", errors(&tests, &again)),
     ];
     let table = head(["model", "multisine [um]", "sweep [um]"], 1)
         + &rows.map(|(name, errors)| row([name.into()].into_iter().chain(errors.map(page::cell)))).concat();
     let page = docs.join("feedback.md");
     page::write(&page, "benchmark", &table)?;
     let known = ["25.165", "0.01581", "20", "0", "1", "0.0008", "-1.375"];
-    let parameters = fit.parameters.iter().zip(known).map(|(p, known)| {
+    let parameters = found.parameters.iter().zip(known).map(|(p, known)| {
         // Two digits of the standard error.
         let digits = (1.0 - p.error.log10().floor()).max(0.0) as usize;
         row([p.name.clone(), known.into(), format!("{:.digits$}", p.value), format!("{:.digits$}", p.error)])

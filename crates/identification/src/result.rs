@@ -48,9 +48,7 @@ pub(super) fn identified(
         None => model,
     };
     let parameters = parameters(&fitted);
-    notes.extend(note_on_unknown(&parameters));
-    notes.extend(notes_on_creep(&model));
-    notes.extend(check::long_delay(model.linear()));
+    notes.extend(notes_on_values(&model, &parameters));
     let is_in_free_decays = model.linear().resonance().is_some_and(|mode| search.is_in_free_decays(mode.hz));
     notes.extend(unexcited_resonance(model.linear(), records.iter()).filter(|_| !is_in_free_decays));
     let linear = LinearPart { arx: model.linear().clone(), offset, fit: None, reason: structure.reason };
@@ -67,8 +65,14 @@ pub(super) fn identified(
     })
 }
 
+/// The notes on the values of a model and its parameters.
+pub(super) fn notes_on_values(model: &Model, parameters: &[FittedParameter]) -> Vec<String> {
+    let unknown = note_on_unknown(parameters).into_iter();
+    unknown.chain(notes_on_creep(model)).chain(check::long_delay(model.linear())).collect()
+}
+
 /// The note on parameters that the records do not determine.
-fn note_on_unknown(parameters: &[FittedParameter]) -> Option<String> {
+pub(super) fn note_on_unknown(parameters: &[FittedParameter]) -> Option<String> {
     let unknown = parameters.iter().filter(|p| p.is_unknown());
     let unknown = unknown.map(|p| format!("{} = {} (standard error {})", p.name, short(p.value), short(p.error)));
     let unknown = unknown.collect::<Vec<_>>().join(", ");

@@ -76,7 +76,7 @@ pub mod excitation {
 
 /// Mechanics with hysteresis in feedback: driven by the displacement, for instance.
 pub mod feedback {
-    pub use piezoid_identification::feedback::FeedbackFit;
+    pub use piezoid_identification::feedback::{FeedbackFit, Structure};
     pub use piezoid_models::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel, Intersample};
 }
 

@@ -1,5 +1,6 @@
 //! Identification of a model from records: the entry point.
 
+use piezoid_identification::feedback::{Structure, identify_structure};
 use piezoid_identification::{Effort, Identified, JointOptions, identify_joint};
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hysteresis::{HeldInput, Split};
@@ -54,6 +55,16 @@ const EFFORTS: OptionKind = OptionKind::Choice(&[
     ("thorough", "more shapes and structures, and every operator to its minimum; several times as long"),
 ]);
 
+const STRUCTURES: OptionKind = OptionKind::Choice(&[
+    ("hammerstein", "hysteresis first, then creep and mechanics"),
+    (
+        "feedback",
+        "one mode of the mechanics with Bouc-Wen hysteresis that its displacement drives, for guides with friction and \
+         the like",
+    ),
+    ("auto", "the one that predicts the last part of each record better; it takes longer"),
+]);
+
 const NAME: OptionKind = OptionKind::Text("NAME");
 const COUNT: OptionKind = OptionKind::Integer(1, u64::MAX);
 const JOINT: &str = "Joint method";
@@ -74,6 +85,8 @@ options! {
         /// auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With
         /// the paper's method, auto selects two-branch or rate-scheduled.
         operator: String = "auto".into(), OptionRow::new(NAME).list("operators");
+        /// Where hysteresis is.
+        structure: Structure = Structure::Hammerstein, OptionRow::new(STRUCTURES).group(JOINT);
         /// How much the search tries.
         effort: Effort = Effort::Usual, OptionRow::new(EFFORTS).group(JOINT);
         /// Order of the linear block.
@@ -130,7 +143,14 @@ impl Records<'_> {
     pub fn identify(self, options: &IdentifyOptions, progress: &mut Progress) -> Result<Identified, Error> {
         let Records { small_signal, large_signal } = self;
         match options.settings()? {
-            Settings::Joint(settings) => identify_joint(small_signal, large_signal, &settings, progress),
+            Settings::Joint(settings) => {
+                // Where it is requested, the blocks in series only approximate it.
+                let effort = if options.structure == Structure::Feedback { Effort::Quick } else { settings.effort };
+                let settings = JointOptions { effort, ..settings };
+                let found = identify_joint(small_signal, large_signal, &settings, progress)?;
+                let records = small_signal.iter().chain(large_signal);
+                identify_structure(found, records, options.structure, settings.driver, progress)
+            }
             Settings::Paper(settings) => identify_paper(small_signal, large_signal, &settings, progress),
         }
     }

@@ -19,6 +19,7 @@ mod trials;
 
 pub(super) use candidate::Candidate;
 pub use trials::OperatorTrial;
+pub(crate) use trials::SELECTED;
 pub(super) use trials::{reason_for_operator, suitable_operators};
 
 use super::records::Records;

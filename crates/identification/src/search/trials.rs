@@ -19,7 +19,7 @@ use serde::Serialize;
 const ROUNDING_PERCENT: f64 = 1e-5;
 
 /// The verdict on the operator that is selected.
-const SELECTED: &str = "taken";
+pub(crate) const SELECTED: &str = "taken";
 
 /// The result of one operator.
 #[derive(Debug, Clone, PartialEq, Serialize)]

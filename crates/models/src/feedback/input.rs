@@ -28,13 +28,15 @@ impl Intersample {
     pub const REACH: usize = 32;
 }
 
-/// The input along the steps of a run, sample by sample. Of an input that is interpolated, the first and the last sample
-/// are held before and after it.
+/// The input along the steps of a run, sample by sample. Of an input that is interpolated, the first and the last
+/// sample are held before and after it.
 pub(super) struct Path<'a> {
     u: &'a [f64],
     between: Intersample,
     /// For each step of a sample, the weights of the samples about it.
     tables: Vec<Vec<f64>>,
+    /// True if the input stays until its first sample, and jumps there.
+    jumps: bool,
     sample: usize,
     before: f64,
     /// Duration of a step [s].
@@ -49,15 +51,20 @@ impl<'a> Path<'a> {
         Path::new(model, u, u.first().copied().unwrap_or_default(), true)
     }
 
-    /// The path after the input `before` along all samples of an input, or, if it is not `whole`, sample by sample: then
-    /// a band-limited input is on straight lines.
+    /// The path after the input `before` along all samples of an input, or, if it is not `whole`, sample by sample:
+    /// then a band-limited input is on straight lines.
     pub(super) fn new(model: &FeedbackModel, u: &'a [f64], before: f64, whole: bool) -> Self {
         let (between, n) = (model.dynamics.intersample, model.dynamics.substeps);
         let tables = match between {
             Intersample::BandLimited if whole => (1..=n).map(|j| weights(j as f64 / n as f64)).collect(),
             _ => Vec::new(),
         };
-        Path { u, between, tables, sample: 0, before, h: model.ts / n as f64, steps: vec![[0.0; 2]; n] }
+        Path { jumps: false, u, between, tables, sample: 0, before, h: model.ts / n as f64, steps: vec![[0.0; 2]; n] }
+    }
+
+    /// The same path if nothing moves before the first sample: a band-limited input then jumps there.
+    pub(super) fn from_rest(self) -> Self {
+        Path { jumps: !self.tables.is_empty(), ..self }
     }
 
     /// The input before the first step.
@@ -77,6 +84,11 @@ impl<'a> Path<'a> {
                 Intersample::BandLimited => break,
             };
             self.before = step[1];
+        }
+        if std::mem::take(&mut self.jumps) {
+            self.steps.fill([self.before; 2]);
+            (self.before, self.sample) = (u, self.sample + 1);
+            return Some(&self.steps);
         }
         let last = self.u.len() - 1;
         for (step, table) in self.steps.iter_mut().zip(&self.tables) {
@@ -120,8 +132,16 @@ mod tests {
         let u: Vec<f64> = (0..300).map(|k| at(f64::from(k))).collect();
         let tables = (1..=4).map(|j| weights(f64::from(j) / 4.0)).collect();
         let steps = vec![[0.0; 2]; 4];
-        let mut path =
-            Path { u: &u, between: Intersample::BandLimited, tables, sample: 0, before: u[0], h: 1.0, steps };
+        let mut path = Path {
+            jumps: false,
+            u: &u,
+            between: Intersample::BandLimited,
+            tables,
+            sample: 0,
+            before: u[0],
+            h: 1.0,
+            steps,
+        };
         let (mut found, mut samples) = (Vec::new(), Vec::new());
         while let Some(steps) = path.next_sample() {
             found.extend(steps.iter().map(|step| step[1]));

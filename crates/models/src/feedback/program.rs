@@ -8,7 +8,7 @@ use piezoid_numerics::system::System;
 
 impl FeedbackModel {
     /// The program: a block `state`, and a function `step(s: state, u)`. A band-limited input moves along straight lines
-    /// in it.
+    /// there.
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the operator has no program.

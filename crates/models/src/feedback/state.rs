@@ -16,8 +16,8 @@ const MAX_SETTLING: usize = 100_000;
 const OTHERS: usize = 5;
 
 impl FeedbackModel {
-    /// The response from the state `x`, which is advanced to the end of the run, to an input that is known as a whole: a
-    /// band-limited one is interpolated. Any other has the response of [`System::resume`].
+    /// The response from the state `x`, which is advanced to the end of the run, to an input that is known as a whole:
+    /// a band-limited one is interpolated. Any other has the response of [`System::resume`].
     pub fn follow(&self, x: &mut [f64], u: &[f64]) -> Vec<f64> {
         self.advance(&self.coefficients, x, u, true)
     }
@@ -31,7 +31,9 @@ impl FeedbackModel {
         let (modes, _) = modes.as_chunks_mut();
         let sensed = Sensed { s: others[0], h: others[1], slope: others[2] };
         let mut motion = Motion { modes, crept, sensed, z: others[3], before: others[4] };
-        let mut path = Path::new(self, u, motion.before, whole);
+        let path = Path::new(self, u, motion.before, whole);
+        let is_at_rest = motion.modes.iter().all(|x| *x == [0.0; 2]);
+        let mut path = if is_at_rest { path.from_rest() } else { path };
         let mut y = delayed.to_vec();
         while let Some(stretch) = path.next_sample() {
             y.push(motion.advance(of, stretch, &mut |s| self.hysteresis.step(hysteresis, s)));

@@ -1,5 +1,5 @@
-//! Inversion of the blocks before the linear block (driver, hysteresis and creep), one sample at a time. A state is that
-//! of the blocks in series: of a model with mechanics in feedback, take the model [without
+//! Inversion of the blocks before the linear block (driver, hysteresis and creep), one sample at a time. A state is
+//! that of the blocks in series: of a model with mechanics in feedback, take the model [without
 //! them](Model::without_feedback).
 
 use super::Model;

@@ -70,7 +70,7 @@ pub struct Model {
     linear: Arx,
     offset: f64,
     units: Units,
-    feedback: Option<FeedbackModel>,
+    feedback: Option<Arc<FeedbackModel>>,
     identified: Option<Domain>,
     provenance: Value,
 }
@@ -132,7 +132,7 @@ impl Model {
     /// Returns an error if the sampling periods differ.
     pub fn with_feedback(self, feedback: FeedbackModel) -> Result<Self, Error> {
         Record::same_sampling("the feedback model", feedback.ts(), "the linear block", self.linear.ts())?;
-        Ok(Model { feedback: Some(feedback), ..self })
+        Ok(Model { feedback: Some(Arc::new(feedback)), ..self })
     }
 
     /// The blocks in series alone.
@@ -182,7 +182,7 @@ impl Model {
 
     /// Mechanics with hysteresis in feedback, which give the response; `None` if the blocks in series do.
     pub fn feedback(&self) -> Option<&FeedbackModel> {
-        self.feedback.as_ref()
+        self.feedback.as_deref()
     }
 
     /// Units of input and output.
@@ -216,7 +216,7 @@ impl Model {
             creep: Some(self.creep.lags().to_vec()).filter(|lags| !lags.is_empty()),
             linear: LinearDocument { a: self.linear.a().to_vec(), b: self.linear.b().to_vec() },
             offset: self.offset,
-            feedback: self.feedback.as_ref().map(FeedbackModel::document),
+            feedback: self.feedback().map(FeedbackModel::document),
             identified: self.identified,
             fit: self.provenance.clone(),
         };
@@ -255,8 +255,11 @@ impl Model {
         let model = Model::from_blocks(driver, hysteresis::load(&d.hysteresis, ts)?, linear, d.offset)?;
         let model = model.with_creep(Creep::new(d.ts, d.creep.unwrap_or_default())?)?;
         let identified = d.identified.map(Domain::checked).transpose()?;
-        let feedback = d.feedback.map(|document| FeedbackModel::load(d.ts, document)).transpose()?;
-        Ok(Model { identified, feedback, ..model.with_units(d.units).with_provenance(d.fit) })
+        let model = Model { identified, ..model.with_units(d.units).with_provenance(d.fit) };
+        match d.feedback {
+            Some(document) => model.with_feedback(FeedbackModel::load(d.ts, document)?),
+            None => Ok(model),
+        }
     }
 }
 
@@ -301,8 +304,8 @@ impl Model {
         z
     }
 
-    /// The response from the state `x`, which is advanced to the end of the run, to an input that is known as a whole: a
-    /// band-limited one is interpolated. Otherwise that of [`System::resume`].
+    /// The response from the state `x`, which is advanced to the end of the run, to an input that is known as a whole:
+    /// a band-limited one is interpolated. Otherwise that of [`System::resume`].
     pub fn follow(&self, x: &mut [f64], u: &[f64]) -> Vec<f64> {
         match &self.feedback {
             Some(feedback) => feedback.follow(x, u),
@@ -312,7 +315,7 @@ impl Model {
 
     /// True if [`follow`](Model::follow) depends on inputs to come, so that a run in parts differs from the whole run.
     pub fn interpolates(&self) -> bool {
-        self.feedback.as_ref().is_some_and(|feedback| feedback.dynamics().intersample == Intersample::BandLimited)
+        self.feedback().is_some_and(|feedback| feedback.dynamics().intersample == Intersample::BandLimited)
     }
 
     /// One-step prediction: `y[t]` from `u` up to t and measured `y` up to t-1. The actuator is at rest before the
@@ -397,15 +400,15 @@ impl System for Model {
     fn order(&self) -> usize {
         let driver = if self.driver.is_some() { 2 } else { 0 };
         let blocks = || self.hysteresis.order() + self.creep.order() + self.linear.order() + driver;
-        self.feedback.as_ref().map_or_else(blocks, FeedbackModel::order)
+        self.feedback().map_or_else(blocks, FeedbackModel::order)
     }
 
     fn initial(&self) -> Vec<f64> {
-        self.feedback.as_ref().map_or_else(|| self.initial_blocks(), FeedbackModel::initial)
+        self.feedback().map_or_else(|| self.initial_blocks(), FeedbackModel::initial)
     }
 
     fn settled(&self, u: f64) -> Vec<f64> {
-        self.feedback.as_ref().map_or_else(|| self.settled_blocks(u), |feedback| feedback.settled(u))
+        self.feedback().map_or_else(|| self.settled_blocks(u), |feedback| feedback.settled(u))
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {

@@ -15,6 +15,13 @@ use piezoid_numerics::system::System;
 /// ```
 impl std::fmt::Display for Model {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        if let Some(feedback) = self.feedback() {
+            let modes = &feedback.dynamics().modes;
+            let each: Vec<String> =
+                modes.iter().map(|m| format!("{} Hz (damping {})", short(m.hz), short(m.damping))).collect();
+            let (name, modes) = (feedback.hysteresis().operator().name, join(&each));
+            return write!(f, "{name} in feedback with {modes}, sampled every {} s", round(self.ts()));
+        }
         let (arx, units) = (self.linear(), self.units());
         write!(f, "{}, gain {} {}/{}", self.hysteresis().operator().name, short(arx.dc_gain()), units.y, units.u)?;
         let modes = arx.modal_form().modes();

@@ -10,6 +10,9 @@ use piezoid_models::linear::{Residuals, Root};
 use piezoid_numerics::number::{round, short as number};
 use piezoid_verbs::Validated;
 
+const IN_FEEDBACK: &str = "Hysteresis in feedback of the mechanics gives the response: see its parameters below. The linear \
+                           block and the hysteresis block in series approximate it, for inverses and margins.";
+
 /// The results as text for the terminal.
 pub(super) fn summary(result: &Identification, console: &Console) -> String {
     let found = &result.found;
@@ -26,7 +29,8 @@ pub(super) fn summary(result: &Identification, console: &Console) -> String {
     };
     let ts = arx.ts();
     let form = format!("Linear block: {form}, where y1 and u1 are the previous samples; sampled every {ts} s");
-    let mut text = console.paragraph(&form, "  ");
+    let mut text = found.model.feedback().map_or_else(String::new, |_| console.paragraph(IN_FEEDBACK, ""));
+    text += &console.paragraph(&form, "  ");
     for (name, values) in
         [("a", each(arx.a())), ("b", each(arx.b())), ("zeros", arx.zeros().iter().map(Root::to_string).collect())]
     {
