@@ -6,7 +6,8 @@
 //! The linear block is inverted by a finite filter with preview, creep in closed form, and the hysteresis
 //! sample by sample within the allowed inputs ([`Hysteresis::invert`](piezoid_models::hysteresis::Hysteresis::invert)).
 //! Optional iterations send the residual of the model's free run through the same inverse, as long as the error falls.
-//! They correct the approximation of the filter.
+//! They correct the approximation of the filter. Mechanics with hysteresis in feedback have an inverse of their own
+//! (`feedback.rs`).
 //!
 //! Reference: K. Kuhnen, Eur. J. Control 9, 407 (2003), DOI 10.3166/ejc.9.407-418 (inverse operators in series); S.
 //! Devasia, E. Eleftheriou & S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI
@@ -14,6 +15,7 @@
 //!
 //! Why: docs/decisions/compensation.md, "Corrections by the free run are off by default".
 
+mod feedback;
 mod fir;
 mod learning;
 mod preview;
@@ -28,6 +30,7 @@ pub use learning::{Learned, Learning};
 pub(crate) use preview::{FirDesign, Preview};
 pub use sample::Causal;
 
+use feedback::Flat;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::{Error, finite};
 use piezoid_numerics::number::{round, short};
@@ -39,6 +42,10 @@ const BEYOND: f64 = 0.05;
 
 /// Share of the range of an operator below which an error counts as zero.
 const REACHED: f64 = 1e-9;
+
+/// Iterations of the inverse of mechanics in feedback, if no more are requested: it is exact only for infinitely many
+/// samples.
+const LEAST_ITERATIONS: usize = 10;
 
 /// Settings of the feed-forward. The default has no limits but the model's own, clips nothing, and makes no iterations.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -141,7 +148,10 @@ impl Compensate for Model {
 /// ```
 #[derive(Debug, Clone)]
 pub struct FeedForward {
+    /// The blocks in series, which are inverted.
     model: Model,
+    /// The model whose response is corrected.
+    whole: Model,
     settings: FeedForwardSettings,
     preview: Preview,
     /// Lowest and highest input allowed.
@@ -166,7 +176,8 @@ impl FeedForward {
     }
 
     /// With this design of the inverse of the linear block.
-    fn with(model: &Model, settings: FeedForwardSettings, design: FirDesign) -> Result<Self, Error> {
+    fn with(whole: &Model, settings: FeedForwardSettings, design: FirDesign) -> Result<Self, Error> {
+        let model = &whole.without_feedback();
         let found = &model.units().u;
         if settings.limits != Limits::default() && found != "V" {
             let what = "the model's input".into();
@@ -193,10 +204,19 @@ impl FeedForward {
             )
         });
         let notes = notes.into_iter().collect();
-        Ok(FeedForward { model: model.clone(), settings, preview, ends, step, crept: (low, high), notes })
+        Ok(FeedForward {
+            model: model.clone(),
+            whole: whole.clone(),
+            settings,
+            preview,
+            ends,
+            step,
+            crept: (low, high),
+            notes,
+        })
     }
 
-    /// The model.
+    /// The blocks in series of the model, which are inverted.
     pub fn model(&self) -> &Model {
         &self.model
     }
@@ -235,6 +255,9 @@ impl FeedForward {
             let (what, remedy) = ("the reference".into(), "it must not be empty".into());
             return Err(Error::TooShort { what, have: 0, need: 1, remedy });
         };
+        if let Some(flat) = self.whole.feedback().and_then(Flat::of) {
+            return self.in_feedback(&flat, r);
+        }
         let offset = self.model.offset();
         let mut target = self.preview.fir().whole(&self.extended_past_end(r));
         target.truncate(r.len());
@@ -262,11 +285,6 @@ impl FeedForward {
             }
             (best, iterations) = (next, iterations + 1);
         }
-        let usage = if self.settings.clip {
-            self.settings.limits.check(&best.u, self.model.ts())
-        } else {
-            self.settings.limits.refuse(&best.u, self.model.ts())
-        }?;
         let mut notes = self.notes.clone();
         if iterations > 0 {
             let (from, to, unit) = (short(first_rms), short(best.rms), &self.model.units().y);
@@ -274,8 +292,51 @@ impl FeedForward {
                 "{iterations} correction iterations: rms error of the free run from {from} to {to} {unit}"
             ));
         }
+        self.compensated(best, notes)
+    }
+
+    /// The result of this inversion.
+    fn compensated(&self, best: InverseRun, mut notes: Vec<String>) -> Result<Compensated, Error> {
+        let (limits, ts) = (&self.settings.limits, self.model.ts());
+        let usage = if self.settings.clip { limits.check(&best.u, ts) } else { limits.refuse(&best.u, ts) }?;
         notes.extend(self.notes_on(&best));
         Ok(Compensated { u: best.u, reached: best.reached, usage, clipped: best.clipped, notes })
+    }
+
+    /// The voltage for the reference `r` by the inverse of mechanics in feedback; iterations correct what it leaves.
+    fn in_feedback(&self, flat: &Flat, r: &[f64]) -> Result<Compensated, Error> {
+        let (mut target, mut best) = (r.to_vec(), None::<InverseRun>);
+        for _ in 0..=self.settings.iterations.max(LEAST_ITERATIONS) {
+            let mut next = self.limited(flat.input(&target, self.ends));
+            if let Some(sample) = next.missed.filter(|_| !self.settings.clip) {
+                return best.map_or(Err(self.unreachable(r, sample)), |best| self.compensated(best, Vec::new()));
+            }
+            next.rms = rms_error(r, &next.reached);
+            if best.as_ref().is_some_and(|best| !(next.rms < 0.98 * best.rms)) {
+                break;
+            }
+            let residual: Vec<f64> = r.iter().zip(&next.reached).map(|(r, y)| r - y).collect();
+            target.iter_mut().zip(feedback::smooth(&residual)).for_each(|(target, more)| *target += more);
+            best = Some(next);
+        }
+        self.compensated(best.unwrap_or_default(), Vec::new())
+    }
+
+    /// The response to the inputs `u`, within the limits.
+    fn limited(&self, mut u: Vec<f64>) -> InverseRun {
+        let mut run = InverseRun::default();
+        let mut before = u.first().copied().unwrap_or_default().clamp(self.ends.0, self.ends.1);
+        for (t, u) in u.iter_mut().enumerate() {
+            let (low, high) = self.from(before);
+            if !(low..=high).contains(u) {
+                run.clipped += 1;
+                run.missed = run.missed.or(Some(t));
+            }
+            *u = u.clamp(low, high);
+            before = *u;
+        }
+        let start = u.first().copied().unwrap_or_default();
+        InverseRun { reached: self.whole.follow(&mut self.whole.settled(start), &u), u, ..run }
     }
 
     /// The reference without offset, extrapolated beyond its end: mirrored through its last point.
@@ -304,7 +365,7 @@ impl FeedForward {
             before = found.u;
             run.u.push(before);
         }
-        run.reached = self.model.resume(&mut self.model.settled(start), &run.u);
+        run.reached = self.whole.resume(&mut self.whole.settled(start), &run.u);
         run
     }
 

@@ -7,8 +7,8 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
 
 impl FeedbackModel {
-    /// The program: a block `state`, and a function `step(s: state, u)`. A band-limited input moves along straight lines
-    /// there.
+    /// The program: a block `state`, and a function `step(s: state, u)`, in which a band-limited input moves along
+    /// straight lines.
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the operator has no program.

@@ -199,7 +199,8 @@ mod tests {
 
     #[test]
     fn a_run_that_begins_at_rest_is_that_of_a_search() {
-        for model in models() {
+        // A search interpolates a band-limited input also before its first sample.
+        for model in models().iter().filter(|model| model.dynamics().intersample != Intersample::BandLimited) {
             // An input that is 0 before its first sample too.
             let u = [&[0.0], &wave(300)[..]].concat();
             assert_eq!(model.follow(&mut model.initial(), &u), model.simulate_from(&[], &u), "{model:?}");
