@@ -212,6 +212,8 @@ export interface CallOptions {
     method?: "joint" | "paper";
     /** The hysteresis operator (see {list}), or several separated by commas; auto tries all, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With the paper's method, auto selects two-branch or rate-scheduled */
     operator?: string;
+    /** Where hysteresis is */
+    structure?: "hammerstein" | "feedback" | "auto";
     /** How much the search tries */
     effort?: "quick" | "usual" | "thorough";
     /** Order of the linear block */

@@ -113,6 +113,11 @@ impl ExportedProgram {
         let about = "the model: input to displacement".into();
         let step = Entry::new(["step", "reset", "state"], about, vec![u.clone()], y.clone());
         let mut whole = ExportedProgram { program: model.program()?, entries: vec![step], notes: Vec::new() };
+        if model.interpolates() {
+            let note =
+                "the input moves along a straight line between its samples; a simulation interpolates it instead";
+            whole.notes.push(note.into());
+        }
         whole.feed_forward(request, &u, &y)?;
         whole.controller(request, &u, &y)?;
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();

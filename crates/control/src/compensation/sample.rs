@@ -45,11 +45,18 @@ impl Causal {
     /// The inverse of `model` with a delay of `delay_samples` samples. The settings for whole records are ignored.
     ///
     /// # Errors
-    /// The errors of [`FeedForward::new`].
+    /// The errors of [`FeedForward::new`]; [`Error::Unsuited`] for mechanics with hysteresis in feedback.
     pub fn new(model: &Model, settings: FeedForwardSettings, delay_samples: usize) -> Result<Self, Error> {
         if delay_samples > Causal::MAX_DELAY_SAMPLES {
             let rule = format!("must be at most {} samples", Causal::MAX_DELAY_SAMPLES);
             return Err(Error::parameter("delay_samples", delay_samples, rule));
+        }
+        if model.feedback().is_some() {
+            let because =
+                "its hysteresis is in feedback, and only whole references have an inverse: compensate them, or \
+                           identify hysteresis first, mechanics after"
+                    .into();
+            return Err(Error::Unsuited { what: "inverse sample by sample".into(), because });
         }
         let settings = FeedForwardSettings { clip: true, ..settings };
         Ok(Causal { inverse: FeedForward::with(model, settings, FirDesign::delayed(delay_samples))? })

@@ -1,6 +1,7 @@
 use super::*;
+use crate::{Effort, Identified, JointOptions, identify_joint};
 use piezoid::PrepareOptions;
-use piezoid::excitation::Multisine;
+use piezoid::excitation::{Multisine, RisingSine};
 use piezoid::plant::Plant;
 use piezoid_models::feedback::Intersample;
 use piezoid_models::linear::Arx;
@@ -93,4 +94,32 @@ fn a_record_without_a_resonance_is_an_error_and_a_cancelled_search_says_so() {
     };
     let error = FeedbackFit::oscillator(&records, &ALL, &mut cancelled).unwrap_err();
     assert!(error.to_string().contains("hysteresis in feedback"), "{error}");
+}
+
+/// The model of records with the structure that suits them, from a quick search of blocks in series.
+fn of_structure(records: &[Record], structure: Structure) -> Identified {
+    let quick = JointOptions { effort: Effort::Quick, ..JointOptions::default() };
+    let found = identify_joint(&[], records, &quick, &mut Stage::ignore).unwrap();
+    identify_structure(found, records.iter(), structure, None, &mut Stage::ignore).unwrap()
+}
+
+#[test]
+fn auto_takes_feedback_only_where_it_predicts_better() {
+    let found = of_structure(&[benchmark(1, N, 8.0)], Structure::Auto);
+    let feedback = found.model.feedback().unwrap().dynamics();
+    assert_eq!((feedback.intersample, feedback.delay), (Intersample::BandLimited, 0));
+    assert_close(&[feedback.modes[0].hz], &[25.165], 2e-3, 0.0);
+    let [.., row] = &found.trials[..] else { panic!() };
+    assert_eq!((row.operator, row.verdict), ("bouc-wen, in feedback", "taken"));
+    assert_eq!(found.trials.iter().filter(|trial| trial.verdict == "taken").count(), 1);
+    assert!(found.reasons.iter().any(|reason| reason.starts_with("structure: hysteresis in feedback: ")));
+
+    // Hysteresis first, mechanics after: a bender at its resonance.
+    let u = RisingSine { amplitude: 2.0, frequency: 160.0, ..RisingSine::default() }.samples(5e-4, 2000).unwrap();
+    let y = Plant::named("pl140", 5e-4).unwrap().run(&u).y;
+    let records = [Record::new(5e-4, u, y).unwrap()];
+    let found = of_structure(&records, Structure::Auto);
+    assert!(found.model.feedback().is_none());
+    assert!(found.reasons.iter().any(|reason| reason.starts_with("structure: hysteresis first")));
+    assert_eq!(of_structure(&records, Structure::Hammerstein).reasons.len() + 1, found.reasons.len());
 }

@@ -168,6 +168,9 @@ impl FeedbackModel {
             let rule = "must not depend on the rate of its input, because this differs within a sample";
             return Err(Error::parameter("hysteresis", hysteresis.operator().name, rule));
         }
+        if dynamics.modes.is_empty() {
+            return Err(Error::parameter("modes", 0, "must be at least one"));
+        }
         if dynamics.delay > MAX_DELAY {
             return Err(Error::parameter("delay", dynamics.delay, format!("must be at most {MAX_DELAY} samples")));
         }

@@ -34,13 +34,21 @@ impl FeedbackModel {
         };
         let hysteresis = if remembers { "hysteresis(s.hysteresis, next)" } else { "hysteresis(next)" };
         let vibrates = self.dynamics.senses_vibration;
-        let text = [SENSE, PUSH, STEP, if self.dynamics.delay > 0 { DELAYED } else { READ }].concat();
+        let interpolates = self.dynamics.intersample == Intersample::BandLimited;
+        let creeps = !self.dynamics.creep.is_empty();
+        let text =
+            [SENSE, if creeps { CREPT } else { "" }, PUSH, STEP, if self.dynamics.delay > 0 { DELAYED } else { READ }]
+                .concat();
         let text = text
+            .replace("JUMP", if self.dynamics.sensed != 0.0 { JUMP } else { "" })
+            .replace("SHARE", if interpolates { "let share = (u - s.before) / in_sample;" } else { "" })
             .replace("THROUGH", if vibrates { "(s.mode[2 * i] - b[i] * u - e[i] * s.z)" } else { "s.mode[2 * i]" })
             .replace("SOLVE", if vibrates { SOLVE } else { "" })
             .replace("SLOPE", if vibrates { SLOPE } else { "" })
             .replace("HYSTERESIS", hysteresis)
-            .replace("JUMP", if self.dynamics.sensed != 0.0 { JUMP } else { "" })
+            .replace("HERE", if creeps { "let h = s.h;" } else { "" })
+            .replace("CREEPS", if creeps { CREEPS } else { "" })
+            .replace("WITH_CREEP", if creeps { " + crept(s)" } else { "" })
             .replace("START", start)
             .replace("END", &end);
         program.add(block.text(&text))?;
@@ -80,17 +88,18 @@ impl FeedbackModel {
         ] {
             block = block.table(name, &values);
         }
-        for (name, value) in [
-            ("of_input", *sensed),
-            ("returned", *returned),
-            ("least_back", LEAST),
-            ("direct_input", direct[0]),
-            ("direct_z", direct[1]),
-            ("curve", *curve),
-            ("offset", *offset),
-            ("in_sample", self.dynamics.substeps as f64),
+        let (vibrates, between) = (self.dynamics.senses_vibration, self.dynamics.intersample);
+        for (name, value, is_used) in [
+            ("of_input", *sensed, true),
+            ("returned", *returned, vibrates),
+            ("least_back", LEAST, vibrates),
+            ("direct_input", direct[0], true),
+            ("direct_z", direct[1], true),
+            ("curve", *curve, true),
+            ("offset", *offset, true),
+            ("in_sample", self.dynamics.substeps as f64, between == Intersample::BandLimited),
         ] {
-            block = block.constant(name, value);
+            block = if is_used { block.constant(name, value) } else { block };
         }
         let counts = [("substeps", self.dynamics.substeps), ("modes", steps.len()), ("lags", lags.len())];
         let block = counts.into_iter().fold(block, |block, (name, n)| block.count(name, n));
@@ -101,8 +110,6 @@ impl FeedbackModel {
 const SENSE: &str = "
 // Moves the hysteresis to where the input and the modes are.
 fn sense_modes(s: state, u) {
-    let old = s.sensed;
-    let before = s.h;
     let next = of_input * u;
     for i in 0..modes { next += k[i] * THROUGH; }
     SOLVE
@@ -110,6 +117,9 @@ fn sense_modes(s: state, u) {
     s.h = HYSTERESIS;
     SLOPE
 }
+";
+
+const CREPT: &str = "
 // What creep adds.
 fn crept(s: state) {
     let sum = 0.0;
@@ -119,6 +129,8 @@ fn crept(s: state) {
 ";
 
 const SOLVE: &str = "
+    let old = s.sensed;
+    let before = s.h;
     let back = 1.0 + returned * s.slope;
     if back < least_back { back = least_back; }
     next = old + (next - old) / back;
@@ -143,10 +155,15 @@ fn push_modes(s: state, u) {
 }
 ";
 
+const CREEPS: &str = "
+    let mean = (h + s.h) * 0.5;
+    for j in 0..lags { s.lag[j] = mean + stays[j] * (s.lag[j] - mean); }
+";
+
 const JUMP: &str = "
     if start != s.before {
         sense_modes(s, start);
-        s.z = s.h + crept(s);
+        s.z = s.hWITH_CREEP;
     }
 ";
 
@@ -160,16 +177,15 @@ fn move_modes(s: state, start, end) {
         s.mode[2 * i] = m11[i] * p + m12[i] * q;
         s.mode[2 * i + 1] = m21[i] * p + m22[i] * q;
     }
-    let h = s.h;
+    HERE
     sense_modes(s, end);
-    let mean = (h + s.h) * 0.5;
-    for j in 0..lags { s.lag[j] = mean + stays[j] * (s.lag[j] - mean); }
-    s.z = s.h + crept(s);
+    CREEPS
+    s.z = s.hWITH_CREEP;
     push_modes(s, end);
     s.before = end;
 }
 fn reading(s: state, u) {
-    let share = (u - s.before) / in_sample;
+    SHARE
     for n in 0..substeps { move_modes(s, START, END); }
     let q = direct_input * s.before + direct_z * s.z;
     for i in 0..modes { q += s.mode[2 * i]; }

@@ -160,6 +160,7 @@ class IdentifyOptions(TypedDict, total=False):
 
     Joint method:
 
+    structure: Where hysteresis is ["hammerstein" or "feedback" or "auto"]; default: hammerstein
     effort: How much the search tries ["quick" or "usual" or "thorough"]; default: usual
     elements: Number of thresholds, levels or knots of the operator; default: default of the operator
     creep: Identify creep; default: true
@@ -183,6 +184,7 @@ class IdentifyOptions(TypedDict, total=False):
 
     method: Literal["joint", "paper"]
     operator: str
+    structure: Literal["hammerstein", "feedback", "auto"]
     effort: Literal["quick", "usual", "thorough"]
     order: int | None
     seed: int
@@ -392,6 +394,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     "IdentifyOptions": {
         "method": "joint",
         "operator": "auto",
+        "structure": "hammerstein",
         "effort": "usual",
         "order": None,
         "seed": 1,
