@@ -99,8 +99,8 @@ pub mod hysteresis {
 /// The linear block: its analysis, its inverses, and the estimators that fit it.
 pub mod linear {
     pub use piezoid_models::linear::{
-        Arx, Bootstrap, ESTIMATORS, Estimator, Fit, FittedMode, ModalFit, ModalForm, Orders, OutputError, Pole,
-        Refinement, Uncertain,
+        Arx, Bootstrap, ESTIMATORS, Estimator, Fit, ModalFit, ModalForm, Orders, OutputError, Pole, Refinement,
+        Uncertain,
     };
 }
 

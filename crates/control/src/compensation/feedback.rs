@@ -72,7 +72,7 @@ impl<'a> Flat<'a> {
         let (w, h) = (TAU * hz, self.model.ts());
         let hysteresis = self.model.hysteresis();
         let mut x = hysteresis.initial();
-        let mut crept = Crept::new(creep.iter().map(|lag| ((-h / lag.tau_s).exp(), lag.gain)).collect());
+        let mut crept = Crept::new(creep.iter().map(|lag| (libm::exp(-h / lag.tau_s), lag.gain)).collect());
         // An input at a limit of this search is beyond those that are allowed.
         let beyond = ends.1 - ends.0;
         let limits = [ends.0 - beyond, ends.1 + beyond].map(|u| u * by_input);

@@ -312,7 +312,8 @@ impl FeedForward {
                 return best.map_or(Err(self.unreachable(r, sample)), |best| self.compensated(best, Vec::new()));
             }
             next.rms = rms_error(r, &next.reached);
-            if best.as_ref().is_some_and(|best| !(next.rms < 0.98 * best.rms)) {
+            let is_better = best.as_ref().is_none_or(|best| next.rms < 0.98 * best.rms);
+            if !is_better {
                 break;
             }
             let residual: Vec<f64> = r.iter().zip(&next.reached).map(|(r, y)| r - y).collect();

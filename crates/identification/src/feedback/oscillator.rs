@@ -14,10 +14,10 @@ use piezoid_records::record::Record;
 /// read before that.
 const LONGEST_DELAY: usize = 1;
 
-/// Steps of the integration in a period of the mode, for an error of 1e-4 and of 1e-5 of the vibration, and most steps
+/// Steps of the integration in a period of the mode, for an error of 1e-4 and of 3e-6 of the vibration, and most steps
 /// in a sample.
 const COARSE: f64 = 80.0;
-const FINE: f64 = 240.0;
+const FINE: f64 = 480.0;
 const MAX_SUBSTEPS: usize = 20;
 
 /// Starts: the stiffness of the hysteresis over that of the mode, and its bend over the range.

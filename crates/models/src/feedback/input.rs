@@ -63,7 +63,7 @@ impl<'a> Path<'a> {
     }
 
     /// The same path if nothing moves before the first sample: a band-limited input then jumps there.
-    pub(super) fn from_rest(self) -> Self {
+    pub(super) fn at_rest(self) -> Self {
         Path { jumps: !self.tables.is_empty(), ..self }
     }
 

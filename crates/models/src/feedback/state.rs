@@ -33,7 +33,7 @@ impl FeedbackModel {
         let mut motion = Motion { modes, crept, sensed, z: others[3], before: others[4] };
         let path = Path::new(self, u, motion.before, whole);
         let is_at_rest = motion.modes.iter().all(|x| *x == [0.0; 2]);
-        let mut path = if is_at_rest { path.from_rest() } else { path };
+        let mut path = if is_at_rest { path.at_rest() } else { path };
         let mut y = delayed.to_vec();
         while let Some(stretch) = path.next_sample() {
             y.push(motion.advance(of, stretch, &mut |s| self.hysteresis.step(hysteresis, s)));
