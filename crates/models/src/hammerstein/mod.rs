@@ -313,6 +313,17 @@ impl Model {
         }
     }
 
+    /// The place of creep in the state, and its lags.
+    pub fn creep_of_state(&self) -> (usize, &[Lag]) {
+        match self.feedback() {
+            Some(feedback) => {
+                let dynamics = feedback.dynamics();
+                (feedback.hysteresis().order() + 2 * dynamics.modes.len(), &dynamics.creep)
+            }
+            None => (self.hysteresis.order(), self.creep.lags()),
+        }
+    }
+
     /// True if [`follow`](Model::follow) depends on inputs to come, so that a run in parts differs from the whole run.
     pub fn interpolates(&self) -> bool {
         self.feedback().is_some_and(|feedback| feedback.dynamics().intersample == Intersample::BandLimited)

@@ -131,8 +131,7 @@ pub(super) struct Answer {
 /// The steady-state response of `model` to one period of `u` [V].
 pub(super) fn answer(model: &Model, u: &[f64]) -> Answer {
     let length = u.len() as f64 * model.ts();
-    let lags = model.creep().lags();
-    let from = model.hysteresis().order();
+    let (from, lags) = model.creep_of_state();
     let mut x = model.settled(u.first().copied().unwrap_or(0.0));
     let mut answer = Answer { y: model.resume(&mut x, u), differs: f64::INFINITY };
     let patience = PATIENCE.min(OPERATIONS / model.effort().map_or(f64::INFINITY, |effort| effort.max(1.0))) as usize;

@@ -118,6 +118,8 @@ impl Predictive {
     /// is constant; [`Error::Unidentifiable`] for a model in which a constant disturbance is not observable.
     pub fn new(model: &Model, settings: PredictiveSettings) -> Result<Self, Error> {
         settings.check()?;
+        // It predicts by the blocks in series.
+        let model = &model.without_feedback();
         let (bottom, top) = settings.voltage;
         let unsuited = |because: String| Error::Unsuited { what: "predictive control".into(), because };
         if let Some(u) = model.hysteresis().falling_input(bottom, top) {

@@ -7,6 +7,7 @@ use super::*;
 use nalgebra::DMatrix;
 use piezoid_models::creep::Creep;
 use piezoid_models::driver::DriverModel;
+use piezoid_models::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel};
 use piezoid_models::hysteresis::{Hysteresis, Operator, Proportional, load};
 use piezoid_testing::assert_close;
 use serde_json::json;
@@ -411,4 +412,20 @@ fn voltage_limits_that_exclude_zero_are_reached_and_kept() {
             assert_close(&y[900..], &[near; 100], 0.02, 0.05);
         }
     }
+}
+
+#[test]
+fn mechanics_with_hysteresis_in_feedback_are_controlled_by_their_blocks_in_series() {
+    let mode = FeedbackMode { hz: 100.0, damping: 0.1, input: 1.0, hysteretic: -0.2, sensed: 1.0, softening: 0.0 };
+    let dynamics = FeedbackDynamics { modes: vec![mode], sensed: 0.0, ..FeedbackDynamics::default() };
+    let blocks = model(1.0);
+    let friction = (Operator::find("bouc-wen").unwrap().example)(blocks.ts()).unwrap();
+    let feedback = FeedbackModel::new(blocks.ts(), dynamics, friction).unwrap();
+    let run = |model: &Model| {
+        let mpc = Predictive::new(model, PredictiveSettings::default()).unwrap();
+        let mut x = mpc.settled(0.0);
+        let input = |t: usize| ControllerInput { ahead: &[5.0; 20][t..], ..Default::default() };
+        (0..20).map(|t| mpc.step(&mut x, &input(t))).collect::<Vec<_>>()
+    };
+    assert_eq!(run(&blocks.clone().with_feedback(feedback).unwrap()), run(&blocks));
 }
