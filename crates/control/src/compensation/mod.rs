@@ -366,7 +366,7 @@ impl FeedForward {
             before = found.u;
             run.u.push(before);
         }
-        run.reached = self.whole.resume(&mut self.whole.settled(start), &run.u);
+        run.reached = self.whole.follow(&mut self.whole.settled(start), &run.u);
         run
     }
 

@@ -158,7 +158,8 @@ fn held_out_percent(model: &Model, records: &[Record]) -> f64 {
             let run = model.follow(&mut model.before(u, initial), u);
             let mut errors: Vec<f64> = record.y().iter().zip(run).map(|(y, run)| y - run).collect();
             let rest = errors.split_off(cut);
-            (scatter(&errors), rest.iter().map(|e| (e - mean(&errors)).powi(2)).sum::<f64>())
+            let offset = mean(&errors);
+            (scatter(&errors), rest.iter().map(|e| (e - offset).powi(2)).sum::<f64>())
         };
         let each = InitialCondition::of(u).map(errors).into_iter();
         let (_, square) = each.min_by(|p, q| p.0.total_cmp(&q.0)).unwrap_or_default();

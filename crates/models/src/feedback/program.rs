@@ -2,6 +2,7 @@
 
 use super::run::{Coefficients, LEAST};
 use super::{FeedbackModel, Intersample};
+use crate::hysteresis;
 use crate::program::{Block, Program};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
@@ -13,13 +14,8 @@ impl FeedbackModel {
     /// # Errors
     /// [`Error::Unsuited`] if the operator has no program.
     pub fn program(&self) -> Result<Program, Error> {
-        let unsuited = || {
-            let because = format!("its operator, `{}`, has none", self.hysteresis.operator().name);
-            Error::Unsuited { what: "program".into(), because }
-        };
         let remembers = self.hysteresis.order() > 0;
-        let operator = self.hysteresis.block().ok_or_else(unsuited)?;
-        let mut program = Program::new(vec![Block::elementary(), operator])?;
+        let mut program = hysteresis::program(&*self.hysteresis)?;
         let block = Block::new("state", "the model: modes with hysteresis in feedback");
         let block = if remembers { block.part("hysteresis", "hysteresis") } else { block };
         let block = self.constants(self.fields(block));

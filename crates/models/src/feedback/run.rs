@@ -69,8 +69,7 @@ impl<R: Real> Motion<'_, R> {
     /// What the sensor reads.
     pub(super) fn reading(&self, of: &Coefficients<R>) -> R {
         let q = of.direct[0] * R::from(self.before) + of.direct[1] * self.z;
-        let q = self.modes.iter().fold(q, |q, x| q + x[0]);
-        q + of.curve * q * q + of.offset
+        of.reading(self.modes.iter().fold(q, |q, x| q + x[0]))
     }
 
     /// The force acts on the modes at this input.
@@ -150,6 +149,11 @@ impl<R: Real> Sensed<R> {
 }
 
 impl<R: Real> Coefficients<R> {
+    /// What the sensor reads at the displacement `q`.
+    pub(super) fn reading(&self, q: R) -> R {
+        q + self.curve * q * q + self.offset
+    }
+
     /// s at this input; z matters if it senses vibration.
     fn driven(&self, modes: &[[R; 2]], u: f64, z: R) -> R {
         let u = R::from(u);

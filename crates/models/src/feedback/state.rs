@@ -1,6 +1,7 @@
 //! A feedback model as a system: sample by sample, with a state.
 
 use super::input::Path;
+use super::modes::ModeStep;
 use super::run::{Coefficients, Motion, Sensed};
 use super::{FeedbackDynamics, FeedbackMode, FeedbackModel};
 use piezoid_numerics::system::System;
@@ -47,18 +48,17 @@ impl FeedbackModel {
     /// The state after the inputs `u`, from rest, if all modes were damped and creep was fast: slow movement, whatever
     /// the rate of `u`. It is settled at the last one.
     pub(crate) fn after_slow(&self, u: &[f64]) -> Vec<f64> {
-        let modes = &self.dynamics.modes;
-        let damped = modes.iter().map(|mode| FeedbackMode { damping: 1.0, ..*mode }).collect();
-        let slow = FeedbackDynamics { modes: damped, ..self.dynamics.clone() };
-        let Ok(mut slow) = self.clone().with_dynamics(slow) else { return self.initial() };
-        slow.coefficients.lags.iter_mut().for_each(|(stays, _)| *stays = 0.0);
+        let FeedbackDynamics { modes, substeps, .. } = &self.dynamics;
+        let damped = |mode: &FeedbackMode| ModeStep::new(mode.hz * TAU, 1.0, self.ts / *substeps as f64);
+        let mut slow = Coefficients { steps: modes.iter().map(damped).collect(), ..self.coefficients.clone() };
+        slow.lags.iter_mut().for_each(|(stays, _)| *stays = 0.0);
         let slowest = modes.iter().map(|mode| mode.hz).fold(f64::INFINITY, f64::min);
         let settling = (SETTLED / (TAU * slowest) / self.ts).ceil() as usize + self.dynamics.delay + 1;
         let last = u.last().copied().unwrap_or_default();
         let mut inputs: Vec<f64> = u.to_vec();
         inputs.resize(u.len() + settling.min(MAX_SETTLING), last);
         let mut x = self.initial();
-        slow.advance(&slow.coefficients, &mut x, &inputs, false);
+        self.advance(&slow, &mut x, &inputs, false);
         let (modes, _) = x[self.hysteresis.order()..].as_chunks_mut();
         modes.iter_mut().zip(&self.coefficients.steps).for_each(|(x, step)| *x = step.resting(x[0]));
         x
@@ -84,9 +84,7 @@ impl System for FeedbackModel {
         let h = self.hysteresis.step(&mut x[..before], 0.0);
         let others = x.len() - OTHERS;
         (x[others + 1], x[others + 3]) = (h, h);
-        // Readings at rest: the output of the dynamics without a movement.
-        let q = self.dynamics.direct[1] * h;
-        x.resize(self.order(), q + self.dynamics.curve * q * q + self.dynamics.offset);
+        x.resize(self.order(), self.coefficients.reading(self.dynamics.direct[1] * h));
         x
     }
 

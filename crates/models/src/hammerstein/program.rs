@@ -1,7 +1,7 @@
 //! The model as a program.
 
 use super::Model;
-use crate::hysteresis::{inverse, inverse_behind_a_driver};
+use crate::hysteresis::{self, inverse, inverse_behind_a_driver};
 use crate::program::{Block, Program};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
@@ -56,11 +56,7 @@ fn step(s: state, u) {{
 
     /// The blocks before the linear one, and their inverses.
     pub fn before_the_linear_block(&self) -> Result<Program, Error> {
-        let unsuited = || {
-            let because = format!("its operator, `{}`, has none", self.hysteresis().operator().name);
-            Error::Unsuited { what: "program".into(), because }
-        };
-        let mut program = Program::new(vec![Block::elementary(), self.hysteresis().block().ok_or_else(unsuited)?])?;
+        let mut program = hysteresis::program(self.hysteresis())?;
         inverse(&mut program)?;
         if let Some(driver) = self.driver() {
             let remembers = self.hysteresis().order() > 0;

@@ -35,7 +35,7 @@ pub use rate_scheduled::{Pair, RateScheduled};
 pub use real::{LANES, Real, Sensitive, Several};
 pub use two_branch::{HeldInput, TwoBranch};
 
-use crate::program::Block;
+use crate::program::{Block, Program};
 use piezoid_numerics::error::{Error, alike, row};
 use piezoid_numerics::system::System;
 use serde::{Serialize, Serializer};
@@ -217,6 +217,15 @@ pub fn load(document: &Value, ts: f64) -> Result<Arc<dyn Hysteresis>, Error> {
     let mut params = document.as_object().cloned().ok_or_else(missing)?;
     let name = params.remove("operator").and_then(|v| v.as_str().map(String::from)).ok_or_else(missing)?;
     (Operator::find(&name)?.load)(Value::Object(params), ts)
+}
+
+/// The program of an operator, with the elementary functions.
+pub(crate) fn program(hysteresis: &dyn Hysteresis) -> Result<Program, Error> {
+    let unsuited = || {
+        let because = format!("its operator, `{}`, has none", hysteresis.operator().name);
+        Error::Unsuited { what: "program".into(), because }
+    };
+    Program::new(vec![Block::elementary(), hysteresis.block().ok_or_else(unsuited)?])
 }
 
 /// Deserialises parameters; the error names the operator.
