@@ -13,9 +13,16 @@
 //! Reference: M. Fliess, J. Levine, P. Martin, P. Rouchon, Int. J. Control 61 (1995), DOI 10.1080/00207179508921959
 //! (flatness).
 
+use super::{Compensated, FeedForward, InverseRun};
+use piezoid_models::creep::Creep;
 use piezoid_models::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel, Intersample};
+use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
 use std::f64::consts::TAU;
+
+/// Iterations of the inverse of mechanics in feedback, if no more are requested: it is exact only for infinitely many
+/// samples.
+const LEAST_ITERATIONS: usize = 10;
 
 /// The inverse of a feedback model.
 #[derive(Debug)]
@@ -24,12 +31,13 @@ pub(super) struct Flat<'a> {
     mode: FeedbackMode,
     /// Share of the mode in the static displacement.
     share: f64,
+    creep: Creep,
 }
 
 impl<'a> Flat<'a> {
     /// `None` if the model has no such inverse: without a mode, or if both input and displacement drive the hysteresis.
     pub(super) fn of(model: &'a FeedbackModel) -> Option<Self> {
-        let FeedbackDynamics { modes, sensed, senses_vibration, direct, .. } = model.dynamics();
+        let FeedbackDynamics { modes, sensed, senses_vibration, direct, creep, .. } = model.dynamics();
         let mode = *modes.first()?;
         let all = |of: fn(&FeedbackMode) -> f64| modes.iter().map(of).sum::<f64>();
         let is_sensed = modes.iter().any(|mode| mode.sensed != 0.0);
@@ -41,7 +49,8 @@ impl<'a> Flat<'a> {
             (_, true) => mode.hysteretic / (all(|mode| mode.hysteretic) + direct[1]),
             _ => return None,
         };
-        share.is_finite().then_some(Flat { model, mode, share })
+        let creep = Creep::new(model.ts(), creep.clone()).ok()?;
+        share.is_finite().then_some(Flat { model, mode, share, creep })
     }
 
     /// The input for the readings `r`, from rest, then settled at the first of them; `ends` are the lowest and the
@@ -68,11 +77,13 @@ impl<'a> Flat<'a> {
     /// The input behind the driver at the end of each sample, for the displacement `p` of the mode.
     fn voltages(&self, p: &[f64], ends: (f64, f64)) -> Vec<f64> {
         let FeedbackMode { hz, damping, input, hysteretic, sensed, softening } = self.mode;
-        let FeedbackDynamics { modes, sensed: by_input, creep, .. } = self.model.dynamics();
+        let FeedbackDynamics { modes, sensed: by_input, .. } = self.model.dynamics();
         let (w, h) = (TAU * hz, self.model.ts());
         let hysteresis = self.model.hysteresis();
         let mut x = hysteresis.initial();
-        let mut crept = Crept::new(creep.iter().map(|lag| (libm::exp(-h / lag.tau_s), lag.gain)).collect());
+        // Creep is settled at the first sample.
+        let (creep, mut crept) = (&self.creep, None::<Vec<f64>>);
+        let settled = creep.step(&mut creep.settled(1.0), 1.0);
         // An input at a limit of this search is beyond those that are allowed.
         let beyond = ends.1 - ends.0;
         let limits = [ends.0 - beyond, ends.1 + beyond].map(|u| u * by_input);
@@ -83,15 +94,46 @@ impl<'a> Flat<'a> {
             let a = acceleration / (w * w) + 2.0 * damping * speed / w;
             let force = p[t] + a / (1.0 - softening * a.abs()).max(0.1);
             if *by_input == 0.0 {
-                let z = crept.after(hysteresis.step(&mut x, sensed * p[t]));
+                let inner = hysteresis.step(&mut x, sensed * p[t]);
+                let z = creep.step(crept.get_or_insert_with(|| creep.settled(inner)), inner);
                 return (force - hysteretic * z) / input;
             }
-            let inner = hysteresis.invert(&x, crept.before(force / hysteretic), limits).u;
-            crept.after(hysteresis.step(&mut x, inner));
+            let z = force / hysteretic;
+            let before_creep = crept.as_ref().map_or(z / settled, |crept| creep.invert(crept, z));
+            let s = hysteresis.invert(&x, before_creep, limits).u;
+            let inner = hysteresis.step(&mut x, s);
+            creep.step(crept.get_or_insert_with(|| creep.settled(inner)), inner);
             // The vibration of the other modes is taken for that of the first one.
-            (inner - returned * (p[t] - force)) / by_input
+            (s - returned * (p[t] - force)) / by_input
         };
         (0..p.len()).map(&mut of).collect()
+    }
+}
+
+impl FeedForward {
+    /// The voltage for the reference `r` by the inverse of mechanics in feedback; iterations correct what it leaves.
+    pub(super) fn in_feedback(&self, flat: &Flat, r: &[f64]) -> Result<Compensated, Error> {
+        let invert = |target: &[f64]| self.limited(flat.input(target, self.ends));
+        let most = self.settings.iterations.max(LEAST_ITERATIONS);
+        let (best, ..) = self.corrected(r, r.to_vec(), most, invert, smooth)?;
+        self.compensated(best, Vec::new())
+    }
+
+    /// The response to the inputs `u`, within the limits.
+    fn limited(&self, mut u: Vec<f64>) -> InverseRun {
+        let mut run = InverseRun::default();
+        let mut before = u.first().copied().unwrap_or_default().clamp(self.ends.0, self.ends.1);
+        for (t, u) in u.iter_mut().enumerate() {
+            let (low, high) = self.from(before);
+            if !(low..=high).contains(u) {
+                run.clipped += 1;
+                run.missed = run.missed.or(Some(t));
+            }
+            *u = u.clamp(low, high);
+            before = *u;
+        }
+        let start = u.first().copied().unwrap_or_default();
+        InverseRun { reached: self.whole.follow(&mut self.whole.settled(start), &u), u, ..run }
     }
 }
 
@@ -101,7 +143,7 @@ fn straight(y: f64, c: f64) -> f64 {
 }
 
 /// `x` without what is near half the sampling rate, where the inverse lacks the other modes: cos^4(pi f / fs) remains.
-pub(super) fn smooth(x: &[f64]) -> Vec<f64> {
+fn smooth(x: &[f64]) -> Vec<f64> {
     let mean = |t: usize| {
         let [a, b, c, d, e] = [-2, -1, 0, 1, 2].map(|k| sample(x, t, k));
         (a + 4.0 * b + 6.0 * c + 4.0 * d + e) / 16.0
@@ -121,56 +163,15 @@ fn derivatives(p: &[f64], t: usize, h: f64) -> [f64; 2] {
     [(a - 8.0 * b + 8.0 * d - e) / (12.0 * h), (-a + 16.0 * b - 30.0 * c + 16.0 * d - e) / (12.0 * h * h)]
 }
 
-/// Creep along the samples of H, settled at the first.
-struct Crept {
-    /// What a sample leaves of the way to H, and the gain, of each lag.
-    lags: Vec<(f64, f64)>,
-    x: Vec<f64>,
-    last: Option<f64>,
-}
-
-impl Crept {
-    fn new(lags: Vec<(f64, f64)>) -> Self {
-        Crept { x: vec![0.0; lags.len()], lags, last: None }
-    }
-
-    /// H with what creep adds.
-    fn after(&mut self, h: f64) -> f64 {
-        let Some(last) = self.last.replace(h) else {
-            self.x.fill(h);
-            return h * (1.0 + self.lags.iter().map(|(_, gain)| gain).sum::<f64>());
-        };
-        let mean = 0.5 * (last + h);
-        let step = |(x, (stays, gain)): (&mut f64, &(f64, f64))| {
-            *x = mean + stays * (*x - mean);
-            gain * *x
-        };
-        h + self.x.iter_mut().zip(&self.lags).map(step).sum::<f64>()
-    }
-
-    /// The H after which this is `z`.
-    fn before(&self, z: f64) -> f64 {
-        let gains = || self.lags.iter().zip(&self.x);
-        match self.last {
-            None => z / (1.0 + self.lags.iter().map(|(_, gain)| gain).sum::<f64>()),
-            Some(last) => {
-                let rest: f64 = gains().map(|((stays, gain), x)| gain * (0.5 * (1.0 - stays) * last + stays * x)).sum();
-                (z - rest) / (1.0 + gains().map(|((stays, gain), _)| 0.5 * gain * (1.0 - stays)).sum::<f64>())
-            }
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::super::{FeedForward, FeedForwardSettings};
+    use super::super::FeedForwardSettings;
     use super::*;
     use piezoid_models::creep::Lag;
     use piezoid_models::driver::DriverModel;
     use piezoid_models::hammerstein::Model;
     use piezoid_models::hysteresis::Operator;
     use piezoid_models::linear::Arx;
-    use piezoid_numerics::error::Error;
     use piezoid_records::excitation::Limits;
 
     const TS: f64 = 5e-4;

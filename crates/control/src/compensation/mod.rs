@@ -43,10 +43,6 @@ const BEYOND: f64 = 0.05;
 /// Share of the range of an operator below which an error counts as zero.
 const REACHED: f64 = 1e-9;
 
-/// Iterations of the inverse of mechanics in feedback, if no more are requested: it is exact only for infinitely many
-/// samples.
-const LEAST_ITERATIONS: usize = 10;
-
 /// Settings of the feed-forward. The default has no limits but the model's own, clips nothing, and makes no iterations.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FeedForwardSettings {
@@ -263,28 +259,12 @@ impl FeedForward {
         target.truncate(r.len());
         let held = (first - offset) / self.model.linear().dc_gain();
         let start = self.model.static_input_before_linear(held, self.ends);
-        let mut best = self.invert_path(&target, start.u);
         if !self.within(start.z - held) && (start.u <= self.ends.0 || start.u >= self.ends.1) && !self.settings.clip {
             return Err(self.unreachable(r, 0));
         }
-        if let Some(sample) = best.missed.filter(|_| !self.settings.clip) {
-            return Err(self.unreachable(r, sample));
-        }
-        best.rms = rms_error(r, &best.reached);
-        let first_rms = best.rms;
-        let mut iterations = 0;
-        for _ in 0..self.settings.iterations {
-            let residual: Vec<f64> = r.iter().zip(&best.reached).map(|(r, y)| r - y).collect();
-            self.preview.fir().whole(&residual).iter().zip(&mut target).for_each(|(more, target)| *target += more);
-            let mut next = self.invert_path(&target, start.u);
-            next.rms = rms_error(r, &next.reached);
-            let allowed = self.settings.clip
-                || (next.missed.is_none() && self.settings.limits.refuse(&next.u, self.model.ts()).is_ok());
-            if !(allowed && next.rms < 0.98 * best.rms) {
-                break;
-            }
-            (best, iterations) = (next, iterations + 1);
-        }
+        let invert = |target: &[f64]| self.invert_path(target, start.u);
+        let more = |residual: &[f64]| self.preview.fir().whole(residual);
+        let (best, iterations, first_rms) = self.corrected(r, target, self.settings.iterations, invert, more)?;
         let mut notes = self.notes.clone();
         if iterations > 0 {
             let (from, to, unit) = (short(first_rms), short(best.rms), &self.model.units().y);
@@ -303,41 +283,37 @@ impl FeedForward {
         Ok(Compensated { u: best.u, reached: best.reached, usage, clipped: best.clipped, notes })
     }
 
-    /// The voltage for the reference `r` by the inverse of mechanics in feedback; iterations correct what it leaves.
-    fn in_feedback(&self, flat: &Flat, r: &[f64]) -> Result<Compensated, Error> {
-        let (mut target, mut best) = (r.to_vec(), None::<InverseRun>);
-        for _ in 0..=self.settings.iterations.max(LEAST_ITERATIONS) {
-            let mut next = self.limited(flat.input(&target, self.ends));
-            if let Some(sample) = next.missed.filter(|_| !self.settings.clip) {
-                return best.map_or(Err(self.unreachable(r, sample)), |best| self.compensated(best, Vec::new()));
-            }
-            next.rms = rms_error(r, &next.reached);
-            let is_better = best.as_ref().is_none_or(|best| next.rms < 0.98 * best.rms);
-            if !is_better {
-                break;
-            }
-            let residual: Vec<f64> = r.iter().zip(&next.reached).map(|(r, y)| r - y).collect();
-            target.iter_mut().zip(feedback::smooth(&residual)).for_each(|(target, more)| *target += more);
-            best = Some(next);
+    /// The inversion of `target`, corrected at most so often and as long as the error falls by what its response leaves
+    /// of `r`, sent through `more`: the best run, the number of corrections, and the error of the first run.
+    fn corrected(
+        &self,
+        r: &[f64],
+        mut target: Vec<f64>,
+        most: usize,
+        invert: impl Fn(&[f64]) -> InverseRun,
+        more: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Result<(InverseRun, usize, f64), Error> {
+        let run = |target: &[f64]| {
+            let run = invert(target);
+            InverseRun { rms: rms_error(r, &run.reached), ..run }
+        };
+        let mut best = run(&target);
+        if let Some(sample) = best.missed.filter(|_| !self.settings.clip) {
+            return Err(self.unreachable(r, sample));
         }
-        self.compensated(best.unwrap_or_default(), Vec::new())
-    }
-
-    /// The response to the inputs `u`, within the limits.
-    fn limited(&self, mut u: Vec<f64>) -> InverseRun {
-        let mut run = InverseRun::default();
-        let mut before = u.first().copied().unwrap_or_default().clamp(self.ends.0, self.ends.1);
-        for (t, u) in u.iter_mut().enumerate() {
-            let (low, high) = self.from(before);
-            if !(low..=high).contains(u) {
-                run.clipped += 1;
-                run.missed = run.missed.or(Some(t));
+        let first_rms = best.rms;
+        for done in 0..most {
+            let residual: Vec<f64> = r.iter().zip(&best.reached).map(|(r, y)| r - y).collect();
+            more(&residual).iter().zip(&mut target).for_each(|(more, target)| *target += more);
+            let next = run(&target);
+            let allowed = self.settings.clip
+                || (next.missed.is_none() && self.settings.limits.refuse(&next.u, self.model.ts()).is_ok());
+            if !(allowed && next.rms < 0.98 * best.rms) {
+                return Ok((best, done, first_rms));
             }
-            *u = u.clamp(low, high);
-            before = *u;
+            best = next;
         }
-        let start = u.first().copied().unwrap_or_default();
-        InverseRun { reached: self.whole.follow(&mut self.whole.settled(start), &u), u, ..run }
+        Ok((best, most, first_rms))
     }
 
     /// The reference without offset, extrapolated beyond its end: mirrored through its last point.
