@@ -11,7 +11,7 @@ use piezoid_numerics::number::{round, short as number};
 use piezoid_verbs::Validated;
 
 const IN_FEEDBACK: &str = "Hysteresis in feedback of the mechanics gives the response: see its parameters below. The linear \
-                           block and the hysteresis block in series approximate it, for inverses and margins.";
+                           block and the hysteresis block in series approximate it, for margins and controllers.";
 
 /// The results as text for the terminal.
 pub(super) fn summary(result: &Identification, console: &Console) -> String {

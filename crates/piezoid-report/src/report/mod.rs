@@ -4,6 +4,7 @@ mod comparison;
 mod creep;
 mod cycles;
 mod errors;
+mod feedback;
 mod hysteresis;
 mod identification;
 mod linear;
@@ -36,16 +37,23 @@ pub fn identification(result: &Identification) -> Page {
     page(&result.found.model, "Training records", result.found.model.verdict().as_ref(), &training, section)
 }
 
-fn page(model: &Model, title: &str, verdict: Option<&Verdict>, validated: &Validated, more: Option<Section>) -> Page {
+fn page(model: &Model, records: &str, verdict: Option<&Verdict>, validated: &Validated, more: Option<Section>) -> Page {
     let trials = &validated.files[..];
     let operator = model.hysteresis().operator();
     let block = match model.linear().a().len() {
         0 => "a gain without dynamics".into(),
         n => format!("linear block of order {n}"),
     };
-    let validation = (!trials.is_empty()).then(|| validation(title, verdict, validated));
-    Page::new("Hammerstein model")
-        .subtitle(format!("{} hysteresis, {block}, sampled every {}\u{a0}s", operator.name, model.ts()))
+    let validation = (!trials.is_empty()).then(|| validation(records, verdict, validated));
+    let (title, subtitle) = match model.feedback() {
+        Some(_) => ("Hysteresis in feedback", model.to_string()),
+        None => {
+            let blocks = format!("{} hysteresis, {block}, sampled every {}\u{a0}s", operator.name, model.ts());
+            ("Hammerstein model", blocks)
+        }
+    };
+    Page::new(title)
+        .subtitle(subtitle)
         .each(validation.into_iter().chain(more), Page::section)
         .each(trials.iter().map(record::section), Page::section)
         .section(model::section(model, trials))
@@ -87,6 +95,7 @@ fn validation(title: &str, verdict: Option<&Verdict>, validated: &Validated) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use piezoid::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel};
     use piezoid::hysteresis::OPERATORS;
     use piezoid::linear::Arx;
     use piezoid::{Record, Validate};
@@ -194,6 +203,19 @@ mod tests {
         // Other entries do no harm.
         let odd = json!({"trials": [7, {"operator": []}], "parameters": "none"});
         assert!(report(&beam().with_provenance(odd), &NONE).html().contains("Operators tried"));
+    }
+
+    #[test]
+    fn hysteresis_in_feedback_is_the_title_of_its_model() {
+        let mode = FeedbackMode { hz: 90.0, damping: 0.1, input: 1.0, hysteretic: -0.2, sensed: 1.0, softening: 0.0 };
+        let dynamics = FeedbackDynamics { modes: vec![mode], sensed: 0.0, ..FeedbackDynamics::default() };
+        let friction = (piezoid::hysteresis::Operator::find("dahl").unwrap().example)(5e-4).unwrap();
+        let feedback = FeedbackModel::new(5e-4, dynamics, friction).unwrap();
+        let title = "<h1>Hysteresis in feedback</h1>";
+        let of = |model: &Model| report(model, &NONE).html();
+        let html = of(&beam().with_feedback(feedback).unwrap());
+        assert!(html.contains(title) && html.contains("the displacement of the modes drives the hysteresis, dahl"));
+        assert!(!of(&beam()).contains(title));
     }
 
     #[test]

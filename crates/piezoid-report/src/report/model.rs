@@ -1,6 +1,6 @@
 //! The model in the report, block by block, from input to output.
 
-use super::{creep, hysteresis, linear};
+use super::{creep, feedback, hysteresis, linear};
 use crate::each::Each;
 use crate::page::Section;
 use piezoid::driver::DriverModel;
@@ -13,6 +13,7 @@ use std::f64::consts::TAU;
 pub(super) fn section(model: &Model, trials: &[Compared]) -> Section {
     let section = Section::new("The model")
         .each(model.identified(), |section, domain| section.text(known(domain, &model.units().u)))
+        .each(model.feedback(), feedback::block)
         .each(model.driver(), |section, driver| section.heading("Driver").text(limits(driver, model)));
     let section = hysteresis::block(section, model, trials);
     let section = creep::block(section, model.creep());
