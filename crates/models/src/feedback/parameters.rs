@@ -212,18 +212,12 @@ impl FeedbackModel {
             let shape = rows.split_off(rows.len() - basis.shape().len());
             let weights = rows.split_off(rows.len() - weights.len());
             let start = start.chunks_exact(2).map(|x| [x[0], x[1]]).collect();
-            let mut state = vec![Sensitive::from(0.0); basis.order()];
-            let mut known = true;
-            let mut hysteresis = |s: Sensitive| {
-                let z = basis.sensitive_step(&weights, &shape, &mut state, s);
-                known &= z.is_some();
-                z.unwrap_or(Sensitive::from(0.0))
-            };
-            let run = run(&coefficients, &mut hysteresis, start, Path::of(self, u));
+            let mut hysteresis = basis.sensitive(&weights, &shape)?;
+            let run = run(&coefficients, &mut *hysteresis, start, Path::of(self, u));
             let y = run.iter().map(|v| v.value).collect::<Vec<_>>();
             let slope = |k: usize| run.iter().map(|v| v.slope.0[k]).collect::<Vec<_>>();
             let slopes = (0..LANES.min(x.len() - from)).map(slope).collect::<Vec<_>>();
-            known.then_some((y, slopes))
+            Some((y, slopes))
         };
         let parts: Option<Vec<_>> = (0..x.len()).step_by(LANES).collect::<Vec<_>>().into_par_iter().map(of).collect();
         let parts = parts.ok_or_else(unknown)?;

@@ -33,6 +33,9 @@ impl BasisDesign {
     }
 }
 
+/// An operator with its state: the next input to the next z.
+pub type SensitiveOperator<'a> = Box<dyn FnMut(Sensitive) -> Sensitive + 'a>;
+
 /// The responses phi_k of an operator, and the operator for given weights.
 ///
 /// ```
@@ -86,15 +89,9 @@ pub trait Basis: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// One sample of z with its derivatives by some parameters, on which weights, shape, state and input may depend.
-    /// `None` if the operator has none.
-    fn sensitive_step(
-        &self,
-        _weights: &[Sensitive],
-        _shape: &[Sensitive],
-        _x: &mut [Sensitive],
-        _u: Sensitive,
-    ) -> Option<Sensitive> {
+    /// The operator from rest, a sample at a time, with the derivatives of z by some parameters, on which weights, shape
+    /// and input may depend. `None` if the operator has none.
+    fn sensitive<'a>(&'a self, _weights: &'a [Sensitive], _shape: &'a [Sensitive]) -> Option<SensitiveOperator<'a>> {
         None
     }
 

@@ -3,7 +3,7 @@
 //!
 //! Why: docs/decisions/hysteresis-laws.md, "A law is written twice, to run and to export".
 
-use super::basis::{Basis, ShapeParameter, counted, curvature};
+use super::basis::{Basis, SensitiveOperator, ShapeParameter, counted, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials, with_scratch};
 use super::real::{Dual, Real, Sensitive, Several, Slope};
 use super::{Hysteresis, Operator, document, parse, thresholds};
@@ -367,16 +367,13 @@ impl<L: Law> Basis for Weighted<L> {
         }
     }
 
-    fn sensitive_step(
-        &self,
-        weights: &[Sensitive],
-        shape: &[Sensitive],
-        x: &mut [Sensitive],
-        u: Sensitive,
-    ) -> Option<Sensitive> {
-        let mut z = Sensitive::from(0.0);
-        self.advance(shape, x, u, |k, phi| z = z + weights[k] * phi);
-        Some(z)
+    fn sensitive<'a>(&'a self, weights: &'a [Sensitive], shape: &'a [Sensitive]) -> Option<SensitiveOperator<'a>> {
+        let mut x = vec![Sensitive::from(0.0); Basis::order(self)];
+        Some(Box::new(move |u| {
+            let mut z = Sensitive::from(0.0);
+            self.advance(shape, &mut x, u, |k, phi| z = z + weights[k] * phi);
+            z
+        }))
     }
 
     fn operator(&self, weights: &[f64]) -> Result<Arc<dyn Hysteresis>, Error> {

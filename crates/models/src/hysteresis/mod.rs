@@ -25,7 +25,7 @@ mod thresholds;
 mod two_branch;
 
 #[doc(hidden)]
-pub use basis::{Basis, BasisDesign, ShapeParameter};
+pub use basis::{Basis, BasisDesign, SensitiveOperator, ShapeParameter};
 pub use branches::{Branches, LoopOptions, MeasuredLoop, Split};
 pub use inverse::Inverted;
 pub(crate) use inverse::{between, inverse, inverse_behind_a_driver, with_scratch};

@@ -16,47 +16,86 @@ use piezoid_numerics::intervals::Intervals;
 
 /// E and V, tabulated.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Everett {
+pub(super) struct Everett<W = f64> {
     grid: Grid,
     /// E at the nodes (M = l_i, m = l_j) without the cells on the diagonal.
-    nodes: Vec<f64>,
+    nodes: Vec<W>,
     /// The weights on the diagonal, and their sum below each level.
-    diagonal: Vec<f64>,
-    diagonal_below: Vec<f64>,
+    diagonal: Vec<W>,
+    diagonal_below: Vec<W>,
     /// Break points of V, and V at each of them, halfway to the next, and at the next.
     breaks: Intervals,
-    virgin: Vec<[f64; 3]>,
+    virgin: Vec<[W; 3]>,
 }
 
-impl Everett {
+impl<W: Real> Everett<W> {
     /// `weights` has one number per cell of the triangle.
-    pub(super) fn new(grid: &Grid, weights: &[f64]) -> Self {
+    pub(super) fn new(grid: &Grid, weights: &[W]) -> Self {
+        let zero = W::from(0.0);
         let (levels, n) = (grid.levels(), grid.rows());
         let stride = n + 1;
-        let mut nodes = vec![0.0; stride * stride];
+        let mut nodes = vec![zero; stride * stride];
         for i in 1..=n {
-            let mut row = 0.0;
+            let mut row = zero;
             for j in (0..i).rev() {
-                row += if j < i - 1 { weights[cell(i - 1, j)] } else { 0.0 };
+                row = row + if j < i - 1 { weights[cell(i - 1, j)] } else { zero };
                 nodes[i * stride + j] = nodes[(i - 1) * stride + j] + row;
             }
         }
-        let diagonal: Vec<f64> = (0..n).map(|i| weights[cell(i, i)]).collect();
-        let sum = |below: &mut f64, w: &f64| Some(std::mem::replace(below, *below + w));
-        let diagonal_below = diagonal.iter().chain([&0.0]).scan(0.0, sum).collect();
+        let diagonal: Vec<W> = (0..n).map(|i| weights[cell(i, i)]).collect();
+        let sum = |below: &mut W, w: &W| Some(std::mem::replace(below, *below + *w));
+        let diagonal_below = diagonal.iter().chain([&zero]).scan(zero, sum).collect();
 
         let mut breaks: Vec<f64> = levels.iter().flat_map(|l| [*l, -*l]).chain([0.0]).collect();
         breaks.sort_by(f64::total_cmp);
         breaks.dedup();
         let switched = |u: f64| {
-            let mut sum = 0.0;
-            grid.since_rest(u, |k, share| sum += weights[k] * share);
+            let mut sum = zero;
+            grid.since_rest(u, |k, share| {
+                if share != 0.0 {
+                    sum = sum + weights[k] * share.into();
+                }
+            });
             if u < 0.0 { -sum } else { sum }
         };
         let virgin = breaks.windows(2).map(|w| [w[0], 0.5 * (w[0] + w[1]), w[1]].map(switched)).collect();
         Everett { grid: grid.clone(), nodes, diagonal, diagonal_below, breaks: Intervals::new(breaks), virgin }
     }
 
+    /// E between `m` and `M`, m <= M.
+    pub(super) fn between<R: Real>(&self, m: R, high: R) -> R
+    where
+        W: Into<R>,
+    {
+        let ((i, a), (j, b)) = (self.grid.place(high), self.grid.place(m));
+        if i == j {
+            return self.diagonal[i].into() * (a - b) * (a - b);
+        }
+        let one = R::from(1.0);
+        let node = |i: usize, j: usize| -> R { self.nodes[i * self.grid.levels().len() + j].into() };
+        // Bilinear interpolation: a upwards from l_i, 1 - b downwards from l_{j+1}.
+        let at = |i: usize| b * node(i, j + 1) + (one - b) * node(i, j);
+        let off = (one - a) * at(i) + a * at(i + 1);
+        let between: R = (self.diagonal_below[i] - self.diagonal_below[j + 1]).into();
+        let [upper, lower] = [i, j].map(|k| self.diagonal[k].into());
+        off + between + upper * a * a + lower * (one - b) * (one - b)
+    }
+
+    /// V at `u`.
+    pub(super) fn since_rest<R: Real>(&self, u: R) -> R
+    where
+        W: Into<R>,
+    {
+        let k = self.breaks.of(u.value());
+        let s = share(&self.breaks, k, u);
+        let [start, middle, end] = self.virgin[k];
+        let [two, three, four] = [2.0, 3.0, 4.0].map(W::from);
+        let (rise, bend) = (four * middle - three * start - end, start + end - two * middle);
+        start.into() + s * (rise.into() + R::from(2.0) * s * bend.into())
+    }
+}
+
+impl Everett {
     /// Adds the tables and both functions, with their slopes, to a program `block`.
     pub(super) fn block(&self, block: Block) -> Block {
         let n = self.grid.levels().len();
@@ -68,31 +107,6 @@ impl Everett {
         let (row, piece) =
             (Intervals::text("row", "levels", n - 1), Intervals::text("piece", "breaks", breaks.len() - 1));
         block.text(&row).text(&piece).text(TEXT)
-    }
-
-    /// E between `m` and `M`, m <= M.
-    pub(super) fn between<R: Real>(&self, m: R, high: R) -> R {
-        let ((i, a), (j, b)) = (self.grid.place(high), self.grid.place(m));
-        if i == j {
-            return R::from(self.diagonal[i]) * (a - b) * (a - b);
-        }
-        let one = R::from(1.0);
-        let node = |i: usize, j: usize| R::from(self.nodes[i * self.grid.levels().len() + j]);
-        // Bilinear interpolation: a upwards from l_i, 1 - b downwards from l_{j+1}.
-        let at = |i: usize| b * node(i, j + 1) + (one - b) * node(i, j);
-        let off = (one - a) * at(i) + a * at(i + 1);
-        let between = R::from(self.diagonal_below[i] - self.diagonal_below[j + 1]);
-        let [upper, lower] = [i, j].map(|k| R::from(self.diagonal[k]));
-        off + between + upper * a * a + lower * (one - b) * (one - b)
-    }
-
-    /// V at `u`.
-    pub(super) fn since_rest<R: Real>(&self, u: R) -> R {
-        let k = self.breaks.of(u.value());
-        let s = share(&self.breaks, k, u);
-        let [start, middle, end] = self.virgin[k];
-        let (rise, bend) = (4.0 * middle - 3.0 * start - end, start + end - 2.0 * middle);
-        R::from(start) + s * (R::from(rise) + R::from(2.0) * s * bend.into())
     }
 }
 

@@ -8,17 +8,18 @@
 //! caller chooses how many numbers a value has. When the list is full, the two neighbours with the fewest relays
 //! between them are deleted. Values do not change, so there is no jump.
 
+use crate::hysteresis::real::Real;
 use crate::program::Block;
 
 /// Maximum number of reversals. If each is at least 1/100 of the range inside the previous one, there are never more.
 pub(super) const CAPACITY: usize = 64;
 
 /// Start of the present branch.
-pub(super) enum BranchStart {
+pub(super) enum BranchStart<R = f64> {
     /// At rest: there is no reversal.
     Rest,
     /// At the last reversal, with this input.
-    From(f64),
+    From(R),
 }
 
 /// State layout, given by the length of a value.
@@ -33,21 +34,21 @@ impl Memory {
     }
 
     /// The present input.
-    pub(super) fn input(self, x: &[f64]) -> f64 {
-        x[1]
+    pub(super) fn input<R: Real>(self, x: &[R]) -> f64 {
+        x[1].value()
     }
 
     /// The present value.
-    pub(super) fn value(self, x: &[f64]) -> &[f64] {
+    pub(super) fn value<R>(self, x: &[R]) -> &[R] {
         &x[2..2 + self.value]
     }
 
     /// Moves the input to `u`, which differs from the present input. Returns the new branch, the value at its start
     /// (empty at rest), and the present value, which the caller updates.
-    pub(super) fn travel(self, x: &mut [f64], u: f64) -> (BranchStart, &[f64], &mut [f64]) {
-        self.remember(x, u);
+    pub(super) fn travel<R: Real>(self, x: &mut [R], u: R) -> (BranchStart<R>, &[R], &mut [R]) {
+        self.remember(x, u.value());
         // Deletes the loops that the movement closes.
-        x[0] = kept(|i| self.reversal(x, i), count(x), x[1], u) as f64;
+        x[0] = (kept(|i| self.reversal(x, i), count(x), x[1].value(), u.value()) as f64).into();
         x[1] = u;
         let n = count(x);
         let (now, past) = x[2..].split_at_mut(self.value);
@@ -78,14 +79,14 @@ impl Memory {
     }
 
     /// True if a movement to `u` is a reversal.
-    fn reverses(self, x: &[f64], u: f64) -> bool {
+    fn reverses<R: Real>(self, x: &[R], u: f64) -> bool {
         let n = count(x);
-        let so_far = x[1] - if n == 0 { 0.0 } else { self.reversal(x, n - 1) };
-        so_far != 0.0 && (so_far > 0.0) != (u > x[1])
+        let so_far = x[1].value() - if n == 0 { 0.0 } else { self.reversal(x, n - 1) };
+        so_far != 0.0 && (so_far > 0.0) != (u > x[1].value())
     }
 
     /// Stores the present input and value if a movement to `u` is a reversal.
-    fn remember(self, x: &mut [f64], u: f64) {
+    fn remember<R: Real>(self, x: &mut [R], u: f64) {
         if !self.reverses(x, u) {
             return;
         }
@@ -94,21 +95,21 @@ impl Memory {
         }
         let at = self.place(count(x));
         x.copy_within(1..2 + self.value, at);
-        x[0] += 1.0;
+        x[0] = x[0] + 1.0.into();
     }
 
     /// Deletes the two neighbours i and i + 1 with the fewest relays between them, in the rectangle of their own
     /// neighbours.
-    fn forget(self, x: &mut [f64]) {
-        let at = |i: usize| if i < CAPACITY { self.reversal(x, i) } else { x[1] };
+    fn forget<R: Real>(self, x: &mut [R]) {
+        let at = |i: usize| if i < CAPACITY { self.reversal(x, i) } else { x[1].value() };
         let relays = |i: usize| ((at(i) - at(i + 2)) * (at(i + 1) - at(i - 1))).abs();
         let least = (1..CAPACITY - 1).min_by(|&i, &j| relays(i).total_cmp(&relays(j))).unwrap_or(1);
         x.copy_within(self.place(least + 2)..self.place(CAPACITY), self.place(least));
-        x[0] = (CAPACITY - 2) as f64;
+        x[0] = ((CAPACITY - 2) as f64).into();
     }
 
-    fn reversal(self, x: &[f64], i: usize) -> f64 {
-        x[self.place(i)]
+    fn reversal<R: Real>(self, x: &[R], i: usize) -> f64 {
+        x[self.place(i)].value()
     }
 
     /// Position of reversal `i` in the state.
@@ -198,6 +199,6 @@ fn kept(reversal: impl Fn(usize) -> f64, mut n: usize, before: f64, u: f64) -> u
     n
 }
 
-fn count(x: &[f64]) -> usize {
-    (x[0] as usize).min(CAPACITY)
+fn count<R: Real>(x: &[R]) -> usize {
+    (x[0].value() as usize).min(CAPACITY)
 }

@@ -20,9 +20,9 @@ mod grid;
 mod memory;
 mod reversible;
 
-use super::basis::{Basis, BasisDesign, counted, counted_within, curvature};
+use super::basis::{Basis, BasisDesign, SensitiveOperator, counted, counted_within, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials};
-use super::real::{Dual, Real};
+use super::real::{Dual, Real, Sensitive};
 use super::{Hysteresis, Operator, document, parse};
 use crate::program::Block;
 use everett::Everett;
@@ -324,6 +324,25 @@ impl Basis for CellBasis {
 
     fn non_negative(&self) -> Vec<bool> {
         vec![true; self.len()]
+    }
+
+    fn sensitive<'a>(&'a self, weights: &'a [Sensitive], _: &'a [Sensitive]) -> Option<SensitiveOperator<'a>> {
+        let (rises, weights) = weights.split_at(self.inside.rows());
+        let (first, last) = ([rises[0]; BEYOND], [rises[rises.len() - 1]; BEYOND]);
+        let curve = ReversibleCurve::new(&self.grid, 0.0, &[&first, rises, &last].concat());
+        let everett = Everett::new(&self.grid, weights);
+        let mut x = vec![Sensitive::from(0.0); SUM.order()];
+        Some(Box::new(move |u| {
+            if u.value != SUM.input(&x) {
+                let (branch, start, now) = SUM.travel(&mut x, u);
+                now[0] = match branch {
+                    BranchStart::Rest => everett.since_rest(u),
+                    BranchStart::From(r) if u.value >= r.value => start[0] + everett.between(r, u),
+                    BranchStart::From(r) => start[0] - everett.between(u, r),
+                };
+            }
+            curve.at(u) + SUM.value(&x)[0]
+        }))
     }
 
     /// Second differences of the rises, and of the density along both axes and along the diagonals.

@@ -14,23 +14,23 @@ use crate::program::Block;
 
 /// A reversible curve on the levels of a grid.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct ReversibleCurve {
+pub(super) struct ReversibleCurve<W = f64> {
     grid: Grid,
     slope: f64,
     /// In each interval: the sum over the rises at its lower level, and the slope of that sum.
-    starts: Vec<f64>,
-    slopes: Vec<f64>,
+    starts: Vec<W>,
+    slopes: Vec<W>,
 }
 
-impl ReversibleCurve {
+impl<W: Real> ReversibleCurve<W> {
     /// `slope` is s; `rises` has one number per interval, or none.
-    pub(super) fn new(grid: &Grid, slope: f64, rises: &[f64]) -> Self {
+    pub(super) fn new(grid: &Grid, slope: f64, rises: &[W]) -> Self {
         let levels = grid.levels();
-        let rise = |k: usize| rises.get(k).copied().unwrap_or_default();
-        let slopes = (0..grid.rows()).map(|k| rise(k) / (levels[k + 1] - levels[k])).collect();
+        let rise = |k: usize| rises.get(k).copied().unwrap_or(W::from(0.0));
+        let slopes = (0..grid.rows()).map(|k| rise(k) / (levels[k + 1] - levels[k]).into()).collect();
         let start = |&level: &f64| {
-            let mut sum = 0.0;
-            parts(grid, level, |k, part| sum += rise(k) * part);
+            let mut sum = W::from(0.0);
+            parts(grid, level, |k, part| sum = sum + rise(k) * part.into());
             sum
         };
         let starts = levels[..grid.rows()].iter().map(start).collect();
@@ -38,12 +38,17 @@ impl ReversibleCurve {
     }
 
     /// r at `u`.
-    pub(super) fn at<R: Real>(&self, u: R) -> R {
+    pub(super) fn at<R: Real>(&self, u: R) -> R
+    where
+        W: Into<R>,
+    {
         let k = self.grid.interval(u.value());
-        let rises = R::from(self.starts[k]) + R::from(self.slopes[k]) * (u - self.grid.levels()[k].into());
+        let rises: R = self.starts[k].into() + self.slopes[k].into() * (u - self.grid.levels()[k].into());
         R::from(self.slope) * u + rises
     }
+}
 
+impl ReversibleCurve {
     /// Adds the curve with its slope to a program `block` that has the `levels` of the grid.
     pub(super) fn block(&self, block: Block) -> Block {
         let block = block.table("reversible_starts", &self.starts).table("reversible_slopes", &self.slopes);
@@ -98,6 +103,6 @@ mod tests {
             parts(&grid, u, |k, part| sum += rises[k] * part);
             assert_close(&[curve.at(u), sum], &[integral; 2], 0.0, 1e-3);
         }
-        assert_eq!(ReversibleCurve::new(&grid, 0.7, &[]).at(-2.0), -1.4);
+        assert_eq!(ReversibleCurve::<f64>::new(&grid, 0.7, &[]).at(-2.0), -1.4);
     }
 }
