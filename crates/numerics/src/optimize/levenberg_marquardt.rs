@@ -10,10 +10,11 @@
 //! Scaling by D: Marquardt 1963 (doi:10.1137/0111030); it makes the path independent of the units of x. Damping:
 //! Nielsen 1999 (IMM-REP-1999-05, Technical University of Denmark). J'J and J'e are sums over samples, so a problem of
 //! any length can be accumulated in parts. The price: condition numbers of J above 1e8 are lost to rounding. mu has a
-//! lower limit, so that directions of constant cost do not move. It finds a local minimum; its only bound is a cost
+//! lower limit, so that directions of constant cost do not move. It finds a local minimum. A step is bounded by lower
+//! limits of the unknowns, within which it minimises its own model of the cost (a quadratic programme), and by a cost
 //! that is not finite.
 
-use super::{Minimum, Reason};
+use super::{Minimum, Reason, non_negative};
 use crate::error::{Error, positive};
 use crate::progress::{Progress, Stage};
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -29,6 +30,11 @@ pub trait SumOfSquares {
 
     /// The normal equations at `x`. The cost there is finite.
     fn normal(&self, x: &[f64]) -> NormalEquations;
+
+    /// The lower limit of each unknown; minus infinity if it has none.
+    fn lowest(&self) -> Vec<f64> {
+        vec![f64::NEG_INFINITY; self.dimension()]
+    }
 }
 
 /// The normal equations at one point. J has the derivatives of e, one column per unknown.
@@ -75,6 +81,7 @@ pub fn minimise(
     progress: &mut Progress,
 ) -> Result<Minimum, Error> {
     check(problem, start, settings)?;
+    let lowest = problem.lowest();
     let mut x = start.to_vec();
     let mut normal = problem.normal(&x);
     if !normal.cost.is_finite() {
@@ -93,7 +100,9 @@ pub fn minimise(
             break Reason::Cancelled;
         }
         let mut gain = -1.0;
-        if let Some((h, predicted)) = step(&normal, mu) {
+        // As far as each unknown may fall.
+        let room: Vec<f64> = x.iter().zip(&lowest).map(|(x, low)| low - x).collect();
+        if let Some((h, predicted)) = step(&normal, mu, &room) {
             // With a large mu the predicted decrease is small even far from the minimum.
             if mu < 1.0 && predicted <= settings.tolerance * normal.cost {
                 break Reason::Converged;
@@ -135,8 +144,9 @@ fn check(problem: &impl SumOfSquares, start: &[f64], settings: &SearchSettings) 
     Ok(())
 }
 
-/// The damped step and the predicted decrease of e'e; `None` if the factorisation fails.
-fn step(normal: &NormalEquations, mu: f64) -> Option<(Vec<f64>, f64)> {
+/// The damped step, of which no element is below `room`, and the predicted decrease of e'e; `None` if the factorisation
+/// fails.
+fn step(normal: &NormalEquations, mu: f64, room: &[f64]) -> Option<(Vec<f64>, f64)> {
     let d = normal.gradient.len();
     // Lengths of the columns of J; 1 for a column of zeros, whose unknown then does not move.
     let length = |i: usize| normal.hessian[i * d + i].sqrt();
@@ -144,9 +154,21 @@ fn step(normal: &NormalEquations, mu: f64) -> Option<(Vec<f64>, f64)> {
     let scaled =
         DMatrix::from_fn(d, d, |i, j| normal.hessian[i * d + j] / (size[i] * size[j]) + if i == j { mu } else { 0.0 });
     let downhill = DVector::from_fn(d, |i, _| -normal.gradient[i] / size[i]);
-    let h = Cholesky::new(scaled)?.solve(&downhill);
-    let predicted = h.dot(&(&h * mu + downhill));
-    let h: Vec<f64> = h.iter().zip(&size).map(|(h, size)| h / size).collect();
+    let is_limited: Vec<bool> = room.iter().map(|room| room.is_finite()).collect();
+    let (h, predicted) = if is_limited.contains(&true) {
+        // What is above the limit is the unknown: it must not be negative.
+        let limit = DVector::from_fn(d, |i, _| if is_limited[i] { room[i] * size[i] } else { 0.0 });
+        let mut is_above: Vec<bool> = room.iter().map(|room| *room < 0.0).collect();
+        let above = non_negative(&scaled, &(&downhill - &scaled * &limit), &is_limited, &mut is_above)?;
+        let h = above + limit;
+        let predicted = 2.0 * h.dot(&downhill) - h.dot(&(&scaled * &h)) + mu * h.norm_squared();
+        (h, predicted)
+    } else {
+        let h = Cholesky::new(scaled)?.solve(&downhill);
+        let predicted = h.dot(&(&h * mu + downhill));
+        (h, predicted)
+    };
+    let h: Vec<f64> = h.iter().zip(&size).zip(room).map(|((h, size), room)| (h / size).max(*room)).collect();
     h.iter().all(|h| h.is_finite()).then_some((h, predicted))
 }
 
@@ -206,6 +228,28 @@ mod tests {
         let found = search(&Rows(2, rosenbrock), &[-1.2, 1.0]);
         assert_close(&found.x, &[1.0, 1.0], 1e-9, 0.0);
         assert!(found.history.len() < 40 && found.history.windows(2).all(|w| w[1] <= w[0]));
+    }
+
+    #[test]
+    fn a_lower_limit_is_kept_and_the_others_end_at_the_minimum_on_it() {
+        struct Limited;
+        impl SumOfSquares for Limited {
+            fn dimension(&self) -> usize {
+                2
+            }
+            fn cost(&self, x: &[f64]) -> f64 {
+                if x[0] < 1.5 { f64::INFINITY } else { Rows(2, rosenbrock).cost(x) }
+            }
+            fn normal(&self, x: &[f64]) -> NormalEquations {
+                Rows(2, rosenbrock).normal(x)
+            }
+            fn lowest(&self) -> Vec<f64> {
+                vec![1.5, f64::NEG_INFINITY]
+            }
+        }
+        assert_close(&search(&Limited, &[3.0, 2.0]).x, &[1.5, 2.25], 1e-9, 0.0);
+        // From the limit too.
+        assert_close(&search(&Limited, &[1.5, 9.0]).x, &[1.5, 2.25], 1e-9, 0.0);
     }
 
     #[test]
