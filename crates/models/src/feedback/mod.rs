@@ -39,7 +39,8 @@ mod state;
 
 pub(crate) use document::FeedbackDocument;
 pub use input::Intersample;
-pub use parameters::FeedbackParameter;
+pub use parameters::{FeedbackParameter, Unknown};
+pub use run::{FeedbackRun, Observer};
 
 use crate::creep::{Creep, Lag};
 use crate::driver::DriverModel;
@@ -127,6 +128,8 @@ pub struct FeedbackModel {
     hysteresis: Arc<dyn Hysteresis>,
     /// The basis of the hysteresis and its weights; `None` if they are unknown.
     weighted: Option<(Arc<dyn Basis>, Vec<f64>)>,
+    /// For each of the coefficients of the dynamics, weights and shape, true if it is a parameter.
+    free: Vec<bool>,
     coefficients: Coefficients<f64>,
 }
 
@@ -178,10 +181,11 @@ impl FeedbackModel {
             DriverModel::new(driver.lag_s, driver.slew)?;
         }
         Creep::new(ts, dynamics.creep.clone())?;
-        let rows = parameters::rows(ts, &dynamics, hysteresis.operator().name, weighted.as_ref());
+        let rows = parameters::rows(ts, &dynamics, hysteresis.operator().name, weighted.as_ref(), Unknown::default());
         let values = rows.iter().map(|row| row.checked(row.value)).collect::<Result<Vec<_>, _>>()?;
         let coefficients = Coefficients::of(ts, &dynamics, &values);
-        Ok(FeedbackModel { ts, dynamics, hysteresis, weighted, coefficients })
+        let free = rows.iter().map(|row| row.is_free).collect();
+        Ok(FeedbackModel { ts, dynamics, hysteresis, weighted, free, coefficients })
     }
 
     /// The same model about other dynamics.
@@ -202,17 +206,26 @@ impl FeedbackModel {
         &*self.hysteresis
     }
 
+    /// The basis of the operator and its weights, if they are known.
+    pub fn weights(&self) -> Option<(Arc<dyn Basis>, Vec<f64>)> {
+        self.weighted.clone()
+    }
+
     /// The modes at rest.
     pub fn at_rest(&self) -> Vec<[f64; 2]> {
         vec![[0.0; 2]; self.dynamics.modes.len()]
     }
 
-    /// The response to `u`, which is the input before the first sample too, if each mode begins with this p and step
-    /// times p', in the unit of y; modes without them are at rest. The hysteresis begins at rest and follows them.
+    /// The response to `u` from this start of a [run](FeedbackRun).
     pub fn simulate_from(&self, start: &[[f64; 2]], u: &[f64]) -> Vec<f64> {
+        self.follow_run(FeedbackRun { start, u, observer: None })
+    }
+
+    /// The response along a run. The hysteresis begins at rest and follows the modes.
+    pub fn follow_run(&self, of: FeedbackRun) -> Vec<f64> {
         let mut x = self.hysteresis.initial();
         let mut hysteresis = |s| self.hysteresis.step(&mut x, s);
-        run(&self.coefficients, &mut hysteresis, start.to_vec(), Path::of(self, u))
+        run(&self.coefficients, &mut hysteresis, of.start.to_vec(), Path::of(self, of.u), of.observer)
     }
 }
 
@@ -283,12 +296,16 @@ mod tests {
                 };
                 let model = FeedbackModel::weighted(5e-4, dynamics, basis.clone(), weights.clone()).unwrap();
                 let start = vec![[2.0, 0.3], [-1.0, 0.1]];
-                let found = model.sensitivities(&start, &wave(500));
+                let u = wave(500);
+                let measured: Vec<f64> = u.iter().map(|u| 0.9 * u).collect();
+                let observer = senses_vibration.then_some(Observer { measured: &measured, gain: 0.3 });
+                let of = FeedbackRun { start: &start, u: &u, observer };
+                let found = model.sensitivities(of, 0..model.parameters().len() + 4);
                 assert_eq!(found.is_err(), without.contains(&row.name), "{}", row.name);
                 let Ok((y, slopes)) = found else { continue };
-                assert_close(&y, &model.simulate_from(&start, &wave(500)), 1e-9, 1e-9);
+                assert_close(&y, &model.follow_run(of), 1e-9, 1e-9);
                 let parameters = model.parameters();
-                let x: Vec<f64> = parameters.iter().map(|p| p.value).chain(start.into_flattened()).collect();
+                let x: Vec<f64> = parameters.iter().map(|p| p.value).chain(start.as_flattened().to_vec()).collect();
                 assert_eq!(slopes.len(), x.len());
                 for (k, slope) in slopes.iter().enumerate() {
                     let h = 1e-6 * (x[k].abs() + 0.01);
@@ -297,7 +314,7 @@ mod tests {
                         x[k] += by;
                         let (x, start) = x.split_at(parameters.len());
                         let start: Vec<[f64; 2]> = start.chunks(2).map(|x| [x[0], x[1]]).collect();
-                        model.with_parameters(x).unwrap().simulate_from(&start, &wave(500))
+                        model.with_parameters(x).unwrap().follow_run(FeedbackRun { start: &start, ..of })
                     };
                     let difference: Vec<f64> =
                         moved(h).iter().zip(moved(-h)).map(|(p, q)| (p - q) / (2.0 * h)).collect();

@@ -3,14 +3,16 @@
 use super::input::Path;
 use super::modes::ModeStep;
 use super::run::{Coefficients, run};
-use super::{FeedbackDynamics, FeedbackMode, FeedbackModel};
+use super::{FeedbackDynamics, FeedbackMode, FeedbackModel, FeedbackRun, Intersample};
 use crate::creep::Lag;
+use crate::driver::DriverModel;
 use crate::hysteresis::{Basis, LANES, Real, Sensitive, Several};
 use libm::exp;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use rayon::prelude::*;
 use std::f64::consts::TAU;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// A parameter of a feedback model.
@@ -29,14 +31,33 @@ pub struct FeedbackParameter {
 /// Coefficients of a mode.
 const OF_MODE: usize = 6;
 
-/// Coefficients after those of the modes: of s and y.
-const OF_OUTPUT: usize = 5;
+/// Coefficients after those of the modes: of s, y and the driver.
+const OF_OUTPUT: usize = 6;
+
+/// The name of the lag of a driver, and the step of a difference over it.
+const LAG: &str = "driver lag [s]";
+const LAG_STEP: f64 = 1e-5;
 
 /// A mode of less damping rings for ever, and one of more is two lags.
 const DAMPING: (f64, f64) = (1e-5, 20.0);
 
 /// gamma / beta of Bouc-Wen: below -1 the hysteretic force grows with a rise, as in the benchmark.
 const GAMMA: (f64, f64) = (-10.0, 10.0);
+
+/// What is unknown besides the dynamics.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Unknown {
+    /// Weights and shape of the hysteresis.
+    pub hysteresis: bool,
+    /// The lag of a driver that has one.
+    pub driver: bool,
+}
+
+impl Default for Unknown {
+    fn default() -> Self {
+        Unknown { hysteresis: true, driver: false }
+    }
+}
 
 impl FeedbackParameter {
     /// Returns an error for a value out of its limits.
@@ -76,20 +97,23 @@ impl<R: Real> Coefficients<R> {
     }
 }
 
-/// The coefficients of the dynamics in the order of a run, then weights and shape of the hysteresis.
+/// The coefficients of the dynamics in the order of a run, then weights and shape of the hysteresis. Those of the
+/// hysteresis are parameters if it is unknown, and so is the lag of a driver.
 pub(super) fn rows(
     ts: f64,
     dynamics: &FeedbackDynamics,
     operator: &str,
     weighted: Option<&(Arc<dyn Basis>, Vec<f64>)>,
+    Unknown { hysteresis: is_unknown, driver: lag_is_unknown }: Unknown,
 ) -> Vec<FeedbackParameter> {
-    let FeedbackDynamics { substeps, modes, sensed: input_sensed, direct, creep, curve, offset, .. } = dynamics;
-    let any = (f64::NEG_INFINITY, f64::INFINITY);
+    let FeedbackDynamics { substeps, intersample, modes, sensed: input_sensed, direct, creep, curve, offset, .. } =
+        dynamics;
+    let (any, positive) = ((f64::NEG_INFINITY, f64::INFINITY), (0.0, f64::INFINITY));
     let fastest = (f64::MIN_POSITIVE, 0.5 * *substeps as f64 / ts);
     let first = |of: fn(&FeedbackMode) -> f64| modes.iter().position(|mode| of(mode) != 0.0);
     let (hysteretic, sensed) = (first(|mode| mode.hysteretic), first(|mode| mode.sensed));
     // Factors of a scale that the weights have too; an operator without them has none of its own.
-    let is_scaled = weighted.is_some();
+    let is_scaled = weighted.is_some() && is_unknown;
     let mut rows = Vec::new();
     let mut row = |name: String, value: f64, limits: (f64, f64), is_free: bool| {
         rows.push(FeedbackParameter { name, value, limits, is_free });
@@ -112,23 +136,37 @@ pub(super) fn rows(
     row("direct hysteretic".into(), direct[1], any, is_direct);
     row("curve [1/output unit]".into(), *curve, any, *curve != 0.0);
     row("offset [output unit]".into(), *offset, any, true);
+    let lag_s = if let Intersample::Driven(driver) = intersample { driver.lag_s } else { 0.0 };
+    row(LAG.into(), lag_s, positive, lag_s > 0.0 && lag_is_unknown);
     for lag in creep {
-        row(format!("creep of {} s", short(lag.tau_s)), lag.gain, any, lag.gain != 0.0);
+        row(format!("creep of {} s", short(lag.tau_s)), lag.gain, positive, lag.gain != 0.0);
     }
     let Some((basis, weights)) = weighted else { return rows };
-    for (k, &weight) in weights.iter().enumerate() {
-        row(format!("weight {k}"), weight, any, weight != 0.0);
+    for (k, (&weight, is_positive)) in weights.iter().zip(basis.non_negative()).enumerate() {
+        row(format!("weight {k}"), weight, if is_positive { positive } else { any }, weight != 0.0 && is_unknown);
     }
     for shape in basis.shape() {
         let is_wider = operator == "bouc-wen" && shape.name == "gamma_over_beta";
-        row(shape.name.into(), shape.value, if is_wider { GAMMA } else { (shape.low, shape.high) }, true);
+        row(shape.name.into(), shape.value, if is_wider { GAMMA } else { (shape.low, shape.high) }, is_unknown);
     }
     rows
 }
 
 impl FeedbackModel {
     fn rows(&self) -> Vec<FeedbackParameter> {
-        rows(self.ts, &self.dynamics, self.hysteresis.operator().name, self.weighted.as_ref())
+        let mut rows = self.rows_of(Unknown::default());
+        rows.iter_mut().zip(&self.free).for_each(|(row, is_free)| row.is_free = *is_free);
+        rows
+    }
+
+    fn rows_of(&self, unknown: Unknown) -> Vec<FeedbackParameter> {
+        rows(self.ts, &self.dynamics, self.hysteresis.operator().name, self.weighted.as_ref(), unknown)
+    }
+
+    /// The same model with the parameters of what is unknown.
+    pub fn with_unknown(self, unknown: Unknown) -> Self {
+        let free = self.rows_of(unknown).iter().map(|row| row.is_free).collect();
+        FeedbackModel { free, ..self }
     }
 
     /// The values of all rows, with those of the parameters `x`.
@@ -173,34 +211,41 @@ impl FeedbackModel {
             softening: next(),
         };
         let modes = self.dynamics.modes.iter().map(mode).collect();
-        let (sensed, direct, curve, offset) = (next(), [next(), next()], next(), next());
+        let (sensed, direct, curve, offset, lag_s) = (next(), [next(), next()], next(), next(), next());
         let creep = self.dynamics.creep.iter().map(|lag| Lag { gain: next(), ..*lag }).collect();
-        let dynamics = FeedbackDynamics { modes, sensed, direct, curve, offset, creep, ..self.dynamics };
-        let Some((basis, weights)) = &self.weighted else {
-            return FeedbackModel::new(self.ts, dynamics, self.hysteresis.clone());
+        let intersample = match self.dynamics.intersample {
+            Intersample::Driven(driver) => Intersample::Driven(DriverModel { lag_s, ..driver }),
+            other => other,
         };
-        let weights: Vec<f64> = weights.iter().map(|_| next()).collect();
-        let basis = basis.reshaped(&values.collect::<Vec<_>>())?;
-        FeedbackModel::weighted(self.ts, dynamics, basis.into(), weights)
+        let dynamics = FeedbackDynamics { intersample, modes, sensed, direct, curve, offset, creep, ..self.dynamics };
+        let new = match &self.weighted {
+            None => FeedbackModel::new(self.ts, dynamics, self.hysteresis.clone()),
+            Some((basis, weights)) => {
+                let weights: Vec<f64> = weights.iter().map(|_| next()).collect();
+                let basis = basis.reshaped(&values.collect::<Vec<_>>())?;
+                FeedbackModel::weighted(self.ts, dynamics, basis.into(), weights)
+            }
+        };
+        Ok(FeedbackModel { free: self.free.clone(), ..new? })
     }
 
-    /// The [response](Self::simulate_from) to `u`, and its derivatives by each of the [parameters](Self::parameters),
-    /// then by each number of `start`. At a start with s = 0 the way of the hysteresis is unknown, and its share of
-    /// the derivatives by p is missing.
+    /// The [response](Self::follow_run), and its derivatives by `which` of the [parameters](Self::parameters) and,
+    /// after them, the numbers of the start. At a start with s = 0 the way of the hysteresis is unknown, and its share
+    /// of the derivatives by p is missing.
     ///
     /// # Errors
     /// Returns an error if the operator has no derivatives.
-    pub fn sensitivities(&self, start: &[[f64; 2]], u: &[f64]) -> Result<(Vec<f64>, Vec<Vec<f64>>), Error> {
+    pub fn sensitivities(&self, of: FeedbackRun, which: Range<usize>) -> Result<(Vec<f64>, Vec<Vec<f64>>), Error> {
         let mut x = self.values();
         let parameters = x.len();
-        x.extend(start.as_flattened());
+        x.extend(of.start.as_flattened());
         let unknown = || {
             let name = self.hysteresis.operator().name;
             let because = format!("the operator {name} has no derivatives by its input: take another one");
             Error::Unidentifiable { what: "hysteresis in feedback".into(), because }
         };
         let (basis, weights) = self.weighted.as_ref().ok_or_else(unknown)?;
-        let of = |from: usize| {
+        let lanes = |from: usize| {
             let seeded = |k: usize, value: f64| {
                 let slope = Several(std::array::from_fn(|j| f64::from(u8::from(from + j == k))));
                 Sensitive { value, slope }
@@ -213,15 +258,29 @@ impl FeedbackModel {
             let weights = rows.split_off(rows.len() - weights.len());
             let start = start.chunks_exact(2).map(|x| [x[0], x[1]]).collect();
             let mut hysteresis = basis.sensitive(&weights, &shape)?;
-            let run = run(&coefficients, &mut *hysteresis, start, Path::of(self, u));
+            let run = run(&coefficients, &mut *hysteresis, start, Path::of(self, of.u), of.observer);
             let y = run.iter().map(|v| v.value).collect::<Vec<_>>();
             let slope = |k: usize| run.iter().map(|v| v.slope.0[k]).collect::<Vec<_>>();
-            let slopes = (0..LANES.min(x.len() - from)).map(slope).collect::<Vec<_>>();
+            let slopes = (0..LANES.min(which.end - from)).map(slope).collect::<Vec<_>>();
             Some((y, slopes))
         };
-        let parts: Option<Vec<_>> = (0..x.len()).step_by(LANES).collect::<Vec<_>>().into_par_iter().map(of).collect();
+        let from: Vec<usize> = which.clone().step_by(LANES).collect();
+        let parts: Option<Vec<_>> = from.into_par_iter().map(lanes).collect();
         let parts = parts.ok_or_else(unknown)?;
         let y = parts.first().map(|part| part.0.clone()).unwrap_or_default();
-        Ok((y, parts.into_iter().flat_map(|part| part.1).collect()))
+        let mut slopes: Vec<Vec<f64>> = parts.into_iter().flat_map(|part| part.1).collect();
+        // The input behind a driver is no number with derivatives.
+        let lag = self.parameters().iter().position(|p| p.name == LAG);
+        if let Some(k) = lag.filter(|k| which.contains(k)) {
+            let moved = |by: f64| {
+                let mut x = x[..parameters].to_vec();
+                x[k] *= by;
+                Ok(self.with_parameters(&x)?.follow_run(of))
+            };
+            let (more, less) = (moved(1.0 + LAG_STEP)?, moved(1.0 - LAG_STEP)?);
+            let difference = |(p, q): (f64, f64)| (p - q) / (2.0 * LAG_STEP * x[k]);
+            slopes[k - which.start] = more.into_iter().zip(less).map(difference).collect();
+        }
+        Ok((y, slopes))
     }
 }

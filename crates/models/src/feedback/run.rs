@@ -86,21 +86,56 @@ impl<R: Real> Motion<'_, R> {
     }
 }
 
+/// A run of a feedback model; hysteresis and creep are at rest before.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct FeedbackRun<'a> {
+    /// p and step times p' of each mode before the first sample, in the unit of y. Modes without them are at rest:
+    /// where the input holds them if their vibration alone drives the hysteresis, else at 0.
+    pub start: &'a [[f64; 2]],
+    /// The input, whose first sample was the input before too.
+    pub u: &'a [f64],
+    /// An observer.
+    pub observer: Option<Observer<'a>>,
+}
+
+/// An observer: after each sample the first mode moves by a share of the distance to the output measured. The run of a
+/// wrong model then stays near the record.
+#[derive(Debug, Clone, Copy)]
+pub struct Observer<'a> {
+    /// The output measured at each sample of the input; NaN where it is unknown.
+    pub measured: &'a [f64],
+    /// The share.
+    pub gain: f64,
+}
+
 /// The samples of y along a path; hysteresis and creep are at rest before.
 pub(super) fn run<R: Real>(
     of: &Coefficients<R>,
     hysteresis: &mut dyn FnMut(R) -> R,
     mut modes: Vec<[R; 2]>,
     mut path: Path,
+    observer: Option<Observer>,
 ) -> Vec<R> {
     let zero = R::from(0.0);
+    let (known, before) = (modes.len(), path.start());
     modes.resize(of.steps.len(), [zero; 2]);
-    let (crept, before) = (&mut vec![zero; of.lags.len()][..], path.start());
+    let crept = &mut vec![zero; of.lags.len()][..];
     let sensed = Sensed::at_start(of, &modes, before, hysteresis);
+    if of.senses_vibration {
+        for ((x, step), [b, e, ..]) in modes.iter_mut().zip(&of.steps).zip(&of.coupled).skip(known) {
+            *x = step.resting(*b * R::from(before) + *e * sensed.h);
+        }
+    }
     let mut motion = Motion { modes: &mut modes, crept, z: sensed.h, sensed, before };
     let mut y = vec![motion.reading(of); of.delay];
     while let Some(stretch) = path.next_sample() {
-        y.push(motion.advance(of, stretch, hysteresis));
+        let read = motion.advance(of, stretch, hysteresis);
+        if let Some(Observer { measured, gain }) = observer
+            && let Some(measured) = measured.get(y.len()).filter(|measured| !measured.is_nan())
+        {
+            motion.modes[0][0] = motion.modes[0][0] + (R::from(*measured) - read) * R::from(gain);
+        }
+        y.push(read);
     }
     y.truncate(y.len() - of.delay);
     y

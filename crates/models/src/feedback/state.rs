@@ -65,6 +65,19 @@ impl FeedbackModel {
     }
 }
 
+impl FeedbackModel {
+    /// s, H(s) and z after each sample of `u`, from rest.
+    pub fn trace(&self, u: &[f64]) -> Vec<[f64; 3]> {
+        let mut x = self.initial();
+        let others = x.len() - self.dynamics.delay - OTHERS;
+        let of = |u: &f64| {
+            self.step(&mut x, *u);
+            [x[others], x[others + 1], x[others + 3]]
+        };
+        u.iter().map(of).collect()
+    }
+}
+
 /// State: hysteresis; p and step times p' of each mode; creep; s, H(s), dH/ds, z, the input behind the driver; the
 /// readings to come. A band-limited input moves along straight lines here, because its next samples are unknown.
 impl System for FeedbackModel {

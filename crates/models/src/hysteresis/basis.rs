@@ -89,8 +89,8 @@ pub trait Basis: Debug + Send + Sync {
         Vec::new()
     }
 
-    /// The operator from rest, a sample at a time, with the derivatives of z by some parameters, on which weights, shape
-    /// and input may depend. `None` if the operator has none.
+    /// The operator from rest, a sample at a time, with the derivatives of z by some parameters, on which weights,
+    /// shape and input may depend. `None` if the operator has none.
     fn sensitive<'a>(&'a self, _weights: &'a [Sensitive], _shape: &'a [Sensitive]) -> Option<SensitiveOperator<'a>> {
         None
     }
