@@ -1,11 +1,12 @@
 //! The free run of a feedback model along a record, from an unknown initial condition, and its errors.
 
+use super::weights::Weights;
 use nalgebra::{DMatrix, DVector};
-use piezoid_models::feedback::{FeedbackModel, Intersample};
+use piezoid_models::feedback::{FeedbackModel, FeedbackRun, Intersample, Observer};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::optimize::Minimum;
 use piezoid_numerics::optimize::levenberg_marquardt::{NormalEquations, SumOfSquares};
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::{ends, mean};
 use piezoid_records::record::Record;
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -17,6 +18,10 @@ use std::ops::Range;
 const REMEMBERED: f64 = 12.0;
 const MAX_PERIODS: usize = 10;
 
+/// Share of the largest peak-to-peak that is added to that of each record in its weight: noise counts less in a small
+/// one.
+const LEAST_SHARE: f64 = 0.15;
+
 /// The initial condition of a record.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Initial {
@@ -24,6 +29,24 @@ pub(super) enum Initial {
     States(Vec<[f64; 2]>),
     /// In motion: the record came before it too, this number of times.
     Periodic(usize),
+    /// At rest before these inputs. The record has an own constant: what crept before it is unknown.
+    After(Vec<f64>),
+}
+
+/// Which samples of a record count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Counted {
+    /// All.
+    All,
+    /// All but the third and the sixth of eight parts.
+    Most,
+}
+
+impl Counted {
+    /// For each of so many samples, true if it counts.
+    pub(super) fn of(self, samples: usize) -> impl Iterator<Item = bool> {
+        (0..samples).map(move |t| self == Counted::All || ![2, 5].contains(&(t * 8 / samples)))
+    }
 }
 
 /// A record with what its free run needs.
@@ -31,14 +54,45 @@ pub(super) enum Initial {
 pub(super) struct Run<'a> {
     pub(super) record: Cow<'a, Record>,
     pub(super) initial: Initial,
-    /// Weight of its squared errors: 1 / (peak-to-peak of y)^2.
+    /// Weight of its squared errors.
     pub(super) weight: f64,
+    pub(super) counted: Counted,
 }
 
-pub(super) fn run<'a>(record: &'a Record, initial: Initial) -> Run<'a> {
+impl Run<'_> {
+    /// Without the mean of a record that has an own constant, and 0 where a sample does not count.
+    pub(super) fn mask(&self, values: &mut [f64]) {
+        let counted: Vec<bool> = self.counted.of(values.len()).collect();
+        if matches!(self.initial, Initial::After(_)) {
+            let inside = values.iter().zip(&counted).filter(|(_, counts)| **counts).map(|(value, _)| *value);
+            let mean = mean(&inside.collect::<Vec<_>>());
+            values.iter_mut().for_each(|value| *value -= mean);
+        }
+        values.iter_mut().zip(counted).filter(|(_, counts)| !counts).for_each(|(value, _)| *value = 0.0);
+    }
+
+    /// The errors of a run of the model that count.
+    pub(super) fn errors(&self, run: &[f64]) -> DVector<f64> {
+        let errors = run.iter().zip(self.record.y()).map(|(m, y)| m - y);
+        let mut errors = DVector::from_iterator(self.record.len(), errors);
+        self.mask(errors.as_mut_slice());
+        errors
+    }
+}
+
+pub(super) fn peak_to_peak(record: &Record) -> f64 {
     let (low, high) = ends(record.y().iter().copied());
-    let weight = if low < high { (high - low).powi(-2) } else { 1.0 };
-    Run { record: Cow::Borrowed(record), initial, weight }
+    if low < high { high - low } else { 1.0 }
+}
+
+/// The records from their initial conditions. The weight of a record grows with the root of its length.
+pub(super) fn runs(records: &[Record], counted: Counted, initial: impl Fn(&Record) -> Initial) -> Vec<Run<'_>> {
+    let largest = records.iter().map(peak_to_peak).fold(0.0, f64::max);
+    let weight = |record: &Record| {
+        let size = libm::hypot(peak_to_peak(record), LEAST_SHARE * largest);
+        1.0 / (size * size * (record.len() as f64).sqrt())
+    };
+    records.iter().map(|r| Run { record: Cow::Borrowed(r), initial: initial(r), weight: weight(r), counted }).collect()
 }
 
 /// The first mode alone is at the first sample.
@@ -58,62 +112,100 @@ pub(super) fn periodic(model: &FeedbackModel, record: &Record) -> Initial {
     Initial::Periodic((remembered.ceil() as usize).clamp(1, MAX_PERIODS))
 }
 
-/// The initial condition with which the free run of the model is nearest to the record: this one, at its first sample,
-/// or periodic.
-pub(super) fn likelier(model: &FeedbackModel, initial: Initial, record: &Record) -> Initial {
-    let square = |initial: &Initial| square(model, initial, record);
-    let others = [states(model, record), periodic(model, record)].into_iter();
-    others.fold(initial, |best, one| if square(&one) < square(&best) { one } else { best })
+/// The run with the initial condition with which the model is nearest to the record: its own, at the first sample, or
+/// periodic.
+pub(super) fn likelier<'a>(model: &FeedbackModel, run: Run<'a>) -> Run<'a> {
+    let others =
+        [states(model, &run.record), periodic(model, &run.record)].map(|initial| Run { initial, ..run.clone() });
+    let square = |run: &Run| square(model, run);
+    others.into_iter().fold(run, |best, one| if square(&one) < square(&best) { one } else { best })
 }
 
 /// What a free run along a record needs.
-struct Whole<'a> {
+pub(super) struct Whole<'a> {
     /// The input with what was before the record, and after it as far as the interpolation needs.
     u: Cow<'a, [f64]>,
     /// The samples that count.
-    inside: Range<usize>,
+    pub(super) inside: Range<usize>,
     /// The modes at the start; empty at rest.
     start: &'a [[f64; 2]],
+    /// The output measured at each of them; NaN before the record.
+    measured: Vec<f64>,
 }
 
 impl<'a> Whole<'a> {
-    fn of(initial: &'a Initial, record: &'a Record) -> Self {
-        let u = record.u();
+    pub(super) fn of(initial: &'a Initial, record: &'a Record) -> Self {
+        let (u, y) = (record.u(), record.y());
+        let after = |before: &[f64], after: &[f64]| Whole {
+            u: [before, u, after].concat().into(),
+            inside: before.len()..before.len() + u.len(),
+            start: &[],
+            measured: [&vec![f64::NAN; before.len()], y].concat(),
+        };
         match initial {
-            Initial::States(modes) => Whole { u: u.into(), inside: 0..u.len(), start: modes },
-            Initial::Periodic(n) => {
-                let after = &u[..u.len().min(Intersample::REACH)];
-                let all = [&u.repeat(n + 1), after].concat();
-                Whole { u: all.into(), inside: n * u.len()..(n + 1) * u.len(), start: &[] }
-            }
+            Initial::States(modes) => Whole { u: u.into(), inside: 0..u.len(), start: modes, measured: y.to_vec() },
+            Initial::Periodic(n) => after(&u.repeat(*n), &u[..u.len().min(Intersample::REACH)]),
+            Initial::After(before) => after(before, &[]),
         }
+    }
+
+    /// The run, with an observer if its gain is not 0.
+    pub(super) fn run(&self, gain: f64) -> FeedbackRun<'_> {
+        let observer = Observer { measured: &self.measured, gain };
+        FeedbackRun { start: self.start, u: &self.u, observer: (gain != 0.0).then_some(observer) }
     }
 }
 
+/// The sum of the squared errors that count, of the free run or the run with an observer of this gain.
+fn sum_of_squares(model: &FeedbackModel, run: &Run, gain: f64) -> f64 {
+    let whole = Whole::of(&run.initial, &run.record);
+    let y = model.follow_run(whole.run(gain));
+    run.errors(&y[whole.inside]).norm_squared()
+}
+
 /// The mean squared error of the free run.
-pub(super) fn square(model: &FeedbackModel, initial: &Initial, record: &Record) -> f64 {
-    let Whole { u, inside, start } = Whole::of(initial, record);
-    let run = model.simulate_from(start, &u);
-    let squares = record.y().iter().zip(&run[inside]).map(|(y, m)| (y - m).powi(2));
-    squares.sum::<f64>() / record.len() as f64
+pub(super) fn square(model: &FeedbackModel, run: &Run) -> f64 {
+    let counted = run.counted.of(run.record.len()).filter(|counts| *counts).count();
+    sum_of_squares(model, run, 0.0) / counted as f64
 }
 
 /// The weighted free-run errors.
-pub(super) struct FreeRun<'a> {
-    pub(super) start: &'a FeedbackModel,
-    pub(super) runs: &'a [Run<'a>],
+pub(super) struct FreeRun<'s, 'r> {
+    pub(super) start: &'s FeedbackModel,
+    pub(super) runs: &'s [Run<'r>],
+    /// Gain of an observer; 0 for free runs.
+    pub(super) gain: f64,
+    /// The weights of the hysteresis, which are the last parameters, if their derivatives do not follow the search.
+    pub(super) weights: Option<&'s Weights>,
 }
 
-impl FreeRun<'_> {
-    /// The model and the initial conditions of the records.
-    pub(super) fn at(&self, x: &[f64]) -> Result<(FeedbackModel, Vec<Initial>), Error> {
+impl<'s, 'r> FreeRun<'s, 'r> {
+    pub(super) fn of(start: &'s FeedbackModel, runs: &'s [Run<'r>]) -> Self {
+        FreeRun { start, runs, gain: 0.0, weights: None }
+    }
+
+    /// The unknowns at the start.
+    pub(super) fn unknowns(&self) -> Vec<f64> {
+        let mut x: Vec<f64> = self.start.parameters().iter().map(|p| p.value).collect();
+        for run in self.runs {
+            if let Initial::States(modes) = &run.initial {
+                x.extend(modes.as_flattened());
+            }
+        }
+        x
+    }
+
+    /// The model, and the records from their initial conditions.
+    pub(super) fn at(&self, x: &[f64]) -> Result<(FeedbackModel, Vec<Run<'r>>), Error> {
         let (parameters, states) = x.split_at(self.start.parameters().len());
         let mut states = states.chunks_exact(2).map(|pair| [pair[0], pair[1]]);
-        let of = |run: &Run| match &run.initial {
-            Initial::States(modes) => Initial::States(states.by_ref().take(modes.len()).collect()),
-            periodic => periodic.clone(),
-        };
-        Ok((self.start.with_parameters(parameters)?, self.runs.iter().map(of).collect()))
+        let mut runs = self.runs.to_vec();
+        for run in &mut runs {
+            if let Initial::States(modes) = &mut run.initial {
+                modes.iter_mut().zip(&mut states).for_each(|(mode, state)| *mode = state);
+            }
+        }
+        Ok((self.start.with_parameters(parameters)?, runs))
     }
 
     /// Standard errors of the parameters of the model.
@@ -131,36 +223,44 @@ impl FreeRun<'_> {
         };
         (0..self.start.parameters().len()).map(|k| error(k).unwrap_or(f64::INFINITY)).collect()
     }
+
+    /// Number of parameters whose derivatives follow the search.
+    fn followed(&self) -> usize {
+        self.start.parameters().len() - self.weights.map_or(0, Weights::len)
+    }
 }
 
-impl SumOfSquares for FreeRun<'_> {
+impl SumOfSquares for FreeRun<'_, '_> {
     fn dimension(&self) -> usize {
         let of = |run: &Run| if let Initial::States(modes) = &run.initial { 2 * modes.len() } else { 0 };
         self.start.parameters().len() + self.runs.iter().map(of).sum::<usize>()
     }
 
     fn cost(&self, x: &[f64]) -> f64 {
-        let Ok((model, initial)) = self.at(x) else { return f64::INFINITY };
-        let of = |(run, initial): (&Run, &Initial)| {
-            run.weight * run.record.len() as f64 * square(&model, initial, &run.record)
-        };
-        let each: Vec<f64> = self.runs.par_iter().zip(&initial).map(of).collect();
-        each.iter().sum()
+        let Ok((model, runs)) = self.at(x) else { return f64::INFINITY };
+        let of = |run: &Run| run.weight * sum_of_squares(&model, run, self.gain);
+        let each: Vec<f64> = runs.par_iter().map(of).collect();
+        each.iter().sum::<f64>() + self.weights.map_or(0.0, |weights| weights.penalty(&x[self.followed()..]))
     }
 
     fn normal(&self, x: &[f64]) -> NormalEquations {
-        let (d, parameters) = (self.dimension(), self.start.parameters().len());
+        let (d, parameters, followed) = (self.dimension(), self.start.parameters().len(), self.followed());
         let mut sums = NormalEquations::empty(d);
         let failed = NormalEquations { cost: f64::INFINITY, ..sums.clone() };
-        let Ok((model, initial)) = self.at(x) else { return failed };
+        let Ok((model, runs)) = self.at(x) else { return failed };
         let mut own = parameters;
-        for (run, initial) in self.runs.iter().zip(&initial) {
-            let Whole { u, inside, start } = Whole::of(initial, &run.record);
-            let Ok((y, slopes)) = model.sensitivities(start, &u) else { return failed };
-            let errors = y[inside.clone()].iter().zip(run.record.y()).map(|(m, y)| m - y);
-            let error = DVector::from_iterator(inside.len(), errors);
-            let columns: Vec<_> =
-                slopes.iter().map(|slope| DVector::from_column_slice(&slope[inside.clone()])).collect();
+        for (k, run) in runs.iter().enumerate() {
+            let whole = Whole::of(&run.initial, &run.record);
+            let states = 2 * whole.start.len();
+            let which = if self.weights.is_some() { 0..followed } else { 0..parameters + states };
+            let Ok((y, slopes)) = model.sensitivities(whole.run(self.gain), which) else { return failed };
+            let error = run.errors(&y[whole.inside.clone()]);
+            let column = |slope: &Vec<f64>| {
+                let mut column = DVector::from_column_slice(&slope[whole.inside.clone()]);
+                run.mask(column.as_mut_slice());
+                column
+            };
+            let columns: Vec<_> = slopes.iter().map(column).collect();
             let place = |j: usize| if j < parameters { j } else { j - parameters + own };
             sums.cost += run.weight * error.norm_squared();
             for (i, column) in columns.iter().enumerate() {
@@ -169,8 +269,20 @@ impl SumOfSquares for FreeRun<'_> {
                     sums.hessian[place(i) * d + place(j)] += run.weight * column.dot(other);
                 }
             }
-            own += columns.len() - parameters;
+            if let Some(weights) = self.weights {
+                weights.add(k, (&columns, &error, run.weight), &mut sums);
+            }
+            own += states;
+        }
+        if let Some(weights) = self.weights {
+            weights.add_own(&x[followed..], &mut sums);
         }
         sums
+    }
+
+    fn lowest(&self) -> Vec<f64> {
+        let mut lowest: Vec<f64> = self.start.parameters().iter().map(|p| p.limits.0).collect();
+        lowest.resize(self.dimension(), f64::NEG_INFINITY);
+        lowest
     }
 }

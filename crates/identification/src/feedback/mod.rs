@@ -1,7 +1,7 @@
 //! Hysteresis in feedback: all parameters of a feedback model by its free-run error, with exact derivatives.
 //!
 //! ```text
-//! min sum over records of |y - model|^2 / (peak-to-peak of y)^2
+//! min sum over records of |y - model|^2 / ((peak-to-peak of y)^2 sqrt(samples))
 //! ```
 //! Unknowns are the parameters of the model, and the state of the modes at the start of each record, unless the record
 //! is one period of a longer one. An oscillator is found from its records alone: first without hysteresis, then from
@@ -14,12 +14,14 @@ mod oscillator;
 mod structure;
 #[cfg(test)]
 mod tests;
+mod vibrating;
+mod weights;
 
 pub use structure::{Structure, identify_structure};
 
 use crate::fit::FittedParameter;
-use free_run::{FreeRun, Initial, Run, likelier, periodic, run, square, states};
-use piezoid_models::feedback::{FeedbackModel, FeedbackParameter};
+use free_run::{Counted, FreeRun, Initial, Run, likelier, peak_to_peak, periodic, runs, square, states};
+use piezoid_models::feedback::{FeedbackModel, FeedbackParameter, FeedbackRun};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::optimize::levenberg_marquardt::{SearchSettings, minimise};
 use piezoid_numerics::optimize::{Minimum, Reason};
@@ -66,62 +68,77 @@ impl FeedbackFit {
     /// Returns an error if there is no record, the operator has no derivatives, the records have another sampling
     /// period, or the free run from the start is not finite; [`Error::Cancelled`].
     pub fn from(start: &FeedbackModel, records: &[Record], progress: &mut Progress) -> Result<Self, Error> {
+        FeedbackFit::of_counted(start, records, Counted::All, progress)
+    }
+
+    /// The fit to the samples that count.
+    fn of_counted(
+        start: &FeedbackModel,
+        records: &[Record],
+        counted: Counted,
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
         let [first, ..] = records else {
             let because = "there is no record".into();
             return Err(Error::Unidentifiable { what: STAGE.into(), because });
         };
-        start.sensitivities(&[], &first.u()[..first.len().min(1)])?;
+        start.sensitivities(FeedbackRun { u: &first.u()[..first.len().min(1)], ..FeedbackRun::default() }, 0..1)?;
         for record in records {
             Record::same_sampling("the record", record.ts(), "the model", start.ts())?;
         }
-        let start = &windowed(start, records, progress)?;
+        let start = &windowed(start, records, counted, progress)?;
         let mut first = |of: fn(&FeedbackModel, &Record) -> Initial| {
-            let runs: Vec<Run> = records.iter().map(|record| run(record, of(start, record))).collect();
-            search(start, &runs, FIRST_STEPS, progress)
+            search(&FreeRun::of(start, &runs(records, counted, |record| of(start, record))), FIRST_STEPS, progress)
         };
-        let Found { model, initial, .. } = best([first(states), first(periodic)].into_iter())?;
-        let likelier = |(record, initial): (_, Initial)| run(record, likelier(&model, initial, record));
-        let runs: Vec<Run> = records.iter().zip(initial).map(likelier).collect();
-        let Found { model, initial, minimum } = search(&model, &runs, MOST_STEPS, progress)?;
+        let Found { model, runs, .. } = best([first(states), first(periodic)].into_iter())?;
+        let runs: Vec<Run> = runs.into_iter().map(|run| likelier(&model, run)).collect();
+        let found = search(&FreeRun::of(&model, &runs), MOST_STEPS, progress)?;
+        let errors = FreeRun::of(&found.model, &found.runs).errors(&found.minimum);
+        Ok(FeedbackFit::of(found, errors))
+    }
+
+    /// `errors` are the standard errors of the first parameters.
+    fn of(found: Found, errors: Vec<f64>) -> Self {
+        let Found { model, runs, minimum } = found;
         let samples: usize = runs.iter().map(|run| run.record.len()).sum();
-        let percent = 100.0 * (minimum.cost / samples as f64).sqrt();
-        let rms = runs.iter().zip(&initial).map(|(run, initial)| square(&model, initial, &run.record).sqrt()).collect();
-        let errors = FreeRun { start: &model, runs: &runs }.errors(&minimum);
+        let squares: Vec<f64> = runs.iter().map(|run| square(&model, run)).collect();
+        let relative =
+            |(run, square): (&Run, &f64)| run.record.len() as f64 * square / peak_to_peak(&run.record).powi(2);
+        let relative: f64 = runs.iter().zip(&squares).map(relative).sum();
         let of = |(p, error): (FeedbackParameter, f64)| FittedParameter { name: p.name, value: p.value, error };
-        let parameters = model.parameters().into_iter().zip(errors).map(of).collect();
-        let periodic = initial.iter().map(|initial| matches!(initial, Initial::Periodic(_))).collect();
-        Ok(FeedbackFit { parameters, rms, percent, periodic, model, minimum })
+        FeedbackFit {
+            parameters: model.parameters().into_iter().zip(errors).map(of).collect(),
+            rms: squares.iter().map(|square| square.sqrt()).collect(),
+            percent: 100.0 * (relative / samples as f64).sqrt(),
+            periodic: runs.iter().map(|run| matches!(run.initial, Initial::Periodic(_))).collect(),
+            model,
+            minimum,
+        }
     }
 }
 
 /// The end of one search.
-struct Found {
+struct Found<'r> {
     model: FeedbackModel,
-    initial: Vec<Initial>,
+    runs: Vec<Run<'r>>,
     minimum: Minimum,
 }
 
-/// Searches from `start` for at most so many `steps`.
-fn search(start: &FeedbackModel, runs: &[Run], steps: usize, progress: &mut Progress) -> Result<Found, Error> {
-    let problem = FreeRun { start, runs };
-    let mut x: Vec<f64> = start.parameters().iter().map(|p| p.value).collect();
-    for run in runs {
-        let Initial::States(modes) = &run.initial else { continue };
-        x.extend(modes.as_flattened());
-    }
+/// Searches from the start of the problem for at most so many `steps`.
+fn search<'r>(problem: &FreeRun<'_, 'r>, steps: usize, progress: &mut Progress) -> Result<Found<'r>, Error> {
     let settings = SearchSettings { iterations: steps, tolerance: TOLERANCE, ..SearchSettings::default() };
     let named = &mut |stage: Stage| progress(Stage { what: STAGE, ..stage });
-    let minimum = minimise(&problem, &x, &settings, named)?;
+    let minimum = minimise(problem, &problem.unknowns(), &settings, named)?;
     if minimum.reason == Reason::Cancelled {
         return Err(Error::Cancelled { what: STAGE.into(), done: minimum.history.len() - 1, total: steps });
     }
-    let (model, initial) = problem.at(&minimum.x)?;
-    Ok(Found { model, initial, minimum })
+    let (model, runs) = problem.at(&minimum.x)?;
+    Ok(Found { model, runs, minimum })
 }
 
 /// The search with the lowest cost; the first error if there is none, or if one was cancelled.
-fn best(searches: impl Iterator<Item = Result<Found, Error>>) -> Result<Found, Error> {
-    let better = |best: Result<Found, Error>, next: Result<Found, Error>| match (best, next) {
+fn best<'r>(searches: impl Iterator<Item = Result<Found<'r>, Error>>) -> Result<Found<'r>, Error> {
+    let better = |best: Result<Found<'r>, Error>, next: Result<Found<'r>, Error>| match (best, next) {
         (Err(cancelled @ Error::Cancelled { .. }), _) | (_, Err(cancelled @ Error::Cancelled { .. })) => Err(cancelled),
         (Ok(best), Ok(next)) if next.minimum.cost < best.minimum.cost => Ok(next),
         (Err(_), Ok(next)) => Ok(next),
@@ -133,17 +150,30 @@ fn best(searches: impl Iterator<Item = Result<Found, Error>>) -> Result<Found, E
 
 /// The fit of `start` in windows with states of their own: a frequency that is far off then has no other minimum. What
 /// the hysteresis remembers at the start of a window is missing.
-fn windowed(start: &FeedbackModel, records: &[Record], progress: &mut Progress) -> Result<FeedbackModel, Error> {
+fn windowed(
+    start: &FeedbackModel,
+    records: &[Record],
+    counted: Counted,
+    progress: &mut Progress,
+) -> Result<FeedbackModel, Error> {
     let slowest = start.dynamics().modes.iter().map(|mode| mode.hz).fold(f64::INFINITY, f64::min);
     let all: usize = records.iter().map(Record::len).sum();
     let samples = ((WINDOW / slowest / start.ts()).ceil() as usize).max(all.div_ceil(MAX_WINDOWS));
     let mut windows = Vec::new();
-    for record in records {
-        for (u, y) in record.u().chunks(samples).zip(record.y().chunks(samples)).filter(|(u, _)| u.len() == samples) {
-            let window = record.with_samples(record.ts(), u.to_vec(), y.to_vec())?;
+    for whole in runs(records, counted, |record| states(start, record)) {
+        let record = &whole.record;
+        let counts: Vec<bool> = counted.of(record.len()).collect();
+        for from in (0..(record.len() + 1).saturating_sub(samples)).step_by(samples) {
+            let window = record.slice(from..from + samples)?;
             let initial = states(start, &window);
-            windows.push(Run { record: Cow::Owned(window), ..run(record, initial) });
+            if counts[from..from + samples].iter().all(|counts| *counts) {
+                let record = Cow::Owned(window);
+                windows.push(Run { record, initial, weight: whole.weight, counted: Counted::All });
+            }
         }
     }
-    Ok(search(start, &windows, FIRST_STEPS, progress)?.model)
+    if windows.is_empty() {
+        return Ok(start.clone());
+    }
+    Ok(search(&FreeRun::of(start, &windows), FIRST_STEPS, progress)?.model)
 }

@@ -1,6 +1,6 @@
 //! An oscillator with Bouc-Wen hysteresis that its displacement drives, from its records alone.
 
-use super::free_run::{Run, run, states};
+use super::free_run::{Counted, FreeRun, runs, states};
 use super::{FIRST_STEPS, FeedbackFit, Found, best, search};
 use piezoid_models::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel, Intersample};
 use piezoid_models::hysteresis::{BasisDesign, Operator};
@@ -44,27 +44,42 @@ impl FeedbackFit {
     /// # Errors
     /// Returns an error if the records show no resonance, or have different sampling periods; [`Error::Cancelled`].
     pub fn oscillator(records: &[Record], inputs: &[Intersample], progress: &mut Progress) -> Result<Self, Error> {
+        FeedbackFit::oscillator_of(records, Counted::All, inputs, progress)
+    }
+
+    /// The oscillator of the samples that count.
+    pub(super) fn oscillator_of(
+        records: &[Record],
+        counted: Counted,
+        inputs: &[Intersample],
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
         let block = OutputError::fit(records, Orders::of(2), &Refinement::default(), progress)?.arx;
-        let kinds = inputs.iter().flat_map(|between| {
-            // A band-limited input has no converter.
-            let delays = if *between == Intersample::BandLimited { 0 } else { LONGEST_DELAY };
-            (0..=delays).map(|delay| (*between, delay))
-        });
-        let found = best(kinds.map(|kind| hysteretic(linear(records, &block, kind, progress)?, records, progress)))?;
+        let found =
+            best(kinds(inputs).map(|kind| hysteretic(linear((records, counted), &block, kind, progress)?, progress)))?;
         let dynamics = found.model.dynamics().clone();
         let substeps = substeps(FINE, dynamics.modes[0].hz * block.ts());
         let start = found.model.with_dynamics(FeedbackDynamics { substeps, ..dynamics })?;
-        FeedbackFit::from(&start, records, progress)
+        FeedbackFit::of_counted(&start, records, counted, progress)
     }
 }
 
+/// Each kind of input with each delay after which y can be read.
+pub(super) fn kinds(inputs: &[Intersample]) -> impl Iterator<Item = (Intersample, usize)> {
+    inputs.iter().flat_map(|between| {
+        // A band-limited input has no converter.
+        let delays = if *between == Intersample::BandLimited { 0 } else { LONGEST_DELAY };
+        (0..=delays).map(|delay| (*between, delay))
+    })
+}
+
 /// The mode of an output-error block of second order, without hysteresis, with this kind of input and delay.
-fn linear(
-    records: &[Record],
+fn linear<'r>(
+    (records, counted): (&'r [Record], Counted),
     block: &Arx,
     (intersample, delay): (Intersample, usize),
     progress: &mut Progress,
-) -> Result<Found, Error> {
+) -> Result<Found<'r>, Error> {
     let Some(pole) = block.resonance() else {
         let because = "no resonance shows in the records: excite it".into();
         return Err(Error::Unidentifiable { what: "an oscillator".into(), because });
@@ -74,22 +89,22 @@ fn linear(
     let substeps = substeps(COARSE, hz * block.ts());
     let dynamics = FeedbackDynamics { substeps, intersample, delay, modes, sensed: 0.0, ..FeedbackDynamics::default() };
     let start = oscillator(block.ts(), dynamics, (0.0, 1.0), 1.0)?;
-    let runs: Vec<Run> = records.iter().map(|record| run(record, states(&start, record))).collect();
-    search(&start, &runs, FIRST_STEPS, progress)
+    search(&FreeRun::of(&start, &runs(records, counted, |record| states(&start, record))), FIRST_STEPS, progress)
 }
 
 /// The best of several starts with hysteresis, each with the frequency and the gain of the mode without it.
-fn hysteretic(linear: Found, records: &[Record], progress: &mut Progress) -> Result<Found, Error> {
+fn hysteretic<'r>(linear: Found<'r>, progress: &mut Progress) -> Result<Found<'r>, Error> {
     let FeedbackDynamics { ref modes, offset, .. } = *linear.model.dynamics();
     let mode = modes[0];
-    let half = records.iter().flat_map(Record::y).fold(0.0f64, |half, y| half.max((y - offset).abs()));
-    let runs: Vec<Run> = records.iter().zip(&linear.initial).map(|(r, initial)| run(r, initial.clone())).collect();
+    let displacements = linear.runs.iter().flat_map(|run| run.record.y());
+    let half = displacements.fold(0.0f64, |half, y| half.max((y - offset).abs()));
     let mut from = |(stiffness, bend): (f64, f64)| {
         let softer = (1.0 + stiffness).sqrt();
         let (hz, damping, input) = (mode.hz / softer, mode.damping * softer, mode.input * (1.0 + stiffness));
         let modes = vec![FeedbackMode { hz, damping, input, ..mode }];
         let dynamics = FeedbackDynamics { modes, ..linear.model.dynamics().clone() };
-        search(&oscillator(linear.model.ts(), dynamics, (stiffness, bend / half), half)?, &runs, FIRST_STEPS, progress)
+        let start = oscillator(linear.model.ts(), dynamics, (stiffness, bend / half), half)?;
+        search(&FreeRun::of(&start, &linear.runs), FIRST_STEPS, progress)
     };
     best(STARTS.into_iter().map(&mut from))
 }

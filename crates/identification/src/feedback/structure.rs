@@ -1,5 +1,6 @@
 //! The choice of the structure: hysteresis first and mechanics after, or hysteresis in feedback.
 
+use super::free_run::{Counted, peak_to_peak};
 use super::{FeedbackFit, STAGE};
 use crate::identified::Identified;
 use crate::result::{note_on_unknown, notes_on_values};
@@ -11,7 +12,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use piezoid_numerics::optimize::Reason;
 use piezoid_numerics::progress::Progress;
-use piezoid_numerics::series::{ends, mean, scatter};
+use piezoid_numerics::series::{mean, scatter};
 use piezoid_records::record::Record;
 use serde::{Deserialize, Serialize};
 
@@ -24,19 +25,16 @@ pub enum Structure {
     Hammerstein,
     /// Mechanics with hysteresis in feedback.
     Feedback,
-    /// The one that predicts the last part of each record better.
+    /// The one that predicts held-out parts of each record better.
     Auto,
 }
-
-/// The first part of each record, from which the feedback model is identified that predicts the rest.
-const FIRST_PART: f64 = 0.75;
 
 /// Hysteresis in feedback is selected if its error on the held-out parts is below this share of that of the blocks in
 /// series.
 const LESS_ERROR: f64 = 0.8;
 
-/// `found`, with hysteresis in feedback if the structure asks for it, or if that predicts the last part of each record
-/// better. The blocks in series were identified from the whole `records`, hysteresis in feedback from the first part:
+/// `found`, with hysteresis in feedback if the structure asks for it, or if that predicts a quarter of each record
+/// better. The blocks in series were identified from the whole `records`, hysteresis in feedback without these parts:
 /// the comparison is in favour of the simpler structure.
 ///
 /// # Errors
@@ -58,9 +56,9 @@ pub fn identify_structure<'r>(
         Some(driver) => vec![Intersample::Driven(driver)],
         None => vec![Intersample::Held, Intersample::BandLimited],
     };
-    match Trial::of(&found.model, &records, &inputs, progress) {
+    match Trial::best(&found.model, &records, &inputs, progress) {
         Ok(trial) if structure == Structure::Feedback || trial.percent < LESS_ERROR * trial.of_blocks => {
-            match FeedbackFit::from(&trial.fit.model, &records, progress) {
+            match trial.again(&found.model, &records, &inputs, progress) {
                 Ok(fit) => taken(found, fit, &trial),
                 Err(cancelled @ Error::Cancelled { .. }) => Ok(Identified { cancelled: Some(cancelled), ..found }),
                 Err(other) => Err(other),
@@ -72,7 +70,7 @@ pub fn identify_structure<'r>(
             Ok(with_reason(found, &format!("hysteresis first, mechanics after, not {STAGE}: {}", trial.errors())))
         }
         Err(cancelled @ Error::Cancelled { .. }) => Ok(Identified { cancelled: Some(cancelled), ..found }),
-        Err(why @ Error::Unidentifiable { .. }) if structure == Structure::Auto => {
+        Err(why) if structure == Structure::Auto => {
             Ok(with_reason(found, &format!("hysteresis first, mechanics after, because {why}")))
         }
         Err(other) => Err(other),
@@ -91,7 +89,15 @@ fn taken(found: Identified, fit: FeedbackFit, trial: &Trial) -> Result<Identifie
     notes.retain(|note| !of_blocks.contains(note));
     reasons.push(format!("structure: {STAGE}: {}", trial.errors()));
     match fit.minimum.reason {
-        Reason::Iterations => notes.push(format!("search: {STAGE}: it ended before its minimum")),
+        Reason::Iterations => {
+            let history = &fit.minimum.history;
+            let lowered = short(100.0 * (1.0 - fit.minimum.cost / history[0]));
+            notes.push(format!(
+                "search: {STAGE}: it ended before its minimum; its last {} steps lowered the sum of squared errors by \
+                 {lowered} %",
+                history.len() - 1
+            ));
+        }
         _ => reasons.push(format!("search: {STAGE}: it ended at its minimum")),
     }
     let parameters = fit.parameters;
@@ -102,8 +108,18 @@ fn taken(found: Identified, fit: FeedbackFit, trial: &Trial) -> Result<Identifie
     Ok(Identified { model, parameters, trials, reasons, notes, left_percent: None, ..found })
 }
 
-/// A feedback model from the first part of the records, and how it predicts the rest.
+/// What drives the hysteresis.
+#[derive(Clone, Copy)]
+enum Kind {
+    /// The displacement of an oscillator.
+    Displacement,
+    /// The input, and the vibration of the mechanics after it.
+    Vibration,
+}
+
+/// A feedback model from most of the records, and how it predicts the rest.
 struct Trial {
+    kind: Kind,
     fit: FeedbackFit,
     /// The error on the rest, and that of the blocks in series, which were identified from all [% of peak-to-peak].
     percent: f64,
@@ -111,19 +127,50 @@ struct Trial {
 }
 
 impl Trial {
-    fn of(blocks: &Model, records: &[Record], inputs: &[Intersample], progress: &mut Progress) -> Result<Self, Error> {
-        let first = |record: &Record| record.slice(0..first_part(record));
-        let parts = records.iter().map(first).collect::<Result<Vec<_>, _>>()?;
-        let fit = FeedbackFit::oscillator(&parts, inputs, progress)?;
-        let in_feedback = blocks.clone().with_feedback(fit.model.clone())?;
-        let [percent, of_blocks] = [&in_feedback, blocks].map(|model| held_out_percent(model, records));
-        Ok(Trial { fit, percent, of_blocks })
+    /// The kind with the lower error on the rest.
+    fn best(
+        blocks: &Model,
+        records: &[Record],
+        inputs: &[Intersample],
+        progress: &mut Progress,
+    ) -> Result<Self, Error> {
+        let of_blocks = held_out_percent(blocks, records);
+        let mut of = |kind: Kind| {
+            let fit = match kind {
+                Kind::Displacement => FeedbackFit::oscillator_of(records, Counted::Most, inputs, progress)?,
+                Kind::Vibration => FeedbackFit::vibrating_of(blocks, (records, Counted::Most), inputs, progress)?,
+            };
+            let percent = held_out_percent(&blocks.clone().with_feedback(fit.model.clone())?, records);
+            Ok(Trial { kind, fit, percent, of_blocks })
+        };
+        match [of(Kind::Displacement), of(Kind::Vibration)] {
+            [Ok(one), Ok(other)] => Ok(if other.percent < one.percent { other } else { one }),
+            [Err(cancelled @ Error::Cancelled { .. }), _] | [_, Err(cancelled @ Error::Cancelled { .. })] => {
+                Err(cancelled)
+            }
+            [Ok(one), Err(_)] | [Err(_), Ok(one)] => Ok(one),
+            [_, Err(other)] => Err(other),
+        }
+    }
+
+    /// The fit to the whole records.
+    fn again(
+        &self,
+        blocks: &Model,
+        records: &[Record],
+        inputs: &[Intersample],
+        progress: &mut Progress,
+    ) -> Result<FeedbackFit, Error> {
+        match self.kind {
+            Kind::Displacement => FeedbackFit::from(&self.fit.model, records, progress),
+            Kind::Vibration => FeedbackFit::vibrating_from(&self.fit.model, blocks, records, inputs, progress),
+        }
     }
 
     fn errors(&self) -> String {
         let [percent, of_blocks] = [self.percent, self.of_blocks].map(short);
         format!(
-            "identified from the first part of the records, its error on the rest is {percent} % of peak-to-peak; that \
+            "identified from three quarters of each record, its error on the rest is {percent} % of peak-to-peak; that \
              of hysteresis first and mechanics after is {of_blocks} %"
         )
     }
@@ -131,7 +178,10 @@ impl Trial {
     /// Its row in the table of operators.
     fn row(&self, verdict: &'static str) -> OperatorTrial {
         OperatorTrial {
-            operator: "bouc-wen, in feedback",
+            operator: match self.kind {
+                Kind::Displacement => "bouc-wen, in feedback",
+                Kind::Vibration => "preisach, in feedback",
+            },
             parameters: self.fit.parameters.len(),
             held_out_percent: self.percent,
             free_run_percent: self.fit.percent,
@@ -144,27 +194,23 @@ impl Trial {
     }
 }
 
-/// Number of samples of the first part.
-fn first_part(record: &Record) -> usize {
-    (FIRST_PART * record.len() as f64).round() as usize
-}
-
-/// The rms error of a free run on the last part of each record, about its mean, in % of peak-to-peak. The initial
-/// condition is the one that suits the first part best.
+/// The rms error of a free run on the samples of each record that do not count, about the mean of the others, in % of
+/// peak-to-peak. The initial condition is the one that suits the others best.
 fn held_out_percent(model: &Model, records: &[Record]) -> f64 {
     let square = |record: &Record| {
-        let (u, cut) = (record.u(), first_part(record));
+        let u = record.u();
         let errors = |initial: InitialCondition| {
             let run = model.follow(&mut model.before(u, initial), u);
-            let mut errors: Vec<f64> = record.y().iter().zip(run).map(|(y, run)| y - run).collect();
-            let rest = errors.split_off(cut);
-            let offset = mean(&errors);
-            (scatter(&errors), rest.iter().map(|e| (e - offset).powi(2)).sum::<f64>())
+            let errors = record.y().iter().zip(run).map(|(y, run)| y - run).zip(Counted::Most.of(u.len()));
+            let (counted, held_out): (Vec<_>, Vec<_>) = errors.partition(|(_, counts)| *counts);
+            let [counted, held_out] =
+                [counted, held_out].map(|part| part.into_iter().map(|(e, _)| e).collect::<Vec<_>>());
+            let offset = mean(&counted);
+            (scatter(&counted), held_out.iter().map(|e| (e - offset).powi(2)).sum::<f64>(), held_out.len())
         };
         let each = InitialCondition::of(u).map(errors).into_iter();
-        let (_, square) = each.min_by(|p, q| p.0.total_cmp(&q.0)).unwrap_or_default();
-        let (low, high) = ends(record.y().iter().copied());
-        (square / (high - low).powi(2), record.len() - cut)
+        let (_, square, samples) = each.min_by(|p, q| p.0.total_cmp(&q.0)).unwrap_or_default();
+        (square / peak_to_peak(record).powi(2), samples)
     };
     let (sum, samples) = records.iter().map(square).fold((0.0, 0), |(sum, n), (square, m)| (sum + square, n + m));
     100.0 * (sum / samples as f64).sqrt()
