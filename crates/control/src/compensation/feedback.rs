@@ -6,6 +6,7 @@
 //! a = p''/w^2 + 2 zeta p'/w,     F = p + a / (1 - softening |a|)
 //! displacement drives the hysteresis:  z = H(k p) + creep,     u = (F - e z) / b
 //! input and vibration drive it:        z = F / e,              d_s u = H^-1(z - creep) - k (p - F)
+//! input and displacement drive it:     z = F / e,              d_s u = H^-1(z - creep) - k p
 //! ```
 //! Further modes and direct paths count by their static shares; what this leaves, and the hold of the input, the
 //! iterations correct: r_{j+1} = r_j + (r - y_j).
@@ -35,14 +36,14 @@ pub(super) struct Flat<'a> {
 }
 
 impl<'a> Flat<'a> {
-    /// `None` if the model has no such inverse: without a mode, or if both input and displacement drive the hysteresis.
+    /// `None` if the model has no such inverse: without a mode, or if neither input nor displacement drives the
+    /// hysteresis in such a way.
     pub(super) fn of(model: &'a FeedbackModel) -> Option<Self> {
-        let FeedbackDynamics { modes, sensed, senses_vibration, direct, creep, .. } = model.dynamics();
+        let FeedbackDynamics { modes, sensed, direct, creep, .. } = model.dynamics();
         let mode = *modes.first()?;
         let all = |of: fn(&FeedbackMode) -> f64| modes.iter().map(of).sum::<f64>();
-        let is_sensed = modes.iter().any(|mode| mode.sensed != 0.0);
-        let by_displacement = is_sensed && !senses_vibration && *sensed == 0.0 && mode.input != 0.0;
-        let by_input = (!is_sensed || *senses_vibration) && *sensed != 0.0 && mode.hysteretic != 0.0;
+        let by_displacement = mode.sensed != 0.0 && *sensed == 0.0 && mode.input != 0.0;
+        let by_input = *sensed != 0.0 && mode.hysteretic != 0.0;
         let has_input = modes.iter().any(|mode| mode.input != 0.0) || direct[0] != 0.0;
         let share = match (by_displacement, by_input && !has_input) {
             (true, _) => mode.input / (all(|mode| mode.input) + direct[0]),
@@ -77,7 +78,7 @@ impl<'a> Flat<'a> {
     /// The input behind the driver at the end of each sample, for the displacement `p` of the mode.
     fn voltages(&self, p: &[f64], ends: (f64, f64)) -> Vec<f64> {
         let FeedbackMode { hz, damping, input, hysteretic, sensed, softening } = self.mode;
-        let FeedbackDynamics { modes, sensed: by_input, .. } = self.model.dynamics();
+        let FeedbackDynamics { modes, sensed: by_input, senses_vibration, .. } = self.model.dynamics();
         let (w, h) = (TAU * hz, self.model.ts());
         let hysteresis = self.model.hysteresis();
         let mut x = hysteresis.initial();
@@ -88,7 +89,7 @@ impl<'a> Flat<'a> {
         let beyond = ends.1 - ends.0;
         let limits = [ends.0 - beyond, ends.1 + beyond].map(|u| u * by_input);
         let limits = (limits[0].min(limits[1]), limits[0].max(limits[1]));
-        let returned: f64 = modes.iter().map(|mode| mode.sensed * mode.hysteretic).sum::<f64>() / hysteretic;
+        let all: f64 = modes.iter().map(|mode| mode.sensed * mode.hysteretic).sum::<f64>() / hysteretic;
         let mut of = |t: usize| {
             let [speed, acceleration] = derivatives(p, t, h);
             let a = acceleration / (w * w) + 2.0 * damping * speed / w;
@@ -103,8 +104,13 @@ impl<'a> Flat<'a> {
             let s = hysteresis.invert(&x, before_creep, limits).u;
             let inner = hysteresis.step(&mut x, s);
             creep.step(crept.get_or_insert_with(|| creep.settled(inner)), inner);
-            // The vibration of the other modes is taken for that of the first one.
-            (s - returned * (p[t] - force)) / by_input
+            let back = match senses_vibration {
+                // The vibration of the other modes is taken for that of the first one.
+                true => all * (p[t] - force),
+                // The other modes follow the force.
+                false => sensed * p[t] + (all - sensed) * force,
+            };
+            (s - back) / by_input
         };
         (0..p.len()).map(&mut of).collect()
     }
@@ -180,8 +186,9 @@ mod tests {
         FeedbackMode { hz: 160.0, damping: 0.03, input: 0.0, hysteretic: 0.9, sensed: -0.02, softening: 1e-3 }
     }
 
-    /// A bender whose vibration acts on the voltage, and an oscillator whose displacement drives the hysteresis.
-    fn models() -> [FeedbackModel; 2] {
+    /// A bender whose vibration, or displacement, acts on the voltage, and an oscillator whose displacement drives the
+    /// hysteresis.
+    fn models() -> [FeedbackModel; 3] {
         let driver = DriverModel::new(1e-4, Some(1e5)).unwrap();
         let other = FeedbackMode { hz: 900.0, hysteretic: 0.07, softening: 0.0, ..mode() };
         let bender = FeedbackDynamics {
@@ -200,7 +207,8 @@ mod tests {
         let of = |dynamics, name: &str| {
             FeedbackModel::new(TS, dynamics, (Operator::find(name).unwrap().example)(TS / 20.0).unwrap()).unwrap()
         };
-        [of(bender, "prandtl-ishlinskii"), of(oscillator, "bouc-wen")]
+        let moved = FeedbackDynamics { senses_vibration: false, ..bender.clone() };
+        [of(bender, "prandtl-ishlinskii"), of(moved, "prandtl-ishlinskii"), of(oscillator, "bouc-wen")]
     }
 
     /// With a gain as blocks in series.
