@@ -16,7 +16,7 @@ use std::path::Path;
 const DRAWS: u64 = 20;
 
 /// Frequencies of the validation data [Hz].
-const VALIDATION: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
+pub const VALIDATION: [f64; 10] = [1.0, 5.0, 20.0, 40.0, 80.0, 120.0, 160.0, 200.0, 300.0, 400.0];
 
 /// The smallest error, the median and the largest.
 pub fn range(errors: &[f64]) -> [f64; 3] {

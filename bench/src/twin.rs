@@ -2,6 +2,7 @@
 //! records to identify from, which a user could take, and validation records that are unlike them.
 
 use piezoid::excitation::{Multisine, Prbs, RisingSine, Sine, Staircase};
+use piezoid::feedback::Structure;
 use piezoid::hammerstein::{Identified, Model};
 use piezoid::plant::{Plant, Preset, Spec};
 use piezoid::validation::Metrics;
@@ -111,13 +112,31 @@ impl Twin {
         SEEN.into_iter().map(record).collect()
     }
 
-    /// One joint model for all frequencies, from the PRBS and rising sines.
-    pub fn joint(&self, operator: &str, driver: bool) -> Result<Identified, Error> {
+    /// The records from which a joint model is identified.
+    fn training(&self) -> Result<(Record, Vec<Record>), Error> {
         let rising =
             |frequency, amplitude, n| RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n);
+        Ok((self.small()?, self.sines(rising)?))
+    }
+
+    /// One joint model for all frequencies, from the PRBS and rising sines.
+    pub fn joint(&self, operator: &str, driver: bool) -> Result<Identified, Error> {
+        let (small, large) = self.training()?;
         let options = IdentifyOptions { operator: operator.into(), seed: 0, ..IdentifyOptions::default() };
         let options = if driver { options.with_driver_of(&self.spec) } else { options };
-        identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(rising)? }, &options)
+        identify(Records { small_signal: &[small], large_signal: &large }, &options)
+    }
+
+    /// The same with the driver given, of the structure that suits the records.
+    pub fn joint_by(&self, operator: &str, structure: Structure) -> Result<Identified, Error> {
+        let (small, large) = self.training()?;
+        let options = IdentifyOptions { operator: operator.into(), structure, ..IdentifyOptions::default() };
+        identify(Records { small_signal: &[small], large_signal: &large }, &options.with_driver_of(&self.spec))
+    }
+
+    /// Its output for these inputs from rest, with noise [um].
+    pub fn response(&self, u: &[f64]) -> Vec<f64> {
+        self.plant.run(u).y
     }
 
     /// The model by the paper's method, which needs loops of steady sines.

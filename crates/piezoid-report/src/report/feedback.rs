@@ -13,9 +13,9 @@ pub(super) fn block(section: Section, feedback: &FeedbackModel) -> Section {
         (false, false) => "the displacement of the modes drives",
     };
     let between = match dynamics.intersample {
-        Intersample::Held => "held between its samples",
-        Intersample::Driven(_) => "held before the driver",
-        Intersample::BandLimited => "band-limited between its samples",
+        Intersample::Held => "held between its samples".into(),
+        Intersample::Driven(driver) => format!("held before a driver with a lag of {} s", short(driver.lag_s)),
+        Intersample::BandLimited => "band-limited between its samples".to_string(),
     };
     let name = feedback.hysteresis().operator().name;
     let text = format!(

@@ -1,4 +1,4 @@
-//! docs/feedback.md: the Bouc-Wen benchmark of system identification, in which the displacement drives the hysteresis.
+//! The Bouc-Wen benchmark of system identification, in which the displacement drives the hysteresis.
 
 use crate::page::{self, head, row};
 use piezoid::excitation::Chirp;
@@ -82,8 +82,8 @@ fn off(model: &FeedbackModel) -> Result<FeedbackModel, Error> {
     model.with_parameters(&x)
 }
 
-/// Measures, and writes the table of the page.
-pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
+/// Measures, and writes the tables of the benchmark.
+pub(super) fn write(page: &Path) -> Result<(), Box<dyn std::error::Error>> {
     let (training, tests) = ([training()?], tests()?);
     let started = std::time::Instant::now();
     let found = identify(&training, &IdentifyOptions { structure: Structure::Auto, ..IdentifyOptions::default() })?;
@@ -101,8 +101,7 @@ pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
     ];
     let table = head(["model", "multisine [um]", "sweep [um]"], 1)
         + &rows.map(|(name, errors)| row([name.into()].into_iter().chain(errors.map(page::cell)))).concat();
-    let page = docs.join("feedback.md");
-    page::write(&page, "benchmark", &table)?;
+    page::write(page, "benchmark", &table)?;
     let known = ["25.165", "0.01581", "20", "0", "1", "0.0008", "-1.375"];
     let parameters = found.parameters.iter().zip(known).map(|(p, known)| {
         // Two digits of the standard error.
@@ -110,5 +109,5 @@ pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
         row([p.name.clone(), known.into(), format!("{:.digits$}", p.value), format!("{:.digits$}", p.error)])
     });
     let table = head(["parameter", "benchmark", "found", "standard error"], 1) + &parameters.collect::<String>();
-    page::write(&page, "parameters", &table)
+    page::write(page, "parameters", &table)
 }
