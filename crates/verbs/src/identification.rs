@@ -59,10 +59,10 @@ const STRUCTURES: OptionKind = OptionKind::Choice(&[
     ("hammerstein", "hysteresis first, then creep and mechanics"),
     (
         "feedback",
-        "one mode of the mechanics with Bouc-Wen hysteresis that its displacement drives, for guides with friction and \
-         the like",
+        "hysteresis that the mechanics drive: friction in a guide by the displacement, or a ceramic by voltage and \
+         vibration, with a mode that softens and a curved sensor; a minute or two",
     ),
-    ("auto", "the one that predicts the last part of each record better; it takes longer"),
+    ("auto", "the one that predicts held-out parts of each record better; it takes longer"),
 ]);
 
 const NAME: OptionKind = OptionKind::Text("NAME");
