@@ -39,10 +39,10 @@ impl<'a> Flat<'a> {
     /// `None` if the model has no such inverse: without a mode, or if neither input nor displacement drives the
     /// hysteresis in such a way.
     pub(super) fn of(model: &'a FeedbackModel) -> Option<Self> {
-        let FeedbackDynamics { modes, sensed, direct, creep, .. } = model.dynamics();
+        let FeedbackDynamics { modes, sensed, senses_vibration, direct, creep, .. } = model.dynamics();
         let mode = *modes.first()?;
         let all = |of: fn(&FeedbackMode) -> f64| modes.iter().map(of).sum::<f64>();
-        let by_displacement = mode.sensed != 0.0 && *sensed == 0.0 && mode.input != 0.0;
+        let by_displacement = mode.sensed != 0.0 && !senses_vibration && *sensed == 0.0 && mode.input != 0.0;
         let by_input = *sensed != 0.0 && mode.hysteretic != 0.0;
         let has_input = modes.iter().any(|mode| mode.input != 0.0) || direct[0] != 0.0;
         let share = match (by_displacement, by_input && !has_input) {
@@ -88,7 +88,8 @@ impl<'a> Flat<'a> {
         // An input at a limit of this search is beyond those that are allowed.
         let beyond = ends.1 - ends.0;
         let limits = [ends.0 - beyond, ends.1 + beyond].map(|u| u * by_input);
-        let limits = (limits[0].min(limits[1]), limits[0].max(limits[1]));
+        let moved = p.iter().fold(0.0f64, |most, p| most.max((sensed * p).abs()));
+        let limits = (limits[0].min(limits[1]) - moved, limits[0].max(limits[1]) + moved);
         let all: f64 = modes.iter().map(|mode| mode.sensed * mode.hysteretic).sum::<f64>() / hysteretic;
         let mut of = |t: usize| {
             let [speed, acceleration] = derivatives(p, t, h);

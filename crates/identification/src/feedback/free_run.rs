@@ -134,16 +134,19 @@ pub(super) struct Whole<'a> {
 }
 
 impl<'a> Whole<'a> {
-    pub(super) fn of(initial: &'a Initial, record: &'a Record) -> Self {
-        let (u, y) = (record.u(), record.y());
+    pub(super) fn of(run: &'a Run) -> Self {
+        let (u, counted) = (run.record.u(), run.counted.of(run.record.len()));
+        // An observer sees what counts.
+        let y: Vec<f64> =
+            run.record.y().iter().zip(counted).map(|(y, counts)| if counts { *y } else { f64::NAN }).collect();
         let after = |before: &[f64], after: &[f64]| Whole {
             u: [before, u, after].concat().into(),
             inside: before.len()..before.len() + u.len(),
             start: &[],
-            measured: [&vec![f64::NAN; before.len()], y].concat(),
+            measured: [&vec![f64::NAN; before.len()][..], &y].concat(),
         };
-        match initial {
-            Initial::States(modes) => Whole { u: u.into(), inside: 0..u.len(), start: modes, measured: y.to_vec() },
+        match &run.initial {
+            Initial::States(modes) => Whole { u: u.into(), inside: 0..u.len(), start: modes, measured: y },
             Initial::Periodic(n) => after(&u.repeat(*n), &u[..u.len().min(Intersample::REACH)]),
             Initial::After(before) => after(before, &[]),
         }
@@ -158,7 +161,7 @@ impl<'a> Whole<'a> {
 
 /// The sum of the squared errors that count, of the free run or the run with an observer of this gain.
 fn sum_of_squares(model: &FeedbackModel, run: &Run, gain: f64) -> f64 {
-    let whole = Whole::of(&run.initial, &run.record);
+    let whole = Whole::of(run);
     let y = model.follow_run(whole.run(gain));
     run.errors(&y[whole.inside]).norm_squared()
 }
@@ -250,7 +253,7 @@ impl SumOfSquares for FreeRun<'_, '_> {
         let Ok((model, runs)) = self.at(x) else { return failed };
         let mut own = parameters;
         for (k, run) in runs.iter().enumerate() {
-            let whole = Whole::of(&run.initial, &run.record);
+            let whole = Whole::of(run);
             let states = 2 * whole.start.len();
             let which = if self.weights.is_some() { 0..followed } else { 0..parameters + states };
             let Ok((y, slopes)) = model.sensitivities(whole.run(self.gain), which) else { return failed };

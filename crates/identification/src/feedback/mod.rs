@@ -1,11 +1,11 @@
 //! Hysteresis in feedback: all parameters of a feedback model by its free-run error, with exact derivatives.
 //!
 //! ```text
-//! min sum over records of |y - model|^2 / ((peak-to-peak of y)^2 sqrt(samples))
+//! min sum over records of |y - model|^2 / ((pp^2 + (0.15 largest pp)^2) sqrt(samples)),   pp: peak-to-peak of y
 //! ```
-//! Unknowns are the parameters of the model, and the state of the modes at the start of each record, unless the record
-//! is one period of a longer one. An oscillator is found from its records alone: first without hysteresis, then from
-//! several starts with it, of which the best goes on to the minimum.
+//! Unknowns are the parameters of the model, and the state of the modes at the start of each record, unless it is known
+//! from the inputs before: the record is one period of a longer one, or begins at rest. An oscillator is found from its
+//! records alone: first without hysteresis, then from several starts with it, of which the best goes on to the minimum.
 //!
 //! Reference: L. Ljung, System Identification (1999), section 10.2 (output error, Gauss-Newton).
 
@@ -49,7 +49,8 @@ const STAGE: &str = "hysteresis in feedback";
 pub struct FeedbackFit {
     /// The model.
     pub model: FeedbackModel,
-    /// Its parameters, with standard errors for white residuals; infinite for one without effect.
+    /// Its parameters without weights that are smooth, with standard errors for white residuals; infinite for one
+    /// without effect.
     pub parameters: Vec<FittedParameter>,
     /// The rms error of the free run along each record [output unit].
     pub rms: Vec<f64>,
@@ -92,7 +93,12 @@ impl FeedbackFit {
         };
         let Found { model, runs, .. } = best([first(states), first(periodic)].into_iter())?;
         let runs: Vec<Run> = runs.into_iter().map(|run| likelier(&model, run)).collect();
-        let found = search(&FreeRun::of(&model, &runs), MOST_STEPS, progress)?;
+        let mut found = search(&FreeRun::of(&model, &runs), MOST_STEPS, progress)?;
+        // Which initial condition a record has shows when the parameters are known.
+        let runs: Vec<Run> = found.runs.iter().map(|run| likelier(&found.model, run.clone())).collect();
+        if runs.iter().zip(&found.runs).any(|(run, before)| run.initial != before.initial) {
+            found = search(&FreeRun::of(&found.model, &runs), MOST_STEPS, progress)?;
+        }
         let errors = FreeRun::of(&found.model, &found.runs).errors(&found.minimum);
         Ok(FeedbackFit::of(found, errors))
     }
@@ -138,14 +144,17 @@ fn search<'r>(problem: &FreeRun<'_, 'r>, steps: usize, progress: &mut Progress) 
 
 /// The search with the lowest cost; the first error if there is none, or if one was cancelled.
 fn best<'r>(searches: impl Iterator<Item = Result<Found<'r>, Error>>) -> Result<Found<'r>, Error> {
-    let better = |best: Result<Found<'r>, Error>, next: Result<Found<'r>, Error>| match (best, next) {
-        (Err(cancelled @ Error::Cancelled { .. }), _) | (_, Err(cancelled @ Error::Cancelled { .. })) => Err(cancelled),
-        (Ok(best), Ok(next)) if next.minimum.cost < best.minimum.cost => Ok(next),
-        (Err(_), Ok(next)) => Ok(next),
-        (best, _) => best,
-    };
-    let none = || Err(Error::Unidentifiable { what: STAGE.into(), because: "there is no start".into() });
-    searches.reduce(better).unwrap_or_else(none)
+    let mut best: Result<Found, Error> =
+        Err(Error::Unidentifiable { what: STAGE.into(), because: "there is no start".into() });
+    for (k, next) in searches.enumerate() {
+        best = match (best, next) {
+            (_, Err(cancelled @ Error::Cancelled { .. })) => return Err(cancelled),
+            (Ok(best), Ok(next)) if next.minimum.cost < best.minimum.cost => Ok(next),
+            (Err(_), next) if k == 0 || next.is_ok() => next,
+            (best, _) => best,
+        };
+    }
+    best
 }
 
 /// The fit of `start` in windows with states of their own: a frequency that is far off then has no other minimum. What

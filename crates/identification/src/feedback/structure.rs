@@ -33,9 +33,9 @@ pub enum Structure {
 /// series.
 const LESS_ERROR: f64 = 0.8;
 
-/// `found`, with hysteresis in feedback if the structure asks for it, or if that predicts a quarter of each record
-/// better. The blocks in series were identified from the whole `records`, hysteresis in feedback without these parts:
-/// the comparison is in favour of the simpler structure.
+/// `found`, with hysteresis in feedback if the structure asks for it, or if that predicts two eighths of each record
+/// better. These parts do not count in the fit of hysteresis in feedback, but in that of the blocks in series: the
+/// comparison is in favour of the simpler structure.
 ///
 /// # Errors
 /// Returns an error if the structure is [`Structure::Feedback`] and cannot be identified from the records. A search
@@ -61,6 +61,9 @@ pub fn identify_structure<'r>(
             match trial.again(&found.model, &records, &inputs, progress) {
                 Ok(fit) => taken(found, fit, &trial),
                 Err(cancelled @ Error::Cancelled { .. }) => Ok(Identified { cancelled: Some(cancelled), ..found }),
+                Err(why) if structure == Structure::Auto => {
+                    Ok(with_reason(found, &format!("hysteresis first, mechanics after, because {why}")))
+                }
                 Err(other) => Err(other),
             }
         }
@@ -121,6 +124,8 @@ enum Kind {
 struct Trial {
     kind: Kind,
     fit: FeedbackFit,
+    /// Why there is none of the other kind.
+    missing: Option<Error>,
     /// The error on the rest, and that of the blocks in series, which were identified from all [% of peak-to-peak].
     percent: f64,
     of_blocks: f64,
@@ -141,15 +146,18 @@ impl Trial {
                 Kind::Vibration => FeedbackFit::vibrating_of(blocks, (records, Counted::Most), inputs, progress)?,
             };
             let percent = held_out_percent(&blocks.clone().with_feedback(fit.model.clone())?, records);
-            Ok(Trial { kind, fit, percent, of_blocks })
+            Ok(Trial { kind, fit, missing: None, percent, of_blocks })
         };
-        match [of(Kind::Displacement), of(Kind::Vibration)] {
-            [Ok(one), Ok(other)] => Ok(if other.percent < one.percent { other } else { one }),
-            [Err(cancelled @ Error::Cancelled { .. }), _] | [_, Err(cancelled @ Error::Cancelled { .. })] => {
-                Err(cancelled)
-            }
-            [Ok(one), Err(_)] | [Err(_), Ok(one)] => Ok(one),
-            [_, Err(other)] => Err(other),
+        let by_displacement = of(Kind::Displacement);
+        if let Err(cancelled @ Error::Cancelled { .. }) = by_displacement {
+            return Err(cancelled);
+        }
+        match (by_displacement, of(Kind::Vibration)) {
+            (Ok(one), Ok(other)) => Ok(if other.percent < one.percent { other } else { one }),
+            (_, Err(cancelled @ Error::Cancelled { .. })) => Err(cancelled),
+            (Ok(one), Err(why)) => Ok(Trial { missing: Some(why), ..one }),
+            (Err(why), Ok(one)) => Ok(Trial { missing: Some(why), ..one }),
+            (Err(_), Err(why)) => Err(why),
         }
     }
 
@@ -169,9 +177,10 @@ impl Trial {
 
     fn errors(&self) -> String {
         let [percent, of_blocks] = [self.percent, self.of_blocks].map(short);
+        let missing = self.missing.as_ref().map_or(String::new(), |why| format!("; not of the other kind: {why}"));
         format!(
-            "identified from three quarters of each record, its error on the rest is {percent} % of peak-to-peak; that \
-             of hysteresis first and mechanics after is {of_blocks} %"
+            "where two eighths of each record do not count, its error there is {percent} % of peak-to-peak; that of \
+             hysteresis first and mechanics after, identified from all, is {of_blocks} %{missing}"
         )
     }
 
@@ -182,7 +191,7 @@ impl Trial {
                 Kind::Displacement => "bouc-wen, in feedback",
                 Kind::Vibration => "preisach, in feedback",
             },
-            parameters: self.fit.parameters.len(),
+            parameters: self.fit.model.parameters().len(),
             held_out_percent: self.percent,
             free_run_percent: self.fit.percent,
             error_percent: self.percent.max(self.fit.percent),

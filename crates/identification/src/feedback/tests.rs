@@ -127,19 +127,20 @@ fn auto_takes_feedback_only_where_it_predicts_better() {
     assert_eq!(of_structure(&records, Structure::Hammerstein).reasons.len() + 1, found.reasons.len());
 }
 
-/// A bender whose vibration acts on its hysteresis, whose first mode softens, and whose sensor is curved.
+/// A bender whose vibration acts on its hysteresis, whose first mode softens, and whose sensor is curved and inverted.
 #[test]
 fn auto_finds_vibration_that_drives_the_hysteresis() {
     let ts = 5e-4;
     let plant = Plant::named("pl140-nonlinear", ts).unwrap();
     let record = |hz: f64, amplitude: f64, n: usize| {
         let u = RisingSine { amplitude, frequency: hz, ..RisingSine::default() }.samples(ts, n).unwrap();
-        let y = plant.run(&u).y;
+        let y = plant.run(&u).y.iter().map(|y| -y).collect();
         Record::new(ts, u, y).unwrap()
     };
     let training = [record(5.0, 25.0, 1600), record(60.0, 20.0, 800), record(150.0, 4.0, 1200)];
     let u = Prbs::default().samples(ts, 2047).unwrap();
-    let small = [Record::new(ts, u.clone(), plant.run(&u).y).unwrap()];
+    let y = plant.run(&u).y.iter().map(|y| -y).collect();
+    let small = [Record::new(ts, u, y).unwrap()];
     let driver = DriverModel::new(1e-4, Some(0.5 / 8.2e-6)).unwrap();
     let options = JointOptions {
         effort: Effort::Quick,
@@ -151,7 +152,7 @@ fn auto_finds_vibration_that_drives_the_hysteresis() {
     let records = small.iter().chain(&training);
     let found = identify_structure(blocks, records, Structure::Auto, Some(driver), &mut Stage::ignore).unwrap();
     let feedback = found.model.feedback().unwrap();
-    assert!(feedback.dynamics().modes[0].sensed < 0.0 && feedback.dynamics().modes[0].softening > 0.0);
+    assert!(feedback.dynamics().modes[0].sensed > 0.0 && feedback.dynamics().modes[0].softening > 0.0);
     let test = record(165.0, 6.0, 1500);
     let error = |model: &Model| {
         let run = model.follow(&mut model.initial(), test.u());

@@ -80,7 +80,8 @@ impl FeedbackFit {
     /// kinds.
     ///
     /// # Errors
-    /// Returns an error if the blocks have no resonance; [`Error::Cancelled`].
+    /// Returns an error if the blocks have no resonance, or the records more than 300 000 samples, or another sampling
+    /// period than the blocks; [`Error::Cancelled`].
     pub fn vibrating(
         blocks: &Model,
         records: &[Record],
@@ -97,6 +98,9 @@ impl FeedbackFit {
         inputs: &[Intersample],
         progress: &mut Progress,
     ) -> Result<Self, Error> {
+        for record in records {
+            Record::same_sampling("the record", record.ts(), "the model", blocks.ts())?;
+        }
         let samples: usize = records.iter().map(Record::len).sum();
         if samples > MOST_SAMPLES {
             let because = format!("the records have {samples} samples, more than {MOST_SAMPLES}: decimate them");
@@ -110,8 +114,10 @@ impl FeedbackFit {
         let some_lag = unknown_driver.then(|| DriverModel::new(ts, None).map(Intersample::Driven)).transpose()?;
         let inputs: Vec<Intersample> = inputs.iter().copied().chain(some_lag).collect();
         let of_kind = |(intersample, delay)| FeedbackDynamics { intersample, delay, ..dynamics.clone() };
-        let (one, cost) = search.best(kinds(&inputs).map(of_kind).collect(), GAINS[0], START_STEPS)?;
+        let (one, _) = search.best(kinds(&inputs).map(of_kind).collect(), GAINS[0], START_STEPS)?;
+        // As many steps again without a second mode: a fair comparison.
         let two = seconds.iter().map(|hz| with_second(one.clone(), *hz)).collect();
+        let (one, cost) = search.best(vec![one], GAINS[0], START_STEPS)?;
         let (two, with_two) = search.best(two, GAINS[0], START_STEPS)?;
         let mut found = if with_two < SECOND_WORTH * cost { two } else { one };
         for gain in GAINS {
@@ -124,12 +130,15 @@ impl FeedbackFit {
         let others = images.filter(|hz| second.is_some_and(|second| (hz - second).abs() > 1e-3 * second));
         let others = others.map(|hz| with_second(found.clone(), hz));
         let (by_vibration, _) = search.all(std::iter::once(found.clone()).chain(others).collect(), gain)?;
-        let (dynamics, operator) = search.driven_by_displacement(&by_vibration)?;
-        let operator = std::mem::replace(&mut search.operator, operator);
-        let (mut found, _) = search.all(vec![dynamics], gain)?;
-        if by_vibration.minimum.cost < found.minimum.cost {
-            (search.operator, found) = (operator, by_vibration);
-        }
+        let operator = search.operator.clone();
+        let found = match search.by_displacement(&by_vibration, gain) {
+            Ok(found) if found.minimum.cost < by_vibration.minimum.cost => found,
+            Err(cancelled @ Error::Cancelled { .. }) => return Err(cancelled),
+            _ => {
+                search.operator = operator;
+                by_vibration
+            }
+        };
         search.search_to_minimum(found.model.dynamics().clone())
     }
 
@@ -230,7 +239,7 @@ impl<'r> Search<'r, '_> {
         }
         // The constant that suits all records.
         let constant = |run: &Run| {
-            let whole = Whole::of(&run.initial, &run.record);
+            let whole = Whole::of(run);
             let y = found.model.follow_run(whole.run(0.0));
             run.record.y().iter().zip(&y[whole.inside]).map(|(y, m)| y - m).sum::<f64>()
         };
@@ -245,9 +254,9 @@ impl<'r> Search<'r, '_> {
         Ok(fit)
     }
 
-    /// The same dynamics, of which the displacement drives the hysteresis in place of the vibration, and an operator
-    /// that then responds as before.
-    fn driven_by_displacement(&self, found: &Found) -> Result<(FeedbackDynamics, WeightedOperator), Error> {
+    /// All parameters of the same dynamics, of which the displacement drives the hysteresis in place of the vibration;
+    /// the search begins with an operator that then responds as before.
+    fn by_displacement(&mut self, found: &Found, gain: f64) -> Result<Found<'r>, Error> {
         let dynamics = found.model.dynamics();
         let through = |u: f64, z: f64| -> f64 {
             dynamics.modes.iter().map(|mode| mode.sensed * (mode.input * u + mode.hysteretic * z)).sum()
@@ -260,7 +269,8 @@ impl<'r> Search<'r, '_> {
         };
         let paths: Vec<(Vec<f64>, Vec<f64>)> = self.runs.iter().map(of).collect();
         let dynamics = FeedbackDynamics { senses_vibration: false, ..dynamics.clone() };
-        Ok((dynamics, operator(self.ts, &paths)?))
+        self.operator = operator(self.ts, &paths)?;
+        Ok(self.all(vec![dynamics], gain)?.0)
     }
 }
 
@@ -281,11 +291,12 @@ fn modes(blocks: &Model, records: &[Record]) -> Result<(FeedbackDynamics, Vec<f6
     };
     let stroke = records.iter().map(peak_to_peak).fold(0.0, f64::max);
     let (low, high) = ends(records.iter().flat_map(|record| record.u().iter().copied()));
+    let sign = blocks.linear().dc_gain().signum();
     let first = FeedbackMode {
         hz: first.pole.hz,
         damping: first.pole.damping.max(LEAST_DAMPING),
         input: 0.0,
-        hysteretic: 1.0 - DIRECT,
+        hysteretic: sign * (1.0 - DIRECT),
         sensed: NEARLY_NONE * (high - low) / stroke,
         softening: NEARLY_NONE / stroke,
     };
@@ -297,7 +308,7 @@ fn modes(blocks: &Model, records: &[Record]) -> Result<(FeedbackDynamics, Vec<f6
         substeps: SUBSTEPS,
         modes: vec![first],
         senses_vibration: true,
-        direct: [0.0, DIRECT],
+        direct: [0.0, sign * DIRECT],
         creep: lags.map(|tau_s| Lag { tau_s, gain: LAG_GAIN }).collect(),
         curve: NEARLY_NONE / stroke,
         offset: blocks.offset(),
@@ -338,9 +349,9 @@ fn before(blocks: &Model, record: &Record) -> Vec<f64> {
     likeliest.map_or_else(Vec::new, |(_, initial)| initial.inputs_before(u, range))
 }
 
-/// The hysteresis of the blocks in series along the records, times the gain after it: inputs and outputs.
+/// The hysteresis of the blocks in series along the records, times the amount of the gain after it: inputs and outputs.
 fn paths(blocks: &Model, records: &[Record]) -> Vec<(Vec<f64>, Vec<f64>)> {
-    let (hysteresis, gain) = (blocks.hysteresis(), blocks.linear().dc_gain());
+    let (hysteresis, gain) = (blocks.hysteresis(), blocks.linear().dc_gain().abs());
     let at_rest = hysteresis.simulate(&[0.0])[0];
     let z = |u: &[f64]| hysteresis.simulate(u).iter().map(|z| gain * (z - at_rest)).collect();
     records.iter().map(|record| (record.u().to_vec(), z(record.u()))).collect()
@@ -373,6 +384,7 @@ fn operator(ts: f64, paths: &[(Vec<f64>, Vec<f64>)]) -> Result<WeightedOperator,
     (0..n).for_each(|k| normal[(k, k)] += REGULAR * smoothness);
     let weights = non_negative(&normal, &(phi * DVector::from(z)), &basis.non_negative(), &mut vec![true; n]);
     let because = || "no Preisach operator with positive weights is near to the hysteresis".into();
+    let weights = weights.filter(|weights| weights.amax() > 0.0);
     let weights = weights.ok_or_else(|| Error::Unidentifiable { what: STAGE.into(), because: because() })?;
     Ok((basis, weights.as_slice().to_vec()))
 }

@@ -33,10 +33,19 @@ impl Weights {
     pub(super) fn at_start(of: &FreeRun, basis: &dyn Basis) -> Result<Self, Error> {
         let (parameters, n) = (of.start.parameters().len(), basis.len());
         let column = |run: &super::Run| {
-            let whole = Whole::of(&run.initial, &run.record);
-            let (_, mut slopes) = of.start.sensitivities(whole.run(of.gain), parameters - n..parameters)?;
-            slopes.iter_mut().for_each(|slope| run.mask(&mut slope[whole.inside.clone()]));
-            Ok(DMatrix::from_fn(run.record.len(), n, |t, k| slopes[k][whole.inside.start + t] as f32))
+            let whole = Whole::of(run);
+            let mut columns = DMatrix::zeros(run.record.len(), n);
+            // In blocks, because they take twice the memory before they are stored.
+            for from in (0..n).step_by(BLOCK) {
+                let which = parameters - n + from..parameters - n + n.min(from + BLOCK);
+                let (_, slopes) = of.start.sensitivities(whole.run(of.gain), which)?;
+                for (k, mut slope) in slopes.into_iter().enumerate() {
+                    let inside = &mut slope[whole.inside.clone()];
+                    run.mask(inside);
+                    columns.column_mut(from + k).iter_mut().zip(inside).for_each(|(column, s)| *column = *s as f32);
+                }
+            }
+            Ok(columns)
         };
         let columns = of.runs.iter().map(column).collect::<Result<Vec<_>, Error>>()?;
         let mut normal = DMatrix::zeros(n, n);

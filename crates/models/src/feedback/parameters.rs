@@ -34,7 +34,7 @@ const OF_MODE: usize = 6;
 /// Coefficients after those of the modes: of s, y and the driver.
 const OF_OUTPUT: usize = 6;
 
-/// The name of the lag of a driver, and the step of a difference over it.
+/// The name of the lag of a driver, and the step of a difference over it, in samples.
 const LAG: &str = "driver lag [s]";
 const LAG_STEP: f64 = 1e-5;
 
@@ -272,13 +272,14 @@ impl FeedbackModel {
         // The input behind a driver is no number with derivatives.
         let lag = self.parameters().iter().position(|p| p.name == LAG);
         if let Some(k) = lag.filter(|k| which.contains(k)) {
-            let moved = |by: f64| {
+            let with_lag = |lag: f64| {
                 let mut x = x[..parameters].to_vec();
-                x[k] *= by;
+                x[k] = lag;
                 Ok(self.with_parameters(&x)?.follow_run(of))
             };
-            let (more, less) = (moved(1.0 + LAG_STEP)?, moved(1.0 - LAG_STEP)?);
-            let difference = |(p, q): (f64, f64)| (p - q) / (2.0 * LAG_STEP * x[k]);
+            let [longer, shorter] = [x[k] + LAG_STEP * self.ts, (x[k] - LAG_STEP * self.ts).max(0.0)];
+            let (more, less) = (with_lag(longer)?, with_lag(shorter)?);
+            let difference = |(p, q): (f64, f64)| (p - q) / (longer - shorter);
             slopes[k - which.start] = more.into_iter().zip(less).map(difference).collect();
         }
         Ok((y, slopes))

@@ -86,11 +86,12 @@ impl<R: Real> Motion<'_, R> {
     }
 }
 
-/// A run of a feedback model; hysteresis and creep are at rest before.
+/// A run of a feedback model. Before its first sample the hysteresis moved from rest to the first input, and creep
+/// settled there.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct FeedbackRun<'a> {
     /// p and step times p' of each mode before the first sample, in the unit of y. Modes without them are at rest:
-    /// where the input holds them if their vibration alone drives the hysteresis, else at 0.
+    /// where the input holds them if it drives the hysteresis, else at 0.
     pub start: &'a [[f64; 2]],
     /// The input, whose first sample was the input before too.
     pub u: &'a [f64],
@@ -108,7 +109,10 @@ pub struct Observer<'a> {
     pub gain: f64,
 }
 
-/// The samples of y along a path; hysteresis and creep are at rest before.
+/// Iterations of the displacement at the start.
+const SETTLING: usize = 30;
+
+/// The samples of y along a path; hysteresis and creep are settled at its start.
 pub(super) fn run<R: Real>(
     of: &Coefficients<R>,
     hysteresis: &mut dyn FnMut(R) -> R,
@@ -119,14 +123,23 @@ pub(super) fn run<R: Real>(
     let zero = R::from(0.0);
     let (known, before) = (modes.len(), path.start());
     modes.resize(of.steps.len(), [zero; 2]);
-    let crept = &mut vec![zero; of.lags.len()][..];
-    let sensed = Sensed::at_start(of, &modes, before, hysteresis);
-    if of.senses_vibration {
-        for ((x, step), [b, e, ..]) in modes.iter_mut().zip(&of.steps).zip(&of.coupled).skip(known) {
-            *x = step.resting(*b * R::from(before) + *e * sensed.h);
+    let mut sensed = Sensed::at_start(of, &modes, before, hysteresis);
+    let settled = of.lags.iter().fold(R::from(1.0), |sum, (_, gain)| sum + *gain);
+    if of.sensed.value() != 0.0 {
+        // The modes are where the input holds them; their displacement may drive the hysteresis in turn.
+        for _ in 0..SETTLING {
+            for ((x, step), [b, e, ..]) in modes.iter_mut().zip(&of.steps).zip(&of.coupled).skip(known) {
+                *x = step.resting(*b * R::from(before) + *e * settled * sensed.h);
+            }
+            if of.senses_vibration {
+                break;
+            }
+            sensed.s = of.driven(&modes, before, settled * sensed.h);
+            sensed.h = hysteresis(sensed.s);
         }
     }
-    let mut motion = Motion { modes: &mut modes, crept, z: sensed.h, sensed, before };
+    let crept = &mut vec![sensed.h; of.lags.len()][..];
+    let mut motion = Motion { modes: &mut modes, crept, z: settled * sensed.h, sensed, before };
     let mut y = vec![motion.reading(of); of.delay];
     while let Some(stretch) = path.next_sample() {
         let read = motion.advance(of, stretch, hysteresis);

@@ -85,7 +85,7 @@ pub fn minimise(
     let mut x = start.to_vec();
     let mut normal = problem.normal(&x);
     if !normal.cost.is_finite() {
-        return Err(Error::parameter("start", format!("{start:?}"), "must have a finite cost"));
+        return Err(Error::parameter("start", format!("{} numbers", start.len()), "must have a finite cost"));
     }
     let (mut mu, mut nu) = (settings.damping, 2.0);
     let (mut history, mut courses) = (vec![normal.cost], vec![x.clone()]);
@@ -107,7 +107,8 @@ pub fn minimise(
             if mu < 1.0 && predicted <= settings.tolerance * normal.cost {
                 break Reason::Converged;
             }
-            let trial: Vec<f64> = x.iter().zip(&h).map(|(x, h)| x + h).collect();
+            // By rounding, x + (low - x) can be below the limit.
+            let trial: Vec<f64> = x.iter().zip(&h).zip(&lowest).map(|((x, h), low)| (x + h).max(*low)).collect();
             let cost = problem.cost(&trial);
             if cost < normal.cost {
                 gain = (normal.cost - cost) / predicted;
