@@ -112,26 +112,23 @@ impl Twin {
         SEEN.into_iter().map(record).collect()
     }
 
-    /// The records from which a joint model is identified.
-    fn training(&self) -> Result<(Record, Vec<Record>), Error> {
+    /// A model of the PRBS and rising sines.
+    fn identified(&self, options: &IdentifyOptions) -> Result<Identified, Error> {
         let rising =
             |frequency, amplitude, n| RisingSine { amplitude, frequency, ..RisingSine::default() }.samples(TS, n);
-        Ok((self.small()?, self.sines(rising)?))
+        identify(Records { small_signal: &[self.small()?], large_signal: &self.sines(rising)? }, options)
     }
 
     /// One joint model for all frequencies, from the PRBS and rising sines.
     pub fn joint(&self, operator: &str, driver: bool) -> Result<Identified, Error> {
-        let (small, large) = self.training()?;
         let options = IdentifyOptions { operator: operator.into(), seed: 0, ..IdentifyOptions::default() };
-        let options = if driver { options.with_driver_of(&self.spec) } else { options };
-        identify(Records { small_signal: &[small], large_signal: &large }, &options)
+        self.identified(&if driver { options.with_driver_of(&self.spec) } else { options })
     }
 
     /// The same with the driver given, of the structure that suits the records.
     pub fn joint_by(&self, operator: &str, structure: Structure) -> Result<Identified, Error> {
-        let (small, large) = self.training()?;
         let options = IdentifyOptions { operator: operator.into(), structure, ..IdentifyOptions::default() };
-        identify(Records { small_signal: &[small], large_signal: &large }, &options.with_driver_of(&self.spec))
+        self.identified(&options.with_driver_of(&self.spec))
     }
 
     /// Its output for these inputs from rest, with noise [um].

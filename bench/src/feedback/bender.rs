@@ -8,6 +8,7 @@ use piezoid::compensation::{FeedForward, FeedForwardSettings};
 use piezoid::excitation::Limits;
 use piezoid::feedback::Structure;
 use piezoid::{Error, Model};
+use piezoid_numerics::series::scatter;
 use std::f64::consts::TAU;
 use std::path::Path;
 
@@ -39,9 +40,7 @@ fn followed(twin: &Twin, model: &Model, hz: f64) -> Result<f64, Error> {
     // Beyond the end of a path its motion is a guess.
     let y = twin.response(&found.u);
     let errors: Vec<f64> = y.iter().zip(&r).take(SAMPLES - 10).map(|(y, r)| y - r).collect();
-    let mean = errors.iter().sum::<f64>() / errors.len() as f64;
-    let square = errors.iter().map(|e| (e - mean).powi(2)).sum::<f64>() / errors.len() as f64;
-    Ok(100.0 * square.sqrt() / (2.0 * AMPLITUDE))
+    Ok(100.0 * (scatter(&errors) / errors.len() as f64).sqrt() / (2.0 * AMPLITUDE))
 }
 
 /// Measures, and writes the tables of the bender.

@@ -129,40 +129,42 @@ pub(super) struct Whole<'a> {
     pub(super) inside: Range<usize>,
     /// The modes at the start; empty at rest.
     start: &'a [[f64; 2]],
-    /// The output measured at each of them; NaN before the record.
-    measured: Vec<f64>,
+    /// What an observer sees: the output measured at each of them, NaN where it does not count; and its gain.
+    observer: Option<(Vec<f64>, f64)>,
 }
 
 impl<'a> Whole<'a> {
-    pub(super) fn of(run: &'a Run) -> Self {
-        let (u, counted) = (run.record.u(), run.counted.of(run.record.len()));
-        // An observer sees what counts.
-        let y: Vec<f64> =
-            run.record.y().iter().zip(counted).map(|(y, counts)| if counts { *y } else { f64::NAN }).collect();
+    /// With an observer if its gain is not 0.
+    pub(super) fn of(run: &'a Run, gain: f64) -> Self {
+        let u = run.record.u();
+        let observer = |before: usize| {
+            let y = run.record.y().iter().zip(run.counted.of(u.len()));
+            let y = y.map(|(y, counts)| if counts { *y } else { f64::NAN });
+            (gain != 0.0).then(|| (std::iter::repeat_n(f64::NAN, before).chain(y).collect(), gain))
+        };
         let after = |before: &[f64], after: &[f64]| Whole {
             u: [before, u, after].concat().into(),
             inside: before.len()..before.len() + u.len(),
             start: &[],
-            measured: [&vec![f64::NAN; before.len()][..], &y].concat(),
+            observer: observer(before.len()),
         };
         match &run.initial {
-            Initial::States(modes) => Whole { u: u.into(), inside: 0..u.len(), start: modes, measured: y },
+            Initial::States(modes) => Whole { u: u.into(), inside: 0..u.len(), start: modes, observer: observer(0) },
             Initial::Periodic(n) => after(&u.repeat(*n), &u[..u.len().min(Intersample::REACH)]),
             Initial::After(before) => after(before, &[]),
         }
     }
 
-    /// The run, with an observer if its gain is not 0.
-    pub(super) fn run(&self, gain: f64) -> FeedbackRun<'_> {
-        let observer = Observer { measured: &self.measured, gain };
-        FeedbackRun { start: self.start, u: &self.u, observer: (gain != 0.0).then_some(observer) }
+    pub(super) fn run(&self) -> FeedbackRun<'_> {
+        let observer = self.observer.as_ref().map(|(measured, gain)| Observer { measured, gain: *gain });
+        FeedbackRun { start: self.start, u: &self.u, observer }
     }
 }
 
 /// The sum of the squared errors that count, of the free run or the run with an observer of this gain.
 fn sum_of_squares(model: &FeedbackModel, run: &Run, gain: f64) -> f64 {
-    let whole = Whole::of(run);
-    let y = model.follow_run(whole.run(gain));
+    let whole = Whole::of(run, gain);
+    let y = model.follow_run(whole.run());
     run.errors(&y[whole.inside]).norm_squared()
 }
 
@@ -253,10 +255,10 @@ impl SumOfSquares for FreeRun<'_, '_> {
         let Ok((model, runs)) = self.at(x) else { return failed };
         let mut own = parameters;
         for (k, run) in runs.iter().enumerate() {
-            let whole = Whole::of(run);
+            let whole = Whole::of(run, self.gain);
             let states = 2 * whole.start.len();
             let which = if self.weights.is_some() { 0..followed } else { 0..parameters + states };
-            let Ok((y, slopes)) = model.sensitivities(whole.run(self.gain), which) else { return failed };
+            let Ok((y, slopes)) = model.sensitivities(whole.run(), which) else { return failed };
             let error = run.errors(&y[whole.inside.clone()]);
             let column = |slope: &Vec<f64>| {
                 let mut column = DVector::from_column_slice(&slope[whole.inside.clone()]);

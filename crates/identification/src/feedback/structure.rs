@@ -56,27 +56,31 @@ pub fn identify_structure<'r>(
         Some(driver) => vec![Intersample::Driven(driver)],
         None => vec![Intersample::Held, Intersample::BandLimited],
     };
-    match Trial::best(&found.model, &records, &inputs, progress) {
-        Ok(trial) if structure == Structure::Feedback || trial.percent < LESS_ERROR * trial.of_blocks => {
-            match trial.again(&found.model, &records, &inputs, progress) {
-                Ok(fit) => taken(found, fit, &trial),
-                Err(cancelled @ Error::Cancelled { .. }) => Ok(Identified { cancelled: Some(cancelled), ..found }),
-                Err(why) if structure == Structure::Auto => {
-                    Ok(with_reason(found, &format!("hysteresis first, mechanics after, because {why}")))
-                }
-                Err(other) => Err(other),
-            }
-        }
-        Ok(trial) => {
-            let mut found = found;
-            found.trials.push(trial.row(""));
-            Ok(with_reason(found, &format!("hysteresis first, mechanics after, not {STAGE}: {}", trial.errors())))
-        }
-        Err(cancelled @ Error::Cancelled { .. }) => Ok(Identified { cancelled: Some(cancelled), ..found }),
-        Err(why) if structure == Structure::Auto => {
+    let trial = match Trial::best(&found.model, &records, &inputs, progress) {
+        Ok(trial) => trial,
+        Err(why) => return without(found, structure, why),
+    };
+    let predicts_better = trial.percent < LESS_ERROR * trial.of_blocks;
+    if structure == Structure::Auto && !predicts_better {
+        let mut found = found;
+        found.trials.push(trial.row(""));
+        let reason = format!("hysteresis first, mechanics after, not {STAGE}: {}", trial.errors());
+        return Ok(with_reason(found, &reason));
+    }
+    match trial.again(&found.model, &records, &inputs, progress) {
+        Ok(fit) => taken(found, fit, &trial),
+        Err(why) => without(found, structure, why),
+    }
+}
+
+/// `found` as it is, if a search was cancelled or the structure may stay; else the error.
+fn without(found: Identified, structure: Structure, why: Error) -> Result<Identified, Error> {
+    match why {
+        cancelled @ Error::Cancelled { .. } => Ok(Identified { cancelled: Some(cancelled), ..found }),
+        why if structure == Structure::Auto => {
             Ok(with_reason(found, &format!("hysteresis first, mechanics after, because {why}")))
         }
-        Err(other) => Err(other),
+        other => Err(other),
     }
 }
 

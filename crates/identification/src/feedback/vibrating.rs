@@ -3,8 +3,9 @@
 
 use super::free_run::{Counted, FreeRun, Initial, Run, Whole, peak_to_peak, runs};
 use super::oscillator::kinds;
-use super::weights::{Weights, roughness};
+use super::weights::Weights;
 use super::{FeedbackFit, Found, STAGE, search};
+use crate::fit::roughness;
 use nalgebra::{DMatrix, DVector};
 use piezoid_models::creep::Lag;
 use piezoid_models::driver::DriverModel;
@@ -203,9 +204,9 @@ impl<'r> Search<'r, '_> {
         Ok((found.model.dynamics().clone(), found.minimum.cost))
     }
 
-    /// All parameters from the best of these starts, with weights that the operator then has, and the standard errors
-    /// of those of the dynamics. The derivatives by the weights are those at the first start.
-    fn all(&mut self, starts: Vec<FeedbackDynamics>, gain: f64) -> Result<(Found<'r>, Vec<f64>), Error> {
+    /// All parameters from the best of these starts, with weights that the operator then has, and the derivatives by
+    /// the weights, which are those at the first start.
+    fn all(&mut self, starts: Vec<FeedbackDynamics>, gain: f64) -> Result<(Found<'r>, Weights), Error> {
         let least = NEARLY_NONE * self.operator.1.iter().fold(0.0f64, |most, weight| most.max(*weight));
         self.operator.1.iter_mut().for_each(|weight| *weight = weight.max(least));
         // What is 0 would stay.
@@ -220,27 +221,27 @@ impl<'r> Search<'r, '_> {
         let weights = Weights::at_start(&free_run(&models[0]), &*self.operator.0)?;
         let problem = |model| FreeRun { weights: Some(&weights), ..free_run(model) };
         let found = super::best(models.iter().map(|model| search(&problem(model), ALL_STEPS, self.progress)))?;
-        let others = found.minimum.x.len() - weights.len();
-        let mut errors = problem(&models[0]).errors(&found.minimum);
-        errors.truncate(others);
-        self.operator.1 = found.minimum.x[others..].to_vec();
-        Ok((found, errors))
+        self.operator.1 = found.minimum.x[found.minimum.x.len() - weights.len()..].to_vec();
+        Ok((found, weights))
     }
 
     /// The fit after rounds of searches of all parameters, while they are worth it.
     fn search_to_minimum(&mut self, dynamics: FeedbackDynamics) -> Result<FeedbackFit, Error> {
-        let (mut found, mut errors) = self.all(vec![dynamics], 0.0)?;
+        let (mut found, mut weights) = self.all(vec![dynamics], 0.0)?;
         for _ in 1..ROUNDS {
             let before = found.minimum.history[0];
             if found.minimum.cost > (1.0 - WORTHWHILE) * before {
                 break;
             }
-            (found, errors) = self.all(vec![found.model.dynamics().clone()], 0.0)?;
+            (found, weights) = self.all(vec![found.model.dynamics().clone()], 0.0)?;
         }
+        let problem = FreeRun { weights: Some(&weights), ..FreeRun::of(&found.model, self.runs) };
+        let mut errors = problem.errors(&found.minimum);
+        errors.truncate(errors.len() - weights.len());
         // The constant that suits all records.
         let constant = |run: &Run| {
-            let whole = Whole::of(run);
-            let y = found.model.follow_run(whole.run(0.0));
+            let whole = Whole::of(run, 0.0);
+            let y = found.model.follow_run(whole.run());
             run.record.y().iter().zip(&y[whole.inside]).map(|(y, m)| y - m).sum::<f64>()
         };
         let samples: usize = self.runs.iter().map(|run| run.record.len()).sum();

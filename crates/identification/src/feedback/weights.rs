@@ -2,6 +2,7 @@
 //! records are kept while a search goes on, and which are smooth.
 
 use super::free_run::{FreeRun, Whole};
+use crate::fit::roughness;
 use nalgebra::{DMatrix, DVector};
 use piezoid_models::hysteresis::Basis;
 use piezoid_numerics::error::Error;
@@ -33,12 +34,12 @@ impl Weights {
     pub(super) fn at_start(of: &FreeRun, basis: &dyn Basis) -> Result<Self, Error> {
         let (parameters, n) = (of.start.parameters().len(), basis.len());
         let column = |run: &super::Run| {
-            let whole = Whole::of(run);
+            let whole = Whole::of(run, of.gain);
             let mut columns = DMatrix::zeros(run.record.len(), n);
             // In blocks, because they take twice the memory before they are stored.
             for from in (0..n).step_by(BLOCK) {
                 let which = parameters - n + from..parameters - n + n.min(from + BLOCK);
-                let (_, slopes) = of.start.sensitivities(whole.run(of.gain), which)?;
+                let (_, slopes) = of.start.sensitivities(whole.run(), which)?;
                 for (k, mut slope) in slopes.into_iter().enumerate() {
                     let inside = &mut slope[whole.inside.clone()];
                     run.mask(inside);
@@ -101,17 +102,6 @@ impl Weights {
             (0..self.len()).for_each(|j| sums.hessian[(first + i) * d + first + j] = self.normal[(i, j)]);
         }
     }
-}
-
-/// The matrix of the sum of squares of the roughness.
-pub(super) fn roughness(basis: &dyn Basis) -> DMatrix<f64> {
-    let mut matrix = DMatrix::zeros(basis.len(), basis.len());
-    for row in basis.roughness() {
-        for &(i, p) in &row {
-            row.iter().for_each(|&(j, q)| matrix[(i, j)] += p * q);
-        }
-    }
-    matrix
 }
 
 /// The products of all columns with each other.

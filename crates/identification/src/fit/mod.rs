@@ -52,7 +52,7 @@ pub(crate) use refine::{
     refine_to_minimum, refine_within_reach,
 };
 pub(super) use runs::{TrainingRecord, training_records};
-pub(super) use solve::{FreeParameters, MAX_CREEP_GAIN};
+pub(super) use solve::{FreeParameters, MAX_CREEP_GAIN, roughness};
 pub(super) use spread::Spread;
 #[cfg(test)]
 pub(super) use testing::{estimate, pair};

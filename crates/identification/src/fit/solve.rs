@@ -15,6 +15,7 @@ use super::equations::ReducedEquations;
 use super::estimate::{Estimate, of_differences};
 use super::layout::ColumnLayout;
 use nalgebra::{DMatrix, DVector};
+use piezoid_models::hysteresis::Basis;
 use piezoid_numerics::optimize::non_negative;
 use std::ops::Range;
 use tracing::trace_span;
@@ -99,12 +100,7 @@ impl Prior {
         let now = estimate.weights.iter().copied().chain(gains).chain(shape).chain(lag).chain(of_differences(a));
         let now = now.chain(of_differences(&b[estimate.linear.delay()..]));
 
-        let mut smooth = DMatrix::zeros(layout.weights.len(), layout.weights.len());
-        for row in estimate.basis.roughness() {
-            for &(i, p) in &row {
-                row.iter().for_each(|&(j, q)| smooth[(i, j)] += p * q);
-            }
-        }
+        let smooth = roughness(&*estimate.basis);
         let mut signed = estimate.basis.non_negative();
         signed.resize(layout.gains.end, true);
         signed.resize(layout.parameters(), false);
@@ -290,6 +286,17 @@ impl Prior {
         g.axpy(-g[held], &ratios, 1.0);
         Some((held, ratios))
     }
+}
+
+/// The matrix of the sum of squares of the roughness.
+pub(crate) fn roughness(basis: &dyn Basis) -> DMatrix<f64> {
+    let mut matrix = DMatrix::zeros(basis.len(), basis.len());
+    for row in basis.roughness() {
+        for &(i, p) in &row {
+            row.iter().for_each(|&(j, q)| matrix[(i, j)] += p * q);
+        }
+    }
+    matrix
 }
 
 #[cfg(test)]
