@@ -81,6 +81,8 @@ pub struct JointOptions {
     pub elements: Option<usize>,
     /// True to identify creep.
     pub creep: bool,
+    /// True for creep that is a power of time, whose order is fitted; else each lag of creep has its own gain.
+    pub fractional_creep: bool,
     /// The driver; `None` if it is unknown.
     pub driver: Option<DriverModel>,
     /// Seed of the search of the shape of operators.
@@ -96,6 +98,7 @@ impl Default for JointOptions {
             order: None,
             elements: None,
             creep: true,
+            fractional_creep: false,
             driver: None,
             seed: 0,
             effort: Effort::Usual,
@@ -108,6 +111,9 @@ impl JointOptions {
         match self.elements {
             Some(n) if n > MAX_ELEMENTS => {
                 Err(Error::parameter("elements", n, format!("must be at most {MAX_ELEMENTS}")))
+            }
+            _ if self.fractional_creep && !self.creep => {
+                Err(Error::parameter("fractional_creep", true, "needs creep, which is switched off: identify it"))
             }
             _ => Ok(()),
         }

@@ -302,6 +302,43 @@ fn the_linear_block_of_a_small_signal_record_that_creeps_is_found_behind_creep()
     assert!(error(&found.model, &plant) < 0.02, "{} {:?}", error(&found.model, &plant), found.model);
 }
 
+/// Creep as a sum over the whole past of z, which shares no code with lags: after a step of z it is 0.03 t^order.
+#[test]
+fn the_order_of_fractional_creep_is_found_to_a_hundredth() {
+    for order in [0.12, 0.4] {
+        let plant = plant(5e-3, 0);
+        let crept = |u: Vec<f64>| {
+            let z = plant.hysteresis().simulate(&u);
+            let after: Vec<f64> = (0..z.len()).map(|t| 0.03 * (5e-3 * t as f64).powf(order)).collect();
+            let steps: Vec<f64> = std::iter::once(z[0]).chain(z.windows(2).map(|z| z[1] - z[0])).collect();
+            let creep = |t: usize| steps[..=t].iter().zip(after[..=t].iter().rev()).map(|(dz, c)| dz * c).sum::<f64>();
+            let moved: Vec<f64> = (0..z.len()).map(|t| z[t] + creep(t)).collect();
+            let y = plant.linear().simulate(&moved).iter().map(|y| y + 0.3).collect();
+            Record::new(5e-3, u, y).unwrap()
+        };
+        let sine = |t: f64, hz: f64| (TAU * hz * 5e-3 * t).sin();
+        let levels = |t: u32| [0.0, 20.0, -15.0, 25.0, -25.0, 5.0][(t / 1000) as usize];
+        let path = |t: u32| 15.0 * (sine(f64::from(t), 0.06) + sine(f64::from(t), 1.3));
+        let records = vec![crept((0..6000).map(levels).collect()), crept((0..6000).map(path).collect())];
+        let settings = JointOptions { fractional_creep: true, ..named("prandtl-ishlinskii") };
+        let of = |records: &[Record]| {
+            let found = identified(&[], records, &settings);
+            found.parameters.into_iter().find(|p| p.name == "creep order [-]").unwrap()
+        };
+        let (exact, of_noise) = (of(&records), of(&noisy(records.clone())));
+        assert!((exact.value - order).abs() < 0.01, "{exact:?}");
+        assert!((of_noise.value - order).abs() < 2.0 * of_noise.error && of_noise.error < 0.1, "{of_noise:?}");
+    }
+}
+
+#[test]
+fn fractional_creep_without_creep_is_an_error() {
+    let settings = JointOptions { fractional_creep: true, creep: false, ..named("prandtl-ishlinskii") };
+    let record = record(&plant(5e-4, 0), vec![0.0; 100], 0.0);
+    let error = identify_joint(&[], &[record], &settings, &mut |_| ControlFlow::Continue(())).unwrap_err();
+    assert!(error.to_string().starts_with("fractional_creep = true: needs creep"), "{error}");
+}
+
 #[test]
 fn a_lag_before_the_hysteresis_is_found_and_belongs_to_the_driver() {
     let lag = 2e-3;

@@ -98,6 +98,8 @@ options! {
                                                                                              operator").group(JOINT);
         /// Identify creep.
         creep: bool = true, OptionRow::new(OptionKind::Switch).group(JOINT);
+        /// Creep that grows as a power of time: its order is fitted, in place of a gain for each of its lags.
+        fractional_creep: bool = false, OptionRow::new(OptionKind::Switch).group(JOINT);
         /// The driver used for the records; give it if its current or slew limit was reached (see {list}).
         driver: Option<String> = None, OptionRow::new(NAME).list("drivers").group(JOINT);
         /// Capacitance of the load, for the driver's current limit.
@@ -237,6 +239,7 @@ impl IdentifyOptions {
             order: self.order,
             elements: self.elements,
             creep: self.creep,
+            fractional_creep: self.fractional_creep,
             driver: self.driver()?,
             seed: self.seed,
             effort: self.effort,

@@ -3,6 +3,7 @@
 use super::layout::ColumnLayout;
 use super::runs::TrainingRecord;
 use super::signals::add;
+use libm::pow;
 use piezoid_models::creep::{Creep, Lag};
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::{InitialCondition, Model};
@@ -28,19 +29,29 @@ pub(crate) struct Estimate {
     pub(crate) basis: Arc<dyn Basis>,
     pub(crate) weights: Vec<f64>,
     pub(crate) lags: Vec<Lag>,
+    /// The order of creep, if the gains of its lags are that power of their time constants.
+    pub(crate) creep_order: Option<CreepOrder>,
     pub(crate) linear: Arx,
+}
+
+/// The order of creep that is a power of time.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct CreepOrder {
+    pub(crate) value: f64,
+    /// Its standard error.
+    pub(crate) error: f64,
 }
 
 impl Estimate {
     /// An estimate with unknown weights.
     pub(crate) fn new(driver: Option<DriverModel>, basis: Box<dyn Basis>, lags: Vec<Lag>, linear: Arx) -> Self {
-        Estimate { driver, seeks_lag: false, weights: vec![0.0; basis.len()], basis: basis.into(), lags, linear }
+        let weights = vec![0.0; basis.len()];
+        Estimate { driver, seeks_lag: false, weights, basis: basis.into(), lags, creep_order: None, linear }
     }
 
     /// The same driver, creep and linear block behind another hysteresis, with unknown weights.
     pub(crate) fn with_basis(&self, basis: Box<dyn Basis>) -> Self {
-        let (lags, linear) = (self.lags.clone(), self.linear.clone());
-        Estimate { seeks_lag: self.seeks_lag, ..Estimate::new(self.driver, basis, lags, linear) }
+        Estimate { weights: vec![0.0; basis.len()], basis: basis.into(), ..self.clone() }
     }
 
     /// The same estimate with another linear block.
@@ -57,6 +68,12 @@ impl Estimate {
     pub(super) fn shape_limits(&self) -> impl Iterator<Item = (f64, f64)> {
         let of_lag = self.seeks_lag.then(|| (MIN_DRIVER_LAG * self.ts(), f64::INFINITY));
         self.basis.shape().into_iter().map(|shape| (shape.low, shape.high)).chain(of_lag)
+    }
+
+    /// The ratio of the gain of a lag of creep to that of the next faster one, if creep has one order.
+    pub(super) fn gain_ratio(&self) -> Option<f64> {
+        let (order, [faster, lag]) = (self.creep_order?, self.lags.first_chunk()?);
+        Some(pow(lag.tau_s / faster.tau_s, order.value))
     }
 
     pub(crate) fn ts(&self) -> f64 {
@@ -85,7 +102,8 @@ impl Estimate {
         };
         let basis = self.basis.reshaped(&shape).ok()?.into();
         let weights = x[layout.weights].to_vec();
-        Some(Estimate { driver, seeks_lag: self.seeks_lag, basis, weights, lags, linear })
+        let Estimate { seeks_lag, creep_order, .. } = *self;
+        Some(Estimate { driver, seeks_lag, basis, weights, lags, creep_order, linear })
     }
 
     /// The model, with this output offset.

@@ -7,6 +7,7 @@
 //! D takes second differences of neighbouring weights. S is the mean size of the weights' columns at the start of the
 //! fit, so lambda has no unit. What goes beyond a limit of its gain or shape is held there until the next step. A
 //! penalty keeps the gain of a creep lag near that of the next faster lag, and that of the fastest near a usual value.
+//! Creep of one order has gains in a fixed ratio, by a penalty that is as good as a constraint.
 //! The static gain of G is fixed, because G and w can share any factor.
 //!
 //! Why: docs/decisions/identification.md, "Creep lags are half a decade apart".
@@ -28,6 +29,9 @@ const WEIGHT_RIDGE: f64 = 1e-12;
 const EQUAL_GAIN_WEIGHT: f64 = 0.03;
 const USUAL_CREEP_GAIN: f64 = 0.015;
 
+/// The same for creep of one order: the gains have their ratio to about a thousandth of what the data leave open.
+const ONE_ORDER_WEIGHT: f64 = 1e6;
+
 /// Largest gain of a creep lag in ceramics.
 pub(crate) const MAX_CREEP_GAIN: f64 = 0.1;
 
@@ -47,8 +51,8 @@ pub(crate) enum FreeParameters {
 /// What a gain of creep is drawn to.
 enum Target {
     None,
-    /// The gain of the next faster lag.
-    Faster,
+    /// The gain of the next faster lag times this ratio.
+    Faster(f64),
     Usual,
 }
 
@@ -88,6 +92,8 @@ pub(crate) struct Prior {
     limits: Vec<(f64, f64)>,
     /// The derivative of ln(static gain of G).
     gain: DVector<f64>,
+    /// The ratio of the gains of neighbouring lags of creep, if it has one order.
+    ratio: Option<f64>,
 }
 
 impl Prior {
@@ -106,7 +112,8 @@ impl Prior {
         signed.resize(layout.parameters(), false);
         let mut limits = vec![(f64::NEG_INFINITY, f64::INFINITY); layout.parameters()];
         // Lags with more than creep of ceramics have the largest gain of creep: they are something else.
-        limits[layout.gains.clone()].fill((f64::NEG_INFINITY, MAX_CREEP_GAIN));
+        let most = if estimate.creep_order.is_some() { f64::INFINITY } else { MAX_CREEP_GAIN };
+        limits[layout.gains.clone()].fill((f64::NEG_INFINITY, most));
         let of_shape = limits[layout.shape.clone()].iter_mut().zip(estimate.shape_limits());
         of_shape.for_each(|(limits, shape)| *limits = shape);
 
@@ -123,6 +130,7 @@ impl Prior {
             signed,
             limits,
             gain,
+            ratio: estimate.gain_ratio(),
         }
     }
 
@@ -153,7 +161,7 @@ impl Prior {
     pub(crate) fn penalty(&self, normal: &ReducedEquations, lambda: f64, x: &DVector<f64>) -> f64 {
         let w = x.rows_range(self.layout.weights.clone());
         let unlike = |k: usize| match self.target(k, x) {
-            Target::Faster => (x[k] - x[k - 1]).powi(2),
+            Target::Faster(ratio) => (x[k] - ratio * x[k - 1]).powi(2),
             Target::Usual => (x[k] - USUAL_CREEP_GAIN).powi(2),
             Target::None => 0.0,
         };
@@ -163,16 +171,19 @@ impl Prior {
 
     /// What the gain `k` is drawn to at `x`.
     fn target(&self, k: usize, x: &DVector<f64>) -> Target {
-        match k > self.layout.gains.start {
-            true if x[k - 1] < USUAL_CREEP_GAIN => Target::Faster,
-            false if x[k] < USUAL_CREEP_GAIN => Target::None,
+        match (k > self.layout.gains.start, self.ratio) {
+            (true, Some(ratio)) => Target::Faster(ratio),
+            (false, Some(_)) => Target::None,
+            (true, None) if x[k - 1] < USUAL_CREEP_GAIN => Target::Faster(1.0),
+            (false, None) if x[k] < USUAL_CREEP_GAIN => Target::None,
             _ => Target::Usual,
         }
     }
 
     /// The weight of the penalty of unlike gains.
     fn alike(&self, normal: &ReducedEquations) -> f64 {
-        EQUAL_GAIN_WEIGHT * self.scales.gains * normal.samples
+        let weight = if self.ratio.is_some() { ONE_ORDER_WEIGHT } else { EQUAL_GAIN_WEIGHT };
+        weight * self.scales.gains * normal.samples
     }
 
     /// The solution of `normal`, with only the `free` parameters moving. `damping` limits the steps of all but the
@@ -208,10 +219,10 @@ impl Prior {
             match self.target(k, &self.current) {
                 Target::None => continue,
                 Target::Usual => g[k] += alike * USUAL_CREEP_GAIN,
-                Target::Faster => {
-                    h[(k - 1, k - 1)] += alike;
-                    h[(k - 1, k)] -= alike;
-                    h[(k, k - 1)] -= alike;
+                Target::Faster(ratio) => {
+                    h[(k - 1, k - 1)] += ratio * ratio * alike;
+                    h[(k - 1, k)] -= ratio * alike;
+                    h[(k, k - 1)] -= ratio * alike;
                 }
             }
             h[(k, k)] += alike;

@@ -9,9 +9,10 @@
 //!
 //! B. Efron & C. Stein, Ann. Statist. 9, 586 (1981), DOI 10.1214/aos/1176345462.
 
-use super::estimate::Estimate;
+use super::estimate::{CreepOrder, Estimate};
 use super::fitted::Fitted;
 use libm::log;
+use piezoid_models::creep::Creep;
 use piezoid_models::linear::{Pole, PoleShare};
 use piezoid_numerics::series::scatter;
 use serde::Serialize;
@@ -55,7 +56,13 @@ pub(crate) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
         let lag_of = |e: &Estimate| e.driver.map_or(f64::NAN, |driver| driver.lag_s);
         parameters.push(parameter("driver lag [s]".into(), driver.lag_s, &lag_of));
     }
-    for (k, lag) in estimate.lags.iter().enumerate().filter(|(_, lag)| lag.gain > 0.0) {
+    if let Some(CreepOrder { value, error }) = estimate.creep_order {
+        parameters.push(FittedParameter { name: "creep order [-]".into(), value, error });
+        let after = |e: &Estimate| Creep::new(e.ts(), e.lags.clone()).map_or(f64::NAN, |creep| creep.after(1.0));
+        parameters.push(parameter("creep within 1 s [-]".into(), after(estimate), &after));
+    }
+    let separate = estimate.lags.iter().enumerate().filter(|(_, lag)| estimate.creep_order.is_none() && lag.gain > 0.0);
+    for (k, lag) in separate {
         let name = format!("creep gain at {} s [-]", piezoid_numerics::number::short(lag.tau_s));
         parameters.push(parameter(name, lag.gain, &|e| e.lags[k].gain));
     }

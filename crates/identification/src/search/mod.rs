@@ -4,6 +4,7 @@
 //! the candidate by a better one. The thresholds of all decisions are in [`policy`]; the fits are the work of `fit`.
 
 mod candidate;
+mod creep_order;
 mod extensions;
 mod initial_conditions;
 mod mode_evidence;

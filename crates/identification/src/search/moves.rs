@@ -4,7 +4,7 @@
 //! of the candidate, and may leave others: the search sets those of the candidate that it keeps.
 
 use super::fit::refine_to_minimum;
-use super::{Candidate, Search, initial_conditions, operators, structure_search};
+use super::{Candidate, Search, creep_order, initial_conditions, operators, structure_search};
 use piezoid_numerics::error::Error;
 
 /// A move.
@@ -56,4 +56,9 @@ pub(super) const MOVES: &[Move] = &[
         run: operators::compare_on_all_samples,
     },
     Move { name: "the minimum", applies: |search| !search.is_quick(), run: to_minimum },
+    Move {
+        name: "order of creep",
+        applies: |search| !search.is_quick() && search.settings.fractional_creep,
+        run: creep_order::fit_order,
+    },
 ];

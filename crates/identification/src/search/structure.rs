@@ -133,7 +133,7 @@ pub(super) fn with_other_blocks(
     basis: MakeBasis,
 ) -> Result<Estimate, Error> {
     let basis = basis(basis_ts(linear.ts(), driver.is_some()))?.reshaped(&estimate.shape())?.into();
-    Ok(Estimate { driver, seeks_lag, basis, weights: estimate.weights.clone(), lags: lags.to_vec(), linear })
+    Ok(Estimate { driver, seeks_lag, basis, lags: lags.to_vec(), linear, ..estimate.clone() })
 }
 
 /// The block with another static gain.

@@ -4,11 +4,15 @@
 //! y_t = z_t + g_1 x_1 + ... + g_n x_n,    x_k <- x_k + (1 - exp(-Ts / tau_k)) (z_t - x_k)
 //! ```
 //! Equal gains g at time constants one decade apart give logarithmic creep: it grows by g per decade of time. Unequal
-//! gains give a general ladder.
+//! gains give a general ladder; gains that are a power of the time constants give creep of fractional order.
 //!
 //! Reference: H. Jung, D.-G. Gweon, Rev. Sci. Instrum. 71, 1896 (2000), DOI 10.1063/1.1150559 (logarithmic law); K.
 //! Kuhnen & P. Krejci, IEEE Trans. Autom. Control 54 (2009), DOI 10.1109/TAC.2009.2012984 (ladder). Creep that depends
 //! on amplitude or direction is not described.
+
+mod fractional;
+
+pub use fractional::power_law;
 
 use crate::program::Block;
 use libm::{expm1, log10};
