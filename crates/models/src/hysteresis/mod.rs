@@ -9,6 +9,7 @@ mod dahl;
 mod duhem;
 mod generalised_play;
 mod inverse;
+mod jiles_atherton;
 mod krasnoselskii;
 mod law;
 mod maxwell_slip;
@@ -145,6 +146,7 @@ pub static OPERATORS: &[&Operator] = &[
     &baber_noori::OPERATOR,
     &dahl::OPERATOR,
     &duhem::OPERATOR,
+    &jiles_atherton::OPERATOR,
     &tellinen::OPERATOR,
 ];
 
