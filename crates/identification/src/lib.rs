@@ -28,6 +28,7 @@ pub mod feedback;
 mod fit;
 mod identified;
 pub mod large_signal;
+pub mod online;
 mod records;
 mod result;
 mod search;

@@ -87,6 +87,11 @@ impl Creep {
         &self.lags
     }
 
+    /// What each lag moves in a sample, as a share of its distance: 1 - exp(-Ts / tau).
+    pub fn rates(&self) -> &[f64] {
+        &self.rates
+    }
+
     /// Creep at time `t` [s] after a step of z, relative to the step [-].
     pub fn after(&self, t: f64) -> f64 {
         self.lags.iter().map(|lag| -lag.gain * expm1(-t / lag.tau_s)).sum()

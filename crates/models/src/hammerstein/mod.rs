@@ -12,6 +12,7 @@
 
 mod domain;
 mod effort;
+mod hidden;
 mod initial_condition;
 mod inverse;
 mod loops;

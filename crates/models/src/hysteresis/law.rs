@@ -6,7 +6,7 @@
 use super::basis::{Basis, SensitiveOperator, ShapeParameter, counted, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials, with_scratch};
 use super::real::{Dual, Real, Sensitive, Several, Slope};
-use super::{Hysteresis, Operator, document, parse, thresholds};
+use super::{Hysteresis, LinearWeights, Operator, document, parse, thresholds};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, finite, positive};
 use piezoid_numerics::system::System;
@@ -83,6 +83,10 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
     fn check(&self) -> Result<(), Error> {
         thresholds::check(self.thresholds())
     }
+
+    /// The response phi_k of threshold k after a step, as a program, of a law whose phi_0 is the input: an expression of
+    /// the state `x`, the input `u` and `k`, which counts from 0. Empty if the responses are others.
+    const RESPONSE: &'static str = "";
 
     /// Thresholds of a law of plays or stops; the defaults below are for such a law.
     fn thresholds(&self) -> &[f64] {
@@ -309,6 +313,11 @@ impl<L: Law> Hysteresis for Weighted<L> {
         let mut trial = vec![Dual::from(0.0); self.shape.len() + x.len() - 1];
         let z = law.ahead(&self.params.weights, &self.shape, &x[1..], &mut trial, input);
         Some((z.value, z.slope))
+    }
+
+    fn linear_weights(&self) -> Option<LinearWeights<'_>> {
+        let linear = LinearWeights { weights: &self.params.weights, basis: self, response: L::RESPONSE };
+        Some(linear).filter(|linear| !linear.response.is_empty())
     }
 
     fn invert(&self, x: &[f64], z: f64, ends: (f64, f64)) -> Inverted {

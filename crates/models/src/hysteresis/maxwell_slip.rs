@@ -69,6 +69,7 @@ pub(super) static OPERATOR: Operator = Operator {
 
 impl Law for MaxwellSlip {
     const ROW: &'static Operator = &OPERATOR;
+    const RESPONSE: &'static str = "-x.slider[k]";
 
     fn check(&self) -> Result<(), Error> {
         thresholds::check(&self.thresholds)?;

@@ -72,6 +72,12 @@ pub trait Hysteresis: System {
         None
     }
 
+    /// Its weights and the responses that they multiply, if exported code can read these from its state: so an
+    /// estimator can move the weights while it runs.
+    fn linear_weights(&self) -> Option<LinearWeights<'_>> {
+        None
+    }
+
     /// z and dz/du after the next step, if the operator has a law.
     #[cfg(test)]
     fn ahead(&self, _x: &[f64], _u: f64) -> Option<(f64, f64)> {
@@ -82,6 +88,17 @@ pub trait Hysteresis: System {
     fn frequencies(&self) -> Option<(f64, f64)> {
         None
     }
+}
+
+/// The sum w_0 u + w_1 phi_1 + ... of an operator, of which exported code can read every response.
+#[derive(Debug, Clone, Copy)]
+pub struct LinearWeights<'a> {
+    /// The weights.
+    pub weights: &'a [f64],
+    /// The responses, with the state of the operator; the first is the input.
+    pub basis: &'a dyn Basis,
+    /// The response of index `k` + 1 after a step with the input `u`, as an expression of a program with the state `x`.
+    pub response: &'static str,
 }
 
 /// One kind of hysteresis operator: a row of [`OPERATORS`].

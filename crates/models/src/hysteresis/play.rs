@@ -52,6 +52,7 @@ pub(super) static OPERATOR: Operator = Operator {
 
 impl Law for Play {
     const ROW: &'static Operator = &OPERATOR;
+    const RESPONSE: &'static str = "x.play[k]";
 
     fn thresholds(&self) -> &[f64] {
         &self.thresholds

@@ -70,6 +70,7 @@ pub(super) fn speeds(half: f64, ts: f64) -> (f64, f64) {
 
 impl Law for RatePlay {
     const ROW: &'static Operator = &OPERATOR;
+    const RESPONSE: &'static str = "x.play[k]";
 
     fn check(&self) -> Result<(), Error> {
         thresholds::check(&self.thresholds)?;

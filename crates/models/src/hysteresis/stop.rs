@@ -45,6 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
 
 impl Law for Stop {
     const ROW: &'static Operator = &OPERATOR;
+    const RESPONSE: &'static str = "x.play[k] - u";
 
     fn thresholds(&self) -> &[f64] {
         &self.thresholds
