@@ -4,6 +4,7 @@ use super::vectors::{self, Vectors};
 use super::{ExportRequest, ExportedFunction};
 use piezoid::compensation::{Causal, FeedForwardSettings};
 use piezoid::{Error, Units};
+use piezoid_identification::online::Online;
 use piezoid_models::program::{Block, FieldValue, Program};
 use piezoid_numerics::number::short;
 
@@ -12,7 +13,7 @@ use piezoid_numerics::number::short;
 pub struct ExportedProgram {
     /// The blocks and functions.
     pub program: Program,
-    /// The interface: the model first, then its feed-forward, then the controller.
+    /// The interface: the model first, then its feed-forward, the controller, and the estimator.
     pub entries: Vec<Entry>,
     /// Omissions and remarks, one sentence each.
     pub notes: Vec<String>,
@@ -21,9 +22,9 @@ pub struct ExportedProgram {
 /// A state and the function that advances it by one sample.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// The function: `step`, `ff_step` or `control_step`.
+    /// The function: `step`, `ff_step`, `control_step` or `online_step`.
     pub step: &'static str,
-    /// The function that resets the state: `reset`, `ff_reset` or `control_reset`.
+    /// The function that resets the state: `reset`, `ff_reset`, `control_reset` or `online_reset`.
     pub reset: &'static str,
     /// The block of the state.
     pub state: &'static str,
@@ -64,12 +65,13 @@ impl Entry {
         if self.kind().is_empty() { name.into() } else { format!("{name}_{}", self.kind()) }
     }
 
-    /// Its inputs in a run: `u` of the model, `r` of the feed-forward, and both of the controller, which reads `read`
-    /// times `r`.
+    /// Its inputs in a run: `u` of the model, `r` of the feed-forward, and both of controller and estimator, which read
+    /// `read` times `r`.
     pub(super) fn rows(&self, u: &[f64], r: &[f64], read: f64) -> Vec<Vec<f64>> {
         match self.step {
             "step" => u.iter().map(|u| vec![*u]).collect(),
             "ff_step" => r.iter().map(|r| vec![*r]).collect(),
+            "online_step" => r.iter().zip(u).map(|(r, u)| vec![*u, read * r]).collect(),
             _ => r.iter().zip(u).map(|(r, u)| vec![*r, read * r, *u]).collect(),
         }
     }
@@ -79,11 +81,12 @@ impl Entry {
         match self.kind() {
             "" => "model",
             "ff" => "feed_forward",
+            "online" => "estimator",
             _ => "controller",
         }
     }
 
-    /// Prefix of its functions: nothing, `ff` or `control`.
+    /// Prefix of its functions: nothing, `ff`, `control` or `online`.
     pub fn kind(&self) -> &'static str {
         self.step.trim_end_matches("step").trim_end_matches('_')
     }
@@ -95,10 +98,10 @@ pub(super) fn state_of(block: &str) -> String {
 }
 
 impl ExportedProgram {
-    /// The model, its inverse if it has one, and the controller if requested.
+    /// The model, its inverse if it has one, and controller and estimator if requested.
     ///
     /// # Errors
-    /// [`Error::Unsuited`] for a model or controller without a program.
+    /// [`Error::Unsuited`] for a model or controller without a program, and a model without parameters that can move.
     pub fn new(request: &ExportRequest) -> Result<Self, Error> {
         let model = request.model;
         let Units { u, y } = model.units();
@@ -120,6 +123,7 @@ impl ExportedProgram {
         }
         whole.feed_forward(request, &u, &y)?;
         whole.controller(request, &u, &y)?;
+        whole.estimator(request, &u, &y)?;
         let kept: Vec<&str> = whole.entries.iter().map(|entry| entry.step).collect();
         whole.program.keep(&kept);
         whole.held(request.options.float)?;
@@ -176,6 +180,21 @@ impl ExportedProgram {
         ];
         let names = ["control_step", "control_reset", "control_state"];
         self.entries.push(Entry::new(names, format!("the controller: {about}"), inputs, u.clone()));
+        Ok(())
+    }
+
+    /// Adds the estimator, if requested.
+    fn estimator(&mut self, request: &ExportRequest, u: &Port, y: &Port) -> Result<(), Error> {
+        if !request.options.online {
+            return Ok(());
+        }
+        let online = Online::new(request.model, &request.options.estimator.settings()?)?;
+        online.extend(&mut self.program)?;
+        self.notes.extend(online.remarks().iter().cloned());
+        let inputs = vec![u.clone(), Port { about: "the reading of the displacement in this sample", ..y.clone() }];
+        let about = "the model with moving parameters: input and reading to the displacement that was expected".into();
+        let output = Port { name: "expected", about: "displacement before the parameters move", ..y.clone() };
+        self.entries.push(Entry::new(["online_step", "online_reset", "online_state"], about, inputs, output));
         Ok(())
     }
 

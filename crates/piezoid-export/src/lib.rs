@@ -34,7 +34,7 @@ use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::{Error, Model, StatedVerdict};
 use piezoid_models::program::Counts;
 use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
-use piezoid_verbs::{DataFile, File, TuneOptions};
+use piezoid_verbs::{DataFile, EstimatorOptions, File, TuneOptions};
 use serde::{Serialize, Serializer};
 use serde_json::{Map, Value, json};
 
@@ -50,13 +50,15 @@ options! {
         /// A feedback controller to export with the model, tuned to it: any feedback of {list} except
         /// predictive.
         controller: Option<String> = None, OptionRow::new(NAME).list("controllers");
+        /// Export the estimator of `online` too, which follows gain, weights and linear block on the target.
+        online: bool = false, OptionRow::new(OptionKind::Switch);
         /// Clip the voltage to the limits, instead of refusing a reference that exceeds them.
         clip: bool = false, OptionRow::new(OptionKind::Switch).requires("reference").group(WAVEFORMS);
         /// Servo cycle of the GCS controller.
         servo_cycle: f64 = 5e-5, OptionRow::positive("s").requires("reference").group(WAVEFORMS);
         /// Voltages [V] at 0 % and at 100 % of the NV200 amplifier, as its commands avmin and avmax report them.
         range: Option<(f64, f64)> = None, OptionRow::new(OptionKind::Pair).requires("reference").group(WAVEFORMS);
-    } with limits: LimitOptions with tuning: TuneOptions
+    } with limits: LimitOptions with tuning: TuneOptions with estimator: EstimatorOptions
 }
 
 const NAME: OptionKind = OptionKind::Text("NAME");
@@ -113,6 +115,10 @@ impl ExportOptions {
                 let rule = format!("does not apply to the target {}, only to {}", target.name, takers.join(", "));
                 return Err(Error::parameter(name, value, rule));
             }
+        }
+        if let (Some((row, value)), false) = (self.estimator.changed().first(), self.online) {
+            let error = Error::parameter(row.name, value, "has an effect only together with an estimator: ");
+            return Err(error.advised(vec![("online", true.into())]));
         }
         match self.tuning.changed().first() {
             Some((row, value)) if self.controller.is_none() => {
@@ -201,7 +207,7 @@ pub struct Exported {
 /// A function of the exported code, and its operations on real numbers in one sample.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct ExportedFunction {
-    /// `step`, `ff_step` or `control_step`.
+    /// `step`, `ff_step`, `control_step` or `online_step`.
     pub name: &'static str,
     /// One line.
     pub about: String,

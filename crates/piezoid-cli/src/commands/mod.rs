@@ -13,6 +13,7 @@ mod identify;
 mod inspect;
 mod instrument;
 mod lists;
+mod online;
 mod plan;
 mod prepare;
 mod report;
@@ -99,6 +100,7 @@ const VERBS: &[Verb] = &[
     operation::<compare::Compare>("compare"),
     operation::<compensate::Compensate>("compensate"),
     operation::<control::Control>("control"),
+    operation::<online::Online>("online"),
     operation::<export::Export>("export"),
     operation::<report::Report>("report"),
     own::<serve::Serve>(

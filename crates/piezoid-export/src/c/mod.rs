@@ -19,6 +19,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     name: "c",
     summary: "a header and a source file in C99, in double or single precision, with a self-test",
     reference: "ISO/IEC 9899:1999; MISRA C:2012",
+    takes: &["float", "preview", "controller", "online", "delay_samples", "gain_margin", "phase_margin"],
     make: |request| {
         let whole = checked(request)?;
         let mut notes = whole.notes.clone();

@@ -10,7 +10,7 @@ use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::hysteresis::LoopOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::{MIN_REVERSAL_SHARE, reversals};
-use piezoid_verbs::{CompensateOptions, File, SimulateOptions, Subject, ValidateRecords};
+use piezoid_verbs::{CompensateOptions, File, OnlineOptions, OnlineRow, SimulateOptions, Subject, ValidateRecords};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -53,6 +53,14 @@ pub(super) const OPERATIONS: &[Operation] = &[
         roles: &[MODEL, one("reference")],
         options: CompensateOptions::rows,
         run: |inputs, _| compensate(inputs),
+    },
+    Operation {
+        name: "online",
+        summary: "Follow gain, hysteresis weights and linear block of a model along a stream or a record",
+        module: "models",
+        roles: &[MODEL, one("data")],
+        options: OnlineOptions::rows,
+        run: online,
     },
 ];
 
@@ -126,6 +134,17 @@ fn validate(inputs: &Inputs) -> Result<Output, Error> {
         series.extend(all.map(|(name, samples)| (format!("{name}/{k}"), samples.to_vec())));
     }
     Ok(Output { result, series, files: Vec::new() })
+}
+
+fn online(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let (options, data) = (inputs.options::<OnlineOptions>()?, inputs.data("data")?);
+    let none = &mut |_: &OnlineRow| Ok(());
+    let outcome = options.replay(&inputs.one("model")?, &data, &inputs.columns()?, none, progress)?;
+    let of = |number: fn(&OnlineRow) -> f64| outcome.rows.iter().map(number).collect::<Vec<f64>>();
+    let (t, gain, offset) = (of(|row| row.t), of(|row| row.parameters.gain), of(|row| row.parameters.offset));
+    let series = named([("t", &t[..]), ("gain", &gain), ("offset", &offset)]);
+    let files = vec![File::new("model.json", outcome.model.to_json())];
+    Ok(Output { result: outcome.to_json(), series, files })
 }
 
 fn compensate(inputs: &Inputs) -> Result<Output, Error> {

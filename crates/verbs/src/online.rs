@@ -1,0 +1,404 @@
+//! Recursive identification along a record or a stream: rows of the parameters that move, and the model at the end.
+
+use super::{DataFile, File, blamed, short};
+use piezoid_identification::online::{Moves, Online, OnlineParameters, OnlineSettings};
+use piezoid_models::hammerstein::Model;
+use piezoid_models::linear::Arx;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::short as rounded;
+use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
+use piezoid_numerics::progress::{Progress, Stage};
+use piezoid_numerics::system::System;
+use piezoid_records::formats::ColumnSelection;
+use piezoid_records::record::Record;
+use serde::Serialize;
+use serde_json::{Value, json};
+
+options! {
+    /// How the parameters move.
+    pub struct EstimatorOptions {
+        /// What moves: a list of gain, offset, weights and linear, or auto for all that the model allows.
+        moves: String = "auto".into(), OptionRow::new(OptionKind::Text("LIST")).group(ESTIMATOR);
+        /// Memory of the gain; the offset has ten times as much.
+        gain_memory: f64 = 50.0, OptionRow::positive("samples").group(ESTIMATOR);
+        /// Memory of weights and linear block.
+        memory: f64 = 5000.0, OptionRow::positive("samples").group(ESTIMATOR);
+        /// Number of groups in which the weights of the hysteresis move.
+        groups: usize = 4, OptionRow::new(OptionKind::Integer(2, 6)).group(ESTIMATOR);
+        /// Rms of the alternating response, relative to the stroke, below which only the offset moves.
+        excitation: f64 = 1.0, OptionRow::not_negative("%").group(ESTIMATOR);
+        /// Errors up to this, in the unit of the output, move nothing.
+        dead_zone: f64 = 0.0, OptionRow::not_negative("").group(ESTIMATOR);
+    }
+}
+
+options! {
+    /// Options of `online`.
+    pub struct OnlineOptions {
+        /// State of the actuator before the first sample: at rest, or settled at the first input.
+        begin: String = "settled".into(), OptionRow::new(OptionKind::Choice(&[
+            ("rest", "At rest, with a jump to the first input"),
+            ("settled", "Settled at the first input"),
+        ]));
+        /// Time between two rows of parameters.
+        every: Option<f64> = None, OptionRow::positive("s").absent("a twentieth of a record, 1 s of a stream");
+    } with estimator: EstimatorOptions
+}
+
+const ESTIMATOR: &str = "Estimator";
+
+/// Rows of a record, unless the time between them is given.
+const ROWS: f64 = 20.0;
+
+/// Samples between two reports of progress.
+const PIECE: usize = 4096;
+
+/// Largest relative difference of the step of the times in a stream to the sampling period.
+const MAX_STEP_ERROR: f64 = 0.01;
+
+impl EstimatorOptions {
+    /// The same for the library.
+    ///
+    /// # Errors
+    /// [`Error::Unknown`] for an unknown name in `moves`.
+    pub fn settings(&self) -> Result<OnlineSettings, Error> {
+        Ok(OnlineSettings {
+            moves: Moves::of(&self.moves)?,
+            gain_memory: self.gain_memory,
+            memory: self.memory,
+            groups: self.groups,
+            excitation: self.excitation / 100.0,
+            dead_zone: self.dead_zone,
+        })
+    }
+}
+
+/// The parameters at one time.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct OnlineRow {
+    /// Time since the first sample [s].
+    pub t: f64,
+    /// Rms of the errors since the last row [output unit]; `None` without readings.
+    pub error_rms: Option<f64>,
+    /// Frequency of the first mode [Hz] and its damping ratio; `None` without a mode.
+    pub mode: Option<(f64, f64)>,
+    /// The parameters.
+    #[serde(flatten)]
+    pub parameters: OnlineParameters,
+}
+
+/// A recursive identification that goes on from sample to sample. Its size does not depend on their number.
+#[derive(Debug, Clone)]
+pub struct OnlineRun {
+    online: Online,
+    model: Model,
+    options: OnlineOptions,
+    state: Option<Vec<f64>>,
+    samples: usize,
+    between: usize,
+    squares: f64,
+    readings: usize,
+}
+
+/// The result of a replay.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Replayed {
+    /// The rows of parameters.
+    pub rows: Vec<OnlineRow>,
+    /// The model with the last parameters.
+    pub model: Model,
+    /// What does not move, and why.
+    pub remarks: Vec<String>,
+}
+
+impl OnlineOptions {
+    /// A run that starts at the model in a file.
+    ///
+    /// # Errors
+    /// The errors of [`Online::new`].
+    pub fn start(&self, file: &File) -> Result<OnlineRun, Error> {
+        let model = file.model()?;
+        let online = Online::new(&model, &self.estimator.settings()?).map_err(|error| blamed(error, file))?;
+        let between = self.samples(self.every.unwrap_or(1.0), model.ts());
+        let options = self.clone();
+        Ok(OnlineRun { online, model, options, state: None, samples: 0, between, squares: 0.0, readings: 0 })
+    }
+
+    fn samples(&self, seconds: f64, ts: f64) -> usize {
+        (seconds / ts).round().clamp(1.0, 1e15) as usize
+    }
+
+    /// Replays a record; `take` gets each row as it comes. A cancelled replay ends where it is.
+    ///
+    /// # Errors
+    /// The errors of [`OnlineOptions::start`]; errors for a file without a record, with another sampling period or in
+    /// units that cannot be converted.
+    pub fn replay(
+        &self,
+        file: &File,
+        data: &DataFile,
+        columns: &ColumnSelection,
+        take: &mut dyn FnMut(&OnlineRow) -> Result<(), Error>,
+        progress: &mut Progress,
+    ) -> Result<Replayed, Error> {
+        let mut run = self.start(file)?;
+        let record = run.record(data, columns)?;
+        if self.every.is_none() {
+            run.between = self.samples(record.duration() / ROWS, record.ts());
+        }
+        let (n, mut rows) = (record.u().len(), Vec::new());
+        for (t, (u, y)) in record.u().iter().zip(record.y()).enumerate() {
+            if t % PIECE == 0 && progress(Stage::new("recursive identification", t, n)).is_break() {
+                break;
+            }
+            if let Some(row) = run.step(*u, *y) {
+                take(&row)?;
+                rows.push(row);
+            }
+        }
+        let source = json!({"file": short(&data.name), "sha256": data.sha256()?});
+        Ok(Replayed { rows, model: run.finished(source)?, remarks: run.remarks().to_vec() })
+    }
+}
+
+impl OnlineRun {
+    /// The record in a file, in the units of the model.
+    fn record(&self, data: &DataFile, columns: &ColumnSelection) -> Result<Record, Error> {
+        let of = |error: Error| error.about(&data.name);
+        let record = data.record(columns)?;
+        Record::same_sampling("the model", self.model.ts(), "the record", record.ts()).map_err(of)?;
+        let units = self.model.units();
+        if record.units().u != units.u {
+            let rule = format!("must be that of the model, {}: convert it with input_unit or input_scale", units.u);
+            return Err(of(Error::parameter("unit of the input", &record.units().u, rule)));
+        }
+        record.output_in(&units.y).map_err(of)
+    }
+
+    /// One sample. Returns the parameters whenever a row is due. A reading that is no number is skipped.
+    pub fn step(&mut self, u: f64, y: f64) -> Option<OnlineRow> {
+        let online = &self.online;
+        let is_settled = self.options.begin == "settled" && u.is_finite();
+        let begin = || if is_settled { online.settled(u) } else { online.initial() };
+        let x = self.state.get_or_insert_with(begin);
+        let e = y - online.step(x, u, y);
+        if e.is_finite() {
+            self.squares += e * e;
+            self.readings += 1;
+        }
+        self.samples += 1;
+        if self.samples % self.between != 0 {
+            return None;
+        }
+        let row = self.row();
+        (self.squares, self.readings) = (0.0, 0);
+        Some(row)
+    }
+
+    /// The parameters now.
+    pub fn row(&self) -> OnlineRow {
+        let parameters = self.parameters();
+        let rms = (self.squares / self.readings.max(1) as f64).sqrt();
+        let mode = || {
+            let block = Arx::new(self.model.ts(), parameters.a.clone(), parameters.b.clone()).ok()?;
+            let mode = block.modal_form().modes().first().copied()?;
+            Some((mode.pole.hz, mode.pole.damping))
+        };
+        OnlineRow {
+            t: self.samples.saturating_sub(1) as f64 * self.model.ts(),
+            error_rms: (self.readings > 0).then_some(rms),
+            mode: mode(),
+            parameters,
+        }
+    }
+
+    fn parameters(&self) -> OnlineParameters {
+        self.online.parameters(self.state.as_ref().unwrap_or(&self.online.initial()))
+    }
+
+    /// The model with the parameters as they are. Its provenance states the start, the options and `source`, where the
+    /// samples come from.
+    ///
+    /// # Errors
+    /// The errors of [`Online::model`].
+    pub fn finished(&self, source: Value) -> Result<Model, Error> {
+        let model = self.online.model(self.state.as_ref().unwrap_or(&self.online.initial()))?;
+        Ok(model.with_provenance(json!({
+            "command": "piezoid online",
+            "version": env!("CARGO_PKG_VERSION"),
+            "options": self.options.to_json(),
+            "samples": self.samples,
+            "source": source,
+            "start": self.model.provenance(),
+        })))
+    }
+
+    /// What does not move, and why, one sentence each.
+    pub fn remarks(&self) -> &[String] {
+        self.online.remarks()
+    }
+
+    /// Number of samples so far.
+    pub fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Unit of the output.
+    pub fn unit(&self) -> &str {
+        &self.model.units().y
+    }
+
+    /// One line of a stream: `u,y` or `t,u,y` in the units of the model, separated by commas, semicolons, tabs or
+    /// blanks. `None` for an empty line, a comment (`#`), and the names of columns in the first line. An empty `y`, or
+    /// `nan`, is a missing reading. `last` is the time in the line before.
+    ///
+    /// # Errors
+    /// Returns an error for another number of columns, for what is no number, and for times that are not one sampling
+    /// period apart.
+    pub fn line(&self, text: &str, last: &mut Option<f64>) -> Result<Option<(f64, f64)>, Error> {
+        let text = text.trim();
+        if text.is_empty() || text.starts_with('#') {
+            return Ok(None);
+        }
+        let separator = [',', ';', '\t'].into_iter().find(|c| text.contains(*c));
+        let fields: Vec<&str> = match separator {
+            Some(separator) => text.split(separator).map(str::trim).collect(),
+            None => text.split_whitespace().collect(),
+        };
+        let number = |text: &str| if text.is_empty() { Some(f64::NAN) } else { text.parse::<f64>().ok() };
+        let numbers: Option<Vec<f64>> = fields.iter().map(|field| number(field)).collect();
+        let Some(numbers) = numbers else {
+            let is_head = self.samples == 0 && fields.iter().all(|field| number(field).is_none());
+            let why = format!("`{text}` is no sample: write u,y or t,u,y in numbers, with a decimal point");
+            return if is_head { Ok(None) } else { Err(Error::Content(why)) };
+        };
+        let (u, y) = match numbers[..] {
+            [u, y] => (u, y),
+            [t, u, y] => {
+                let ts = self.model.ts();
+                if let Some(step) = last.map(|last| t - last).filter(|step| !((step - ts).abs() <= MAX_STEP_ERROR * ts))
+                {
+                    let why = format!(
+                        "the time {t} s comes {} s after the last one, and the sampling period of the model is {ts} s: \
+                         resample the stream, write missing readings as empty fields, or leave the times out",
+                        rounded(step)
+                    );
+                    return Err(Error::Content(why));
+                }
+                *last = Some(t);
+                (u, y)
+            }
+            _ => {
+                let why = format!("`{text}` has {} columns: write u,y or t,u,y", numbers.len());
+                return Err(Error::Content(why));
+            }
+        };
+        Ok(Some((u, y)))
+    }
+}
+
+impl Replayed {
+    /// The rows and remarks as a document.
+    pub fn to_json(&self) -> Value {
+        json!({"rows": self.rows, "remarks": self.remarks, "ts": self.model.ts(), "units": self.model.units()})
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_models::hammerstein::Domain;
+    use piezoid_models::hysteresis::Operator;
+    use std::ops::ControlFlow;
+
+    const TS: f64 = 1e-3;
+
+    fn model() -> Model {
+        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS).unwrap();
+        let block = Arx::new(TS, vec![1.2, -0.7], vec![0.0, 0.5]).unwrap();
+        Model::new(plays, block, 1.0).unwrap().with_identified(Domain::of_input(&[-30.0, 30.0], TS))
+    }
+
+    fn file() -> File {
+        File::new("m.json", model().to_json())
+    }
+
+    /// A record of this gain, as a text.
+    fn record(gain: f64, samples: usize) -> String {
+        let u: Vec<f64> = (0..samples).map(|t| 25.0 * (0.2 * t as f64).sin()).collect();
+        let rows = u.iter().zip(model().simulate(&u)).enumerate();
+        let rows = rows.map(|(t, (u, y))| format!("{},{u},{}\n", TS * t as f64, gain * (y - 1.0) + 1.0));
+        format!("t_s,u_V,y_um\n{}", rows.collect::<String>())
+    }
+
+    #[test]
+    fn a_replay_and_a_stream_of_the_same_lines_give_the_same_model() {
+        let (options, text) = (OnlineOptions { begin: "rest".into(), ..OnlineOptions::default() }, record(1.1, 3000));
+        let data: DataFile = File::new("lab/d.csv", text.clone()).into();
+        let columns = ColumnSelection::default();
+        let replayed = options.replay(&file(), &data, &columns, &mut |_| Ok(()), &mut Stage::ignore).unwrap();
+        assert_eq!(replayed.rows.len(), 20);
+        let last = &replayed.rows[19];
+        assert!((last.parameters.gain - 1.1).abs() < 0.005 && last.mode.is_some(), "{last:?}");
+        let (mut run, mut time) = (options.start(&file()).unwrap(), None);
+        for line in text.lines() {
+            if let Some((u, y)) = run.line(line, &mut time).unwrap() {
+                run.step(u, y);
+            }
+        }
+        assert_eq!(run.finished(Value::Null).unwrap(), replayed.model);
+        let fit = replayed.model.provenance();
+        assert_eq!((&fit["source"]["file"], &fit["samples"]), (&json!("d.csv"), &json!(3000)));
+        assert_eq!(fit["options"], json!({"begin": "rest"}));
+    }
+
+    #[test]
+    fn a_cancelled_replay_has_the_model_up_to_there() {
+        let data: DataFile = File::new("d.csv", record(1.0, 10_000)).into();
+        let mut progress =
+            |stage: Stage| if stage.done > 0 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) };
+        let options = OnlineOptions::default();
+        let replayed =
+            options.replay(&file(), &data, &ColumnSelection::default(), &mut |_| Ok(()), &mut progress).unwrap();
+        assert_eq!(replayed.model.provenance()["samples"], json!(PIECE));
+    }
+
+    #[test]
+    fn lines_that_are_no_samples_are_named() {
+        let run = OnlineOptions::default().start(&file()).unwrap();
+        let mut read = |text: &str| run.line(text, &mut Some(0.5)).map_err(|e| e.to_string());
+        for nothing in ["", "  ", "# a comment", "t_s,u_V,y_um"] {
+            assert_eq!(read(nothing), Ok(None), "{nothing}");
+        }
+        assert_eq!(read("0.501; 1; -2"), Ok(Some((1.0, -2.0))));
+        assert_eq!(read("1 2"), Ok(Some((1.0, 2.0))));
+        assert!(read("1,").unwrap().unwrap().1.is_nan());
+        for (text, why) in [
+            ("1,2,3,4", "`1,2,3,4` has 4 columns: write u,y or t,u,y"),
+            ("1,x", "`1,x` is no sample"),
+            ("0.6,1,2", "the time 0.6 s comes 0.1"),
+            ("nan,1,2", "the time NaN s comes"),
+        ] {
+            let message = read(text).unwrap_err();
+            assert!(message.starts_with(why), "{message}");
+        }
+    }
+
+    #[test]
+    fn what_cannot_move_is_refused_by_name_and_left_out_of_auto() {
+        let estimator = |moves: &str| EstimatorOptions { moves: moves.into(), ..EstimatorOptions::default() };
+        let start = |file: &File, moves: &str| {
+            let options = OnlineOptions { estimator: estimator(moves), ..OnlineOptions::default() };
+            options.start(file).map(|run| run.remarks().to_vec()).map_err(|error| error.to_string())
+        };
+        let preisach = (Operator::find("preisach").unwrap().example)(TS).unwrap();
+        let model = Model::new(preisach, Arx::gain(TS, 2.0).unwrap(), 0.0).unwrap();
+        let other = File::new("p.json", model.with_identified(Domain::of_input(&[-30.0, 30.0], TS)).to_json());
+        let message = start(&other, "gain,weights").unwrap_err();
+        assert!(message.starts_with("p.json") && message.contains("preisach"), "{message}");
+        assert!(start(&other, "linear").unwrap_err().contains("it is a gain"));
+        assert_eq!(start(&other, "auto").unwrap().len(), 2);
+        assert!(start(&file(), "gain,slope").unwrap_err().contains("slope"));
+        assert_eq!(start(&file(), "auto"), Ok(Vec::new()));
+    }
+}
