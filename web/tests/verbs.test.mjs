@@ -81,6 +81,13 @@ test("a model is proven and reported", () => {
   assert.match(page, /^<!DOCTYPE html>/);
 });
 
+test("parameters follow a record", () => {
+  const files = { model: [model.name], data: [other.name] };
+  const { result, files: written } = call({ call: "online", files }, [model, other]);
+  assert.equal(result.rows.length, 20);
+  assert.equal(written[0].name, "model.json");
+});
+
 test("a displacement becomes a voltage", () => {
   const answer = call({ call: "compensate", files: along }, [model, path]);
   assert.equal(answer.series.get("u").length, 1000);

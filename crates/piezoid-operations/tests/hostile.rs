@@ -47,6 +47,9 @@ fn calls() -> Vec<Value> {
         json!({"call": "control", "options": {"plant": "pl140", "controller": ["feed-forward"]}, "files": path}),
         json!({"call": "plan", "options": {"actuator": "pl140", "bandwidth": 50}, "files": {"model": ["m.json"]}}),
     ];
+    calls.push(json!({"call": "online", "files": data}));
+    let estimator = json!({"target": "c", "online": true});
+    calls.push(json!({"call": "export", "options": estimator, "files": {"model": ["m.json"]}}));
     let export = |target: &str| {
         let files = if target == "waveform" { path.clone() } else { json!({"model": ["m.json"]}) };
         json!({"call": "export", "options": {"target": target}, "files": files})

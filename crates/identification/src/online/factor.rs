@@ -55,11 +55,12 @@ pub(super) fn take<'x>(x: &mut &'x mut [f64], n: usize) -> &'x mut [f64] {
 }
 
 impl Factor {
-    /// `memory` [samples] is that of the forgetting; `prior` is per sample and parameter.
-    pub(super) fn new(name: &'static str, memory: f64, prior: &[f64], pulls: bool) -> Self {
+    /// `memory` [samples] is that of the forgetting; `prior` is per sample and parameter. The start counts as `first`
+    /// memories.
+    pub(super) fn new(name: &'static str, memory: f64, first: f64, prior: &[f64], pulls: bool) -> Self {
         let rows = prior.len() as f64;
         let prior = prior.iter().map(|prior| rows * prior).collect();
-        Factor { name, keep: 1.0 - 1.0 / memory, first: memory, prior, pulls }
+        Factor { name, keep: 1.0 - 1.0 / memory, first: first * memory, prior, pulls }
     }
 
     /// Number of parameters.
@@ -249,7 +250,7 @@ mod tests {
     }
 
     fn factor(pulls: bool) -> Factor {
-        Factor::new("fit", 40.0, &[1e-3, 2e-3, 1e-4], pulls)
+        Factor::new("fit", 40.0, 1.0, &[1e-3, 2e-3, 1e-4], pulls)
     }
 
     #[test]

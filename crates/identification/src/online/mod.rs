@@ -65,6 +65,9 @@ const MIN_MEMORY: f64 = 5.0;
 /// The rms of a row that the prior of a parameter counts as, in strokes.
 const PRIOR: f64 = 0.01;
 
+/// What the start counts as to weights and linear block: rows of one stroke, in memories.
+const START: f64 = 0.1;
+
 /// The offset moves slower than the gain by this factor and one: a drift and no jump.
 const OFFSET_PRIOR: f64 = 9.0;
 
@@ -179,8 +182,8 @@ impl Online {
         };
         let scales = Scales::new(model, settled, settings)?;
         let prior = PRIOR * PRIOR;
-        let slow = |name, n: usize| Factor::new(name, settings.memory, &vec![prior; n], true);
-        let gain = Factor::new("gain_fit", settings.gain_memory, &[prior, OFFSET_PRIOR], false);
+        let slow = |name, n: usize| Factor::new(name, settings.memory, START, &vec![prior; n], true);
+        let gain = Factor::new("gain_fit", settings.gain_memory, 1.0, &[prior, OFFSET_PRIOR], false);
         let weights = moves.weights.then(|| slow("weights_fit", groups.len()));
         let linear = moves.linear.then(|| slow("linear_fit", moving_coefficients(model)));
         let orders = [&weights, &linear].map(|factor| factor.as_ref().map_or(0, Factor::order));

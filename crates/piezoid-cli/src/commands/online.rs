@@ -1,6 +1,7 @@
 //! `piezoid online`: recursive identification along a stream or a record.
 
 use super::prelude::*;
+use crate::values::Ended;
 use piezoid::Error;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::{Progress, Stage};
@@ -66,7 +67,7 @@ impl Run for Online {
             bail!("options of data files apply to records: a stream has lines u,y or t,u,y");
         }
         let mut rows = Rows { console, table: is_free, json: self.json.clone(), lines: String::new(), first: true };
-        let ((model, remarks), _) = if is_stream {
+        let ((model, remarks), is_cancelled) = if is_stream {
             let mut run = options.start(&model).map_err(failed)?;
             rows.unit(run.unit());
             let lines = stdin();
@@ -86,6 +87,11 @@ impl Run for Online {
         let json = self.json.as_deref().filter(|path| *path != Path::new("-"));
         let results = Results::default().file(json, rows.lines).file_with(self.output.as_deref(), || model.to_json());
         results.write(console)?;
+        if is_cancelled {
+            let samples = &model.provenance()["samples"];
+            let wrote = self.output.map(|path| format!(": wrote the model to {}", path.display())).unwrap_or_default();
+            bail!(Ended::Cancelled(format!("cancelled after {samples} samples{wrote}")));
+        }
         match (is_free, &self.output) {
             (true, Some(path)) => console.sentence(&format!("Wrote {}", path.display())),
             _ => Ok(()),

@@ -20,6 +20,7 @@ mod joint;
 mod kills;
 mod lists;
 mod measured;
+mod online;
 mod plan;
 mod prepare;
 mod process;

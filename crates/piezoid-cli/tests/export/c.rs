@@ -1,6 +1,6 @@
 //! C by two compilers, without and with optimisation, checked by sanitizers.
 
-use crate::{exported, in_both_precisions, models, run, self_tested, there};
+use crate::{exported, in_both_precisions, models, online_models, run, self_tested, there};
 use piezoid_export::{ExportRequest, ExportTarget};
 
 const STRICT: &str = "-std=c99 -pedantic -Wall -Wextra -Werror -Wconversion -Wshadow -ffp-contract=off";
@@ -11,6 +11,20 @@ fn every_operator_gives_the_same_bits_from_both_compilers_at_any_level_and_no_sa
     let models = in_both_precisions(models());
     for (name, model, single) in &models {
         exported("c", &ExportRequest::new(model, name).single(*single), folder.path());
+    }
+    let names: Vec<String> = models.into_iter().map(|(name, ..)| name).collect();
+    self_tested(folder.path(), &names, STRICT);
+}
+
+#[test]
+fn the_estimator_gives_the_same_bits_from_both_compilers_at_any_level() {
+    let folder = tempfile::tempdir().unwrap();
+    let models = in_both_precisions(online_models());
+    for (name, model, single) in &models {
+        let mut request = ExportRequest::new(model, name).single(*single);
+        request.options.online = true;
+        let result = exported("c", &request, folder.path());
+        assert!(result.functions.iter().any(|function| function.name == "online_step"), "{name}");
     }
     let names: Vec<String> = models.into_iter().map(|(name, ..)| name).collect();
     self_tested(folder.path(), &names, STRICT);

@@ -1,6 +1,6 @@
 //! C on an emulated Cortex-M4F: bit-identical to this machine, and the number of instructions per step.
 
-use crate::{TS, exported, models, run, there, together};
+use crate::{TS, exported, models, online_models, run, there, together};
 use piezoid::Model;
 use piezoid::hysteresis::Operator;
 use piezoid::linear::Arx;
@@ -34,9 +34,12 @@ static ON_THE_BOARD: LazyLock<Vec<Taken>> = LazyLock::new(|| {
     let mut models: BTreeMap<String, Model> = models().into_iter().collect();
     models.insert("papers".into(), papers_model());
     models.insert("fifteen".into(), fifteen_plays());
+    models.extend(online_models().into_iter().map(|(name, model)| (format!("online_{name}"), model)));
     let names: Vec<String> = models.keys().cloned().collect();
     let files = together(folder.path(), &names, |name| {
-        let expected = ExportRequest::new(&models[name], name).single(true);
+        let mut expected = ExportRequest::new(&models[name], name).single(true);
+        expected.options.online = name.starts_with("online_");
+        expected.options.estimator.groups = if name == "online_largest" { 6 } else { 4 };
         exported("c", &expected, folder.path());
         counting(name, &ExportedProgram::new(&expected).unwrap())
     });
@@ -104,6 +107,20 @@ fn the_papers_model_takes_600_instructions_at_most_and_a_feed_forward_of_15_play
     assert!(model.most <= 600.0 && feed_forward.most <= 1500.0, "{model:?}, {feed_forward:?}");
 }
 
+#[test]
+fn a_step_of_the_estimator_takes_3000_instructions_at_most() {
+    if !(there("arm-none-eabi-gcc") && there("qemu-system-arm")) {
+        return;
+    }
+    println!("| model | `online_step`, mean | most |\n|---|--:|--:|");
+    let taken: Vec<&Taken> = ON_THE_BOARD.iter().filter(|taken| taken.step == "online_step").collect();
+    assert_eq!(taken.len(), online_models().len());
+    for Taken { model, mean, most, .. } in taken {
+        println!("| {model} | {mean:.0} | {most:.0} |");
+        assert!(*most <= 3000.0, "{model}: {most}");
+    }
+}
+
 /// Two branches and the linear block of Table 2.
 fn papers_model() -> Model {
     let block = Arx::new(TS, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003]).unwrap();
@@ -111,7 +128,7 @@ fn papers_model() -> Model {
 }
 
 /// 15 plays before a resonance. The inverse is a filter of 48 taps.
-fn fifteen_plays() -> Model {
+pub(crate) fn fifteen_plays() -> Model {
     let design = BasisDesign { ts: TS, range: (-30.0, 30.0), elements: Some(15), frequencies: Vec::new() };
     let basis = (Operator::find("prandtl-ishlinskii").unwrap().basis)(&design).unwrap();
     let weights: Vec<f64> = (0..basis.len()).map(|k| if k == 0 { 0.7 } else { 0.03 }).collect();

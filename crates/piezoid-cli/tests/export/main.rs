@@ -47,6 +47,26 @@ fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
     model.with_creep(Creep::logarithmic(TS, 0.01, 0.1, 1.0)?)
 }
 
+/// Models whose parameters move on the target: few and many plays, weights that stand still, a driver, and the largest
+/// estimator that there is.
+fn online_models() -> Vec<(String, Model)> {
+    let driver = DriverModel::new(1e-4, Some(2e4)).unwrap();
+    let largest = |model: Model| {
+        let block = Arx::new(TS, vec![1.9, -1.4, 0.7, -0.25], vec![0.0, 1.0, 1.5, 0.5, 0.2, 0.1]).unwrap();
+        model.with_linear(block).unwrap()
+    };
+    [
+        ("plays", model("prandtl-ishlinskii", None).unwrap()),
+        ("stops", model("stop", None).unwrap()),
+        ("preisach", model("preisach", None).unwrap()),
+        ("driven", model("prandtl-ishlinskii", Some(driver)).unwrap()),
+        ("fifteen", cortex::fifteen_plays()),
+        ("largest", largest(cortex::fifteen_plays())),
+    ]
+    .map(|(name, model)| (name.to_string(), model))
+    .into()
+}
+
 /// Exports a model to `target_name` and writes the files into a folder.
 fn exported(target_name: &str, expected: &ExportRequest, folder: &Path) -> Exported {
     let result = (ExportTarget::find(target_name).unwrap().make)(expected).unwrap();
