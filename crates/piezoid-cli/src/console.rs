@@ -10,7 +10,9 @@ use piezoid_numerics::words::wrapped;
 use std::cell::RefCell;
 use std::io::{ErrorKind, IsTerminal, Write};
 use std::ops::ControlFlow;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
 
 /// Set by the first signal.
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
@@ -131,12 +133,18 @@ impl Console {
     }
 }
 
+/// Signals within this time are one: programs that start others may pass Ctrl-C on a second time.
+const BOUNCE: Duration = Duration::from_millis(300);
+
 /// Ends the process on SIGINT, SIGTERM and SIGHUP: work that checks for a signal ends in an orderly way, all else at
 /// once and so does a second signal; files that are being put in place are placed first, and temporary files are
 /// removed.
 pub(crate) fn handle_signals() {
+    static FIRST: OnceLock<Instant> = OnceLock::new();
     let end = || {
-        if INTERRUPTED.swap(true, Ordering::SeqCst) || !WATCHED.load(Ordering::SeqCst) {
+        INTERRUPTED.store(true, Ordering::SeqCst);
+        let is_second = FIRST.get_or_init(Instant::now).elapsed() > BOUNCE;
+        if is_second || !WATCHED.load(Ordering::SeqCst) {
             piezoid_host::temporary::abandon();
             std::process::exit(CANCELLED.into());
         }

@@ -1,7 +1,11 @@
 //! A controller, and what it reports about itself.
 
+use crate::codes::meaning;
 use crate::line::Line;
+use crate::watch::Watch;
 use piezoid::Error;
+use piezoid::progress::Progress;
+use piezoid_numerics::number::join;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use serde::Serialize;
 use serde_json::{Value, json};
@@ -16,6 +20,10 @@ const RECORDER_POINTS: u32 = 0x1600_0200;
 const RECORDER_POINTS_PER_TABLE: u32 = 0x1600_0201;
 const RECORDER_TABLES: u32 = 0x1600_0300;
 
+/// Bytes that ask for axes in motion, and for wave generators that run.
+pub(crate) const MOVING: u8 = 5;
+pub(crate) const RUNNING: u8 = 9;
+
 options! {
     /// How to connect to a controller.
     pub struct ConnectOptions {
@@ -23,45 +31,40 @@ options! {
         host: String = "127.0.0.1".into(), OptionRow::new(OptionKind::Text("HOST"));
         /// TCP port of the controller.
         port: u16 = 50000, OptionRow::new(OptionKind::Integer(1, 65535));
-        /// Time to wait for an answer.
+        /// Time for a whole answer.
         timeout: f64 = 5.0, OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: true, below: 3600.0 }) };
     }
 }
 
 impl ConnectOptions {
-    /// Connects to the controller, and asks what it is. Nothing moves.
+    /// Connects to the controller, and asks what it is. Nothing moves. `progress` can cancel it at any moment.
     ///
     /// # Errors
     /// Returns an error if nothing answers there in time, or something else than a controller with GCS 2.0.
-    pub fn connect(&self) -> Result<Controller, Error> {
+    pub fn connect(&self, progress: &mut Progress) -> Result<Controller, Error> {
+        self.open(progress).map(|(_, controller)| controller)
+    }
+
+    /// The same, with the line.
+    pub(crate) fn open<'a>(&self, progress: &'a mut Progress<'_>) -> Result<(Line<'a>, Controller), Error> {
         let patience = Duration::from_secs_f64(self.timeout.clamp(1e-3, 3600.0));
-        let mut line = Line::open(&self.host, self.port, patience)?;
-        let version = line.query("CSV?")?.concat();
-        if !version.trim().starts_with('2') {
-            return Err(line.strange(&version, "the version of GCS 2.0"));
-        }
-        let identity = line.query("*IDN?")?.concat();
-        let names: Vec<String> =
-            line.query("SAI?")?.iter().flat_map(|l| l.split_whitespace()).map(String::from).collect();
-        let mut controller = Controller { line, identity, cycle: None, table: None, recorder: None, axes: Vec::new() };
-        controller.cycle = controller.parameter(SERVO_UPDATE_TIME)?.filter(|cycle| *cycle > 0.0);
-        controller.table = controller.value("WMS? 1")?.map(|points| points as usize);
-        controller.recorder = controller.capacity()?;
-        for (k, name) in names.into_iter().enumerate().take(MOST_AXES) {
-            let axis = controller.axis(name, k + 1)?;
-            controller.axes.push(axis);
-        }
-        Ok(controller)
+        let mut line = Line::open((&self.host, self.port), patience, Watch::new(progress))?;
+        let controller = Controller::of(&mut line)?;
+        Ok((line, controller))
     }
 }
 
-/// A controller that is connected.
-#[derive(Debug, Serialize)]
+/// A controller, as it was found.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Controller {
-    #[serde(skip)]
-    pub(crate) line: Line,
     /// What it answers to `*IDN?`.
     pub identity: String,
+    /// The error that was pending, which the query has cleared; 0 without one.
+    pub error: i32,
+    /// True if an axis was in motion.
+    pub is_moving: bool,
+    /// Numbers of the wave generators that ran.
+    pub generators: Vec<usize>,
     /// Servo update time, the period of its wave generators and recorder, if it reports it [s].
     pub cycle: Option<f64>,
     /// Points of a wave table, if it reports them.
@@ -92,52 +95,64 @@ pub struct Axis {
 impl Controller {
     /// What the controller reported, as a document.
     pub fn to_json(&self) -> Value {
-        json!(self)
+        let mut document = json!(self);
+        document["in_use"] = json!(self.in_use());
+        document
     }
 
-    /// The number that answers a query; `None` if the controller refuses it.
-    pub(crate) fn value(&mut self, query: &str) -> Result<Option<f64>, Error> {
-        let Some(lines) = self.line.optional_query(query)? else { return Ok(None) };
-        let text = lines[0].rsplit('=').next().unwrap_or_default().trim().to_string();
-        let number = text.parse().ok().filter(|number: &f64| number.is_finite());
-        number.map(Some).ok_or_else(|| self.line.strange(&lines[0], "a number"))
+    /// What shows that another program uses the controller; `None` if nothing does.
+    pub fn in_use(&self) -> Option<String> {
+        let running: Vec<String> = self.generators.iter().map(|k| format!("wave generator {k} runs already")).collect();
+        let moving = self.is_moving.then(|| "an axis is in motion".to_string());
+        let error = self.error;
+        let pending = (error != 0)
+            .then(|| format!("error {error} of another program was pending ({}); it is cleared now", meaning(error)));
+        let signs: Vec<String> = running.into_iter().chain(moving).chain(pending).collect();
+        (!signs.is_empty()).then(|| join(&signs))
     }
 
-    /// The number that answers a query that every controller knows.
-    pub(crate) fn needed(&mut self, query: &str) -> Result<f64, Error> {
-        let refused = || Error::Content(format!("the controller does not answer `{query}`, which is needed"));
-        self.value(query)?.ok_or_else(refused)
-    }
-
-    /// True while the wave generator of this number runs.
-    pub(crate) fn runs(&mut self, generator: usize) -> Result<bool, Error> {
-        let all = self.line.number(9)?;
-        Ok(all.checked_shr(generator as u32 - 1).is_some_and(|one| one & 1 == 1))
-    }
-
-    fn parameter(&mut self, number: u32) -> Result<Option<f64>, Error> {
-        self.value(&format!("SPA? 1 0x{number:08X}"))
-    }
-
-    /// Points of a table of the recorder.
-    fn capacity(&mut self) -> Result<Option<usize>, Error> {
-        if let Some(points) = self.parameter(RECORDER_POINTS_PER_TABLE)? {
-            return Ok(Some(points as usize));
+    fn of(line: &mut Line) -> Result<Self, Error> {
+        let error = line.pending()?;
+        let identity = line.query("*IDN?")?.concat();
+        let names: Vec<String> =
+            line.query("SAI?")?.iter().flat_map(|l| l.split_whitespace()).map(String::from).collect();
+        let (moving, running) = (line.bits(MOVING)?, line.bits(RUNNING)?);
+        let mut axes = Vec::new();
+        let cycle = parameter(line, SERVO_UPDATE_TIME)?.filter(|cycle| *cycle > 0.0);
+        let table = line.value("WMS? 1")?.map(|points| points as usize);
+        let recorder = capacity(line)?;
+        for (k, name) in names.into_iter().enumerate().take(MOST_AXES) {
+            axes.push(Axis::of(line, name, k + 1)?);
         }
-        let (all, tables) = (self.parameter(RECORDER_POINTS)?, self.parameter(RECORDER_TABLES)?);
-        Ok(all.zip(tables).map(|(all, tables)| (all / tables.max(1.0)) as usize))
+        let generators = (1..=64).filter(|k| running >> (k - 1) & 1 == 1).collect();
+        Ok(Controller { identity, error, is_moving: moving != 0, generators, cycle, table, recorder, axes })
     }
+}
 
-    fn axis(&mut self, name: String, channel: usize) -> Result<Axis, Error> {
-        let unit = self.line.optional_query(&format!("PUN? {name}"))?.map_or_else(String::new, |lines| lines.concat());
+fn parameter(line: &mut Line, number: u32) -> Result<Option<f64>, Error> {
+    line.value(&format!("SPA? 1 0x{number:08X}"))
+}
+
+/// Points of a table of the recorder.
+fn capacity(line: &mut Line) -> Result<Option<usize>, Error> {
+    if let Some(points) = parameter(line, RECORDER_POINTS_PER_TABLE)? {
+        return Ok(Some(points as usize));
+    }
+    let (all, tables) = (parameter(line, RECORDER_POINTS)?, parameter(line, RECORDER_TABLES)?);
+    Ok(all.zip(tables).map(|(all, tables)| (all / tables.max(1.0)) as usize))
+}
+
+impl Axis {
+    fn of(line: &mut Line, name: String, channel: usize) -> Result<Axis, Error> {
+        let unit = line.optional_query(&format!("PUN? {name}"))?.map_or_else(String::new, |lines| lines.concat());
         let unit = unit.rsplit('=').next().unwrap_or_default().trim().to_lowercase();
-        let lowest = self.value(&format!("VMI? {channel}"))?;
+        let lowest = line.value(&format!("VMI? {channel}"))?;
         Ok(Axis {
             unit: if unit.is_empty() { "um".into() } else { unit.replace('\u{b5}', "u") },
-            servo: self.value(&format!("SVO? {name}"))?.map(|servo| servo != 0.0),
-            position: self.value(&format!("POS? {name}"))?,
-            voltage: self.value(&format!("VOL? {channel}"))?,
-            range: lowest.zip(self.value(&format!("VMA? {channel}"))?),
+            servo: line.value(&format!("SVO? {name}"))?.map(|servo| servo != 0.0),
+            position: line.value(&format!("POS? {name}"))?,
+            voltage: line.value(&format!("VOL? {channel}"))?,
+            range: lowest.zip(line.value(&format!("VMA? {channel}"))?),
             name,
         })
     }

@@ -15,9 +15,14 @@
 //! let drive: DataFile = File::new("drive.csv", "t_s,u_V\n0,0\n0.001,5\n0.002,10\n0.003,5\n0.004,0\n").into();
 //! let connection = ConnectOptions { port, ..ConnectOptions::default() };
 //! let options = AcquireOptions { connection, ramp: 0.0, settle: 0.0, ..AcquireOptions::default() };
-//! let acquired = options.run(&drive, &ColumnSelection::default(), &mut Stage::ignore)?;
+//! // The record is kept before the axis moves back to where it was.
+//! let (mut notes, mut kept) = (Vec::new(), None);
+//! let mut keep = |measured: &piezoid_gcs::Acquired| Ok(kept = Some(measured.record.clone()));
+//! let acquired =
+//!     options.run(&drive, &ColumnSelection::default(), &mut notes, &mut keep, &mut Stage::ignore)?;
 //! assert_eq!(acquired.record.u(), [0.0, 5.0, 10.0, 5.0, 0.0]);
 //! assert_eq!(acquired.record.units().y, "um");
+//! assert_eq!((kept, acquired.unfinished, acquired.voltage), (Some(acquired.record), None, Some(0.0)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
@@ -25,15 +30,24 @@
 //! E727T0005. It does not do: closed loop, several axes at once, serial ports and USB.
 
 mod acquire;
+mod checks;
 mod codes;
 mod controller;
+#[cfg(test)]
+mod faults;
 mod line;
+mod queries;
 mod recording;
+mod rest;
 mod run;
 mod simulated;
+mod start;
+mod stop;
 #[cfg(test)]
 mod tests;
+mod watch;
 
-pub use acquire::{AcquireOptions, Acquired};
+pub use acquire::{AcquireOptions, Acquired, Keep};
 pub use controller::{Axis, ConnectOptions, Controller};
+pub use rest::Rest;
 pub use simulated::{Simulated, Simulation};

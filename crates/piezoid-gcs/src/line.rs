@@ -1,137 +1,151 @@
-//! The line to a controller: commands out, answers in.
+//! The line to a controller: bytes out, answers in.
 //!
-//! A command is a line. It has no answer; `ERR?` answers the number of its error, or 0. A query ends with `?`, and its
-//! answer has one line or more: all but the last end with a space before the line feed. An unknown query has no answer.
+//! An answer has one line or more: all but the last end with a space before the line feed. Every answer has a deadline
+//! as a whole. While it is awaited, the progress is checked every [`TICK`].
 
-use crate::codes::meaning;
+use crate::watch::{TICK, Watch};
 use piezoid::Error;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::fmt::Display;
+use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
-use std::time::Duration;
+use std::sync::mpsc;
+use std::time::{Duration, Instant};
 
-/// An answer has at most so many bytes, unless it has tables.
-const LONGEST: u64 = 1 << 16;
+/// An answer that is skipped has at most so many bytes.
+const SKIPPED: usize = 1 << 20;
 
-/// The error of an unknown command.
-const UNKNOWN: i32 = 2;
+/// Bytes that are read at once.
+const PIECE: usize = 1 << 14;
+
+/// The query that every controller answers with the version of the command set, and with nothing like any other answer.
+const VERSION: &str = "CSV?";
 
 /// A connection to a controller.
-#[derive(Debug)]
-pub(crate) struct Line {
-    input: BufReader<TcpStream>,
-    /// Host and port, for messages.
-    address: String,
+pub(crate) struct Line<'a> {
+    pub(crate) watch: Watch<'a>,
+    stream: TcpStream,
+    /// Bytes that were received and belong to no answer yet.
+    received: Vec<u8>,
+    /// True if the last command was sent in part only.
+    is_partial: bool,
+    /// The answer to [`VERSION`].
+    version: String,
+    host: (String, u16),
+    /// The same, for messages.
+    pub(crate) address: String,
+    /// Time for an answer.
+    patience: Duration,
+    /// No answer is awaited beyond this moment.
+    until: Option<Instant>,
 }
 
-impl Line {
+impl<'a> Line<'a> {
     /// Connects to the controller at an address.
-    pub(crate) fn open(host: &str, port: u16, patience: Duration) -> Result<Self, Error> {
-        let address = format!("{host}:{port}");
-        let refused = |e: &dyn std::fmt::Display| {
-            let advice = "check that it is switched on, its address, and that no other program is connected to it";
-            Error::Content(format!("no controller answers at {address}: {e}; {advice}"))
+    pub(crate) fn open(host: (&str, u16), patience: Duration, mut watch: Watch<'a>) -> Result<Self, Error> {
+        let mut line = Line {
+            stream: connected(host, patience, &mut watch)?,
+            watch,
+            received: Vec::new(),
+            is_partial: false,
+            version: String::new(),
+            host: (host.0.into(), host.1),
+            address: format!("{}:{}", host.0, host.1),
+            patience,
+            until: None,
         };
-        let mut last = None;
-        for one in (host, port).to_socket_addrs().map_err(|e| refused(&e))? {
-            match TcpStream::connect_timeout(&one, patience) {
-                Ok(stream) => {
-                    let set = stream.set_nodelay(true).and_then(|()| stream.set_read_timeout(Some(patience)));
-                    set.and_then(|()| stream.set_write_timeout(Some(patience))).map_err(|e| refused(&e))?;
-                    return Ok(Line { input: BufReader::new(stream), address });
-                }
-                Err(e) => last = Some(e),
-            }
+        let answer = line.query(VERSION).map_err(|error| match error {
+            Error::Cancelled { .. } => error,
+            other => Error::Content(format!(
+                "{other}; most controllers serve one program at a time: end the other one, if there is one"
+            )),
+        })?;
+        line.version = answer.concat().trim().to_string();
+        if line.version.starts_with('2') {
+            Ok(line)
+        } else {
+            Err(line.strange(&line.version, "the version of GCS 2.0"))
         }
-        Err(last.map_or_else(|| refused(&"the name has no address"), |e| refused(&e)))
+    }
+
+    /// Limits the time for all that follows.
+    pub(crate) fn limit(&mut self, time: Duration) {
+        self.until = Some(Instant::now() + time);
+    }
+
+    /// Connects again, and gives a command before anything else.
+    pub(crate) fn again(&mut self, first: &str) -> Result<(), Error> {
+        drop(self.stream.shutdown(Shutdown::Both));
+        let patience = self.deadline().saturating_duration_since(Instant::now());
+        self.stream = connected((&self.host.0, self.host.1), patience, &mut self.watch)?;
+        (self.is_partial, self.received) = (false, Vec::new());
+        self.urgent(first)
+    }
+
+    /// Gives a command whatever is still unanswered, then skips the answers to what was sent before.
+    pub(crate) fn urgent(&mut self, command: &str) -> Result<(), Error> {
+        let end = if std::mem::take(&mut self.is_partial) { "\n" } else { "" };
+        self.send(format!("{end}{command}\n{VERSION}\n").as_bytes())?;
+        while self.lines(SKIPPED)?.concat().trim() != self.version {}
+        Ok(())
+    }
+
+    fn deadline(&self) -> Instant {
+        let own = Instant::now() + self.patience;
+        self.until.map_or(own, |until| until.min(own))
+    }
+
+    /// Returns an error if the work was cancelled, or if it is too late for an answer.
+    fn check(&mut self, deadline: Instant) -> Result<(), Error> {
+        self.watch.check()?;
+        if Instant::now() < deadline {
+            return Ok(());
+        }
+        let time = self.patience.as_secs_f64();
+        Err(self.lost(&format!("there was no whole answer within {time} s")))
     }
 
     /// Sends bytes as they are.
-    fn send(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        self.input.get_mut().write_all(bytes).map_err(|e| self.lost(&e))
-    }
-
-    /// Gives a command. It is an error if the controller refuses it.
-    pub(crate) fn command(&mut self, command: &str) -> Result<(), Error> {
-        match self.arguments(command)? {
-            0 => Ok(()),
-            code => Err(self.refused(command, code)),
-        }
-    }
-
-    /// Gives a command that not every controller knows.
-    pub(crate) fn command_if_known(&mut self, command: &str) -> Result<(), Error> {
-        match self.arguments(command)? {
-            0 | UNKNOWN => Ok(()),
-            code => Err(self.refused(command, code)),
-        }
-    }
-
-    /// Gives a command; its error, or 0.
-    fn arguments(&mut self, command: &str) -> Result<i32, Error> {
-        self.send(format!("{command}\nERR?\n").as_bytes())?;
-        let text = self.lines(LONGEST)?.concat();
-        self.code(&text)
-    }
-
-    fn refused(&self, command: &str, code: i32) -> Error {
-        let short: String = command.chars().take(60).collect();
-        let (address, meaning) = (&self.address, meaning(code));
-        Error::Content(format!("the controller at {address} refuses `{short}`: error {code}, {meaning}"))
-    }
-
-    /// The lines of the answer to a query that the controller knows.
-    pub(crate) fn query(&mut self, query: &str) -> Result<Vec<String>, Error> {
-        self.query_long(query, LONGEST)
-    }
-
-    /// The same for an answer of at most so many bytes.
-    pub(crate) fn query_long(&mut self, query: &str, longest: u64) -> Result<Vec<String>, Error> {
-        self.send(format!("{query}\n").as_bytes())?;
-        self.lines(longest)
-    }
-
-    /// The lines of the answer to a query whose answer has an equals sign; `None` if the controller refuses it.
-    pub(crate) fn optional_query(&mut self, query: &str) -> Result<Option<Vec<String>>, Error> {
-        self.send(format!("{query}\nERR?\n").as_bytes())?;
-        let lines = self.lines(LONGEST)?;
-        if lines.iter().any(|line| line.contains('=')) {
-            self.lines(LONGEST)?;
-            return Ok(Some(lines));
-        }
-        // Without an answer, this is the number of the error.
-        match self.code(&lines.concat())? {
-            0 => Err(self.strange("", &format!("an answer to `{query}`"))),
-            _ => Ok(None),
-        }
-    }
-
-    /// The hexadecimal number that is the whole answer to a byte.
-    pub(crate) fn number(&mut self, byte: u8) -> Result<u64, Error> {
-        self.send(&[byte])?;
-        let text = self.lines(LONGEST)?.concat();
-        let digits = text.trim().trim_start_matches("0x");
-        u64::from_str_radix(digits, 16).map_err(|_| self.strange(&text, "a whole number"))
-    }
-
-    fn code(&self, text: &str) -> Result<i32, Error> {
-        text.trim().parse().map_err(|_| self.strange(text, "the number of an error"))
-    }
-
-    fn lines(&mut self, longest: u64) -> Result<Vec<String>, Error> {
-        let mut lines = Vec::new();
-        let mut left = longest;
-        loop {
-            let mut line = Vec::new();
-            match self.input.by_ref().take(left).read_until(b'\n', &mut line) {
-                Ok(_) if line.ends_with(b"\n") => left -= line.len() as u64,
-                Ok(_) if left <= line.len() as u64 => return Err(self.lost(&"its answer does not end")),
-                Ok(_) => return Err(self.lost(&"it closed the connection")),
+    pub(crate) fn send(&mut self, bytes: &[u8]) -> Result<(), Error> {
+        let (deadline, mut left) = (self.deadline(), bytes);
+        while !left.is_empty() {
+            match self.stream.write(left) {
+                Ok(count) => left = &left[count..],
+                Err(e) if waits(&e) => (),
                 Err(e) => return Err(self.lost(&e)),
             }
-            // Code page 1252, in which micro is the same as in Unicode.
-            lines.push(line.iter().map(|byte| char::from(*byte)).collect::<String>().trim_end().to_string());
-            if !line.ends_with(b" \n") {
-                return Ok(lines);
+            self.is_partial = !left.is_empty();
+            self.check(deadline)?;
+        }
+        Ok(())
+    }
+
+    /// The lines of an answer of at most so many bytes.
+    pub(crate) fn lines(&mut self, longest: usize) -> Result<Vec<String>, Error> {
+        let (deadline, mut checked) = (self.deadline(), 0);
+        loop {
+            let ends = |k: &usize| self.received[*k] == b'\n' && (*k == 0 || self.received[k - 1] != b' ');
+            if let Some(end) = (checked..self.received.len()).find(ends) {
+                // Code page 1252, in which micro is the same as in Unicode.
+                let text: String = self.received.drain(..=end).map(char::from).collect();
+                return Ok(text.lines().map(|line| line.trim_end().to_string()).collect());
+            }
+            checked = self.received.len();
+            if checked > longest {
+                return Err(self.lost(&"its answer does not end"));
+            }
+            self.receive(deadline)?;
+        }
+    }
+
+    fn receive(&mut self, deadline: Instant) -> Result<(), Error> {
+        let mut piece = [0; PIECE];
+        loop {
+            self.check(deadline)?;
+            match self.stream.read(&mut piece) {
+                Ok(0) => return Err(self.lost(&"it closed the connection")),
+                Ok(count) => return Ok(self.received.extend_from_slice(&piece[..count])),
+                Err(e) if waits(&e) => (),
+                Err(e) => return Err(self.lost(&e)),
             }
         }
     }
@@ -144,14 +158,56 @@ impl Line {
         ))
     }
 
-    fn lost(&self, e: &dyn std::fmt::Display) -> Error {
+    fn lost(&self, e: &dyn Display) -> Error {
         let address = &self.address;
         Error::Content(format!("the controller at {address} does not answer: {e}; check the connection and try again"))
     }
 }
 
-impl Drop for Line {
+impl Drop for Line<'_> {
     fn drop(&mut self) {
-        drop(self.input.get_ref().shutdown(Shutdown::Both));
+        drop(self.stream.shutdown(Shutdown::Both));
     }
+}
+
+/// True if a stream has nothing to read, or no room for what is written, at present.
+fn waits(e: &std::io::Error) -> bool {
+    matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
+}
+
+/// A connection, made by a thread of its own, because names and addresses can block for a long time.
+fn connected((host, port): (&str, u16), patience: Duration, watch: &mut Watch) -> Result<TcpStream, Error> {
+    let refused = |e: &dyn Display| {
+        let advice = "check that it is switched on, its address, and that no other program is connected to it";
+        Error::Content(format!("no controller answers at {host}:{port}: {e}; {advice}"))
+    };
+    let (deadline, name) = (Instant::now() + patience, host.to_string());
+    let (sender, receiver) = mpsc::channel();
+    std::thread::spawn(move || sender.send(first_of((&name, port), deadline)));
+    loop {
+        watch.check()?;
+        match receiver.recv_timeout(TICK) {
+            Ok(stream) => return stream.map_err(|e| refused(&e)),
+            Err(_) if Instant::now() < deadline => (),
+            Err(_) => return Err(refused(&"the connection timed out")),
+        }
+    }
+}
+
+/// A connection to the first of these addresses that takes it.
+fn first_of(host: (&str, u16), deadline: Instant) -> std::io::Result<TcpStream> {
+    let mut last = std::io::Error::other("the name has no address");
+    for one in host.to_socket_addrs()? {
+        let left = deadline.saturating_duration_since(Instant::now()).max(TICK);
+        match TcpStream::connect_timeout(&one, left) {
+            Ok(stream) => {
+                stream.set_nodelay(true)?;
+                stream.set_read_timeout(Some(TICK))?;
+                stream.set_write_timeout(Some(TICK))?;
+                return Ok(stream);
+            }
+            Err(e) => last = e,
+        }
+    }
+    Err(last)
 }

@@ -1,6 +1,5 @@
 //! The recorder of a controller: which of its quantities are recorded, and the tables it answers.
 
-use crate::controller::Controller;
 use crate::line::Line;
 use piezoid::formats::ColumnSelection;
 use piezoid::{Error, Record};
@@ -16,7 +15,7 @@ pub(crate) struct Sources {
 
 impl Sources {
     /// The options of this controller.
-    pub(crate) fn of(line: &mut Line) -> Result<Self, Error> {
+    pub(crate) fn of(line: &mut Line<'_>) -> Result<Self, Error> {
         let rows: Vec<(u32, String)> = line
             .optional_query("HDR?")?
             .ok_or_else(|| Error::Content("the controller has no recorder that lists what it records (`HDR?`)".into()))?
@@ -45,16 +44,14 @@ impl Sources {
 }
 
 /// Bytes of a row of two tables, and of the head, at most.
-const ROW: u64 = 64;
-const HEAD: u64 = 1 << 14;
+const ROW: usize = 64;
+const HEAD: usize = 1 << 14;
 
-/// The lines of the first `count` points of the tables 1 and 2.
-pub(crate) fn points(controller: &mut Controller, count: usize) -> Result<Vec<String>, Error> {
-    controller.line.query_long(&format!("DRR? 1 {count} 1 2"), HEAD + ROW * count as u64)
-}
+/// Points of an answer: few enough to come within the time for an answer on a slow line.
+const PIECE: usize = 1000;
 
-/// These lines as a record of `count` samples in volts and `unit`.
-pub(crate) fn record(lines: Vec<String>, count: usize, unit: &str, identity: &str) -> Result<Record, Error> {
+/// The first `count` points of the tables 1 and 2 as a record in volts and `unit`.
+pub(crate) fn read(line: &mut Line, count: usize, unit: &str, identity: &str) -> Result<Record, Error> {
     let columns = ColumnSelection {
         input_col: Some("1".into()),
         output_col: Some("2".into()),
@@ -62,11 +59,24 @@ pub(crate) fn record(lines: Vec<String>, count: usize, unit: &str, identity: &st
         output_unit: Some(unit.into()),
         ..ColumnSelection::default()
     };
-    let read = DataFile::from(File::new("the answer of the recorder", lines.join("\n"))).record(&columns)?;
-    if read.len() != count {
-        let have = read.len();
-        return Err(Error::Content(format!("the recorder answers {have} samples, not the {count} of the drive")));
+    // Pieces of nearly the same length: a file of one point is no record.
+    let pieces = count.div_ceil(PIECE).max(1);
+    let (mut u, mut y, mut period) = (Vec::new(), Vec::new(), None);
+    for k in 0..pieces {
+        line.watch.stage("the record is read", u.len(), count)?;
+        let (from, to) = (k * count / pieces, (k + 1) * count / pieces);
+        let rows = to - from;
+        let lines = line.query_long(&format!("DRR? {} {rows} 1 2", from + 1), HEAD + ROW * rows)?;
+        let part = DataFile::from(File::new("the answer of the recorder", lines.join("\n"))).record(&columns)?;
+        if part.len() != rows {
+            let have = u.len() + part.len();
+            return Err(Error::Content(format!("the recorder answers {have} samples, not the {count} of the drive")));
+        }
+        u.extend(part.u());
+        y.extend(part.y());
+        period.get_or_insert((part.ts(), part.units().clone()));
     }
-    let record = Record::new(read.ts(), read.u().into(), read.y().into())?.with_units(read.units().clone());
+    let (ts, units) = period.ok_or_else(|| Error::Content("the drive has no samples".into()))?;
+    let record = Record::new(ts, u, y)?.with_units(units);
     Ok(record.with_step(format!("measured by the controller {identity}")))
 }

@@ -1,17 +1,20 @@
 //! The client against the simulated controller, over TCP.
 
-use crate::{AcquireOptions, Acquired, ConnectOptions, Simulation};
+use crate::{AcquireOptions, Acquired, ConnectOptions, Rest, Simulation};
+use piezoid::excitation::LimitOptions;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::plant::Plant;
 use piezoid::progress::{Progress, Stage};
 use piezoid::{Error, System};
+use piezoid_numerics::options::Options;
 use piezoid_verbs::{DataFile, File};
+use serde_json::json;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::ops::ControlFlow;
 
 /// A simulated controller on a port of its own.
-fn simulated(simulation: &Simulation) -> u16 {
+pub(crate) fn simulated(simulation: &Simulation) -> u16 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
     let mut controller = simulation.controller().unwrap();
@@ -37,6 +40,10 @@ fn at(port: u16) -> AcquireOptions {
     AcquireOptions { connection, ramp: 0.1, settle: 0.0, ..AcquireOptions::default() }
 }
 
+fn limits(values: serde_json::Value) -> LimitOptions {
+    LimitOptions::from_json(values).unwrap()
+}
+
 fn drive(ts: f64, u: &[f64]) -> DataFile {
     File::new("drive.csv", Table::write("drive.csv", ts, &[("u_V", u)]).unwrap()).into()
 }
@@ -46,7 +53,7 @@ fn sine(n: usize) -> Vec<f64> {
 }
 
 fn run(options: &AcquireOptions, drive: &DataFile, progress: &mut Progress) -> Result<Acquired, Error> {
-    options.run(drive, &ColumnSelection::default(), progress)
+    options.run(drive, &ColumnSelection::default(), &mut Vec::new(), &mut |_| Ok(()), progress)
 }
 
 fn refused(options: &AcquireOptions, drive: &DataFile) -> String {
@@ -92,7 +99,7 @@ fn two_controllers_with_one_seed_give_the_same_record() {
 fn a_controller_tells_its_axis_limits_and_tables() {
     let port = simulated(&Simulation::default());
     let connect = ConnectOptions { port, ..ConnectOptions::default() };
-    let controller = connect.connect().unwrap();
+    let controller = connect.connect(&mut Stage::ignore).unwrap();
     let axis = &controller.axes[0];
     assert_eq!((controller.axes.len(), &*axis.name, &*axis.unit, axis.servo), (1, "1", "um", Some(false)));
     assert_eq!((axis.range, controller.cycle), (Some((-30.0, 30.0)), Some(5e-5)));
@@ -144,7 +151,12 @@ fn drives_that_a_controller_cannot_play_are_refused_with_what_to_do() {
     let port = simulated(&Simulation::default());
     for (options, ts, u, message) in [
         (at(port), 1e-3, vec![0.0, 31.0], "the drive is 31.0000 V at 0.001000 s, outside -30 to 30 V: make it smaller"),
-        (AcquireOptions { range: Some((0.0, 5.0)), ..at(port) }, 1e-3, vec![0.0, -1.0], "outside 0 to 5 V"),
+        (
+            AcquireOptions { limits: limits(json!({"low": 0, "high": 5})), ..at(port) },
+            1e-3,
+            vec![0.0, -1.0],
+            "outside 0 to 5 V",
+        ),
         (at(port), 3.3e-4, vec![0.0, 1.0], "servo cycle of 0.00005 s: sample the drive every 0.00035 s"),
         (at(port), 1e-3, vec![0.0; 40_000], "a table of the recorder of the controller holds 32768: make it 32.768 s"),
         (
@@ -173,9 +185,100 @@ fn a_measurement_that_is_cancelled_stops_the_generator() {
 fn the_servo_is_opened_and_that_is_told() {
     let port = simulated(&Simulation::default());
     text(port, "SVO 1 1\nMOV 1 100\n");
-    let acquired = run(&at(port), &drive(1e-3, &sine(50)), &mut Stage::ignore).unwrap();
-    assert_eq!(acquired.notes, ["the servo of axis 1 was on; it is off now"]);
+    let stay = AcquireOptions { rest: Rest::Stay, ..at(port) };
+    let acquired = run(&stay, &drive(1e-3, &sine(50)), &mut Stage::ignore).unwrap();
+    assert_eq!(
+        (&*acquired.notes, acquired.servo),
+        (&["the servo of axis 1 was on; it is off now".into()][..], Some(false))
+    );
     assert!(text(port, "SVO?\n").starts_with("1=0"));
+}
+
+#[test]
+fn the_loop_is_closed_again_where_the_axis_was() {
+    let port = simulated(&Simulation::default());
+    let before = text(port, "SVO 1 1\nMOV 1 100\nVOL?\n");
+    let acquired = run(&at(port), &drive(1e-3, &sine(50)), &mut Stage::ignore).unwrap();
+    assert_eq!(
+        (&*acquired.notes, acquired.unfinished),
+        (&["the servo of axis 1 was on; it is on again".into()][..], None)
+    );
+    let voltage = |text: &str| text.trim().strip_prefix("1=").unwrap().parse::<f64>().unwrap();
+    assert!((voltage(&text(port, "VOL?\n")) - voltage(&before)).abs() < 3.0);
+    assert!(text(port, "SVO?\n").starts_with("1=1"));
+}
+
+#[test]
+fn a_refused_drive_leaves_the_servo_on() {
+    let port = simulated(&Simulation::default());
+    text(port, "SVO 1 1\nMOV 1 600\n");
+    let narrow = AcquireOptions { limits: limits(json!({"low": -5, "high": 5})), ..at(port) };
+    let message = refused(&narrow, &drive(1e-3, &[0.0, 1.0]));
+    assert!(message.contains("outside -5 to 5 V: move it there first"), "{message}");
+    assert!(text(port, "SVO?\n").starts_with("1=1"));
+}
+
+#[test]
+fn the_axis_rests_where_it_is_to() {
+    let mut u = sine(100);
+    u.extend([-10.0, 0.0, 12.5]);
+    for (rest, expected) in [(Rest::Start, 4.0), (Rest::Zero, 0.0), (Rest::Stay, 12.5)] {
+        let port = simulated(&Simulation::default());
+        text(port, "SVA 1 4\n");
+        let acquired = run(&AcquireOptions { rest, ..at(port) }, &drive(1e-3, &u), &mut Stage::ignore).unwrap();
+        assert_eq!((acquired.voltage, acquired.servo, acquired.unfinished), (Some(expected), Some(false), None));
+        assert_eq!(text(port, "VOL?\n").trim(), format!("1={expected:.6}"));
+    }
+}
+
+#[test]
+fn a_record_that_cannot_be_kept_is_an_error_after_the_move_to_the_rest() {
+    let port = simulated(&Simulation::default());
+    let mut notes = Vec::new();
+    let mut keep = |_: &Acquired| Err(Error::Content("the disk is full".into()));
+    let rest = AcquireOptions { rest: Rest::Zero, ..at(port) };
+    text(port, "SVA 1 4\n");
+    let columns = ColumnSelection::default();
+    let outcome = rest.run(&drive(1e-3, &sine(50)), &columns, &mut notes, &mut keep, &mut Stage::ignore);
+    assert_eq!(outcome.unwrap_err().to_string(), "the disk is full");
+    assert!(text(port, "VOL?\n").starts_with("1=0.000000"));
+}
+
+#[test]
+fn limits_of_slew_and_current_are_checked_before_anything_moves() {
+    let port = simulated(&Simulation::default());
+    let square: Vec<f64> = (0..100).map(|k| if k < 50 { 0.0 } else { 29.0 }).collect();
+    let saw: Vec<f64> = (0..100).map(|k| if k < 50 { -16.0 } else { 16.0 }).collect();
+    for (values, u, expected) in [
+        (json!({"slew": 1000}), &square, "slew 29000 V/s at 0.05 s, limit 1000 V/s; make it slower or smaller"),
+        (json!({"driver": "pl140", "current": 0.1}), &square, "current 0.2378 A at 0.05 s, limit 0.1 A"),
+        (json!({}), &saw, "jumps by 32 V at 0.05 s, over half of -30 to 30 V: to check it, give `driver` or `slew`"),
+    ] {
+        let message = refused(&AcquireOptions { limits: limits(values), ..at(port) }, &drive(1e-3, u));
+        assert!(message.contains(expected), "{message}");
+    }
+    assert!(text(port, "VOL?\n").starts_with("1=0.000000"));
+    let allowed = AcquireOptions { limits: limits(json!({"slew": 4e4})), ..at(port) };
+    run(&allowed, &drive(1e-3, &saw), &mut Stage::ignore).unwrap();
+}
+
+#[test]
+fn a_controller_that_another_program_uses_is_left_alone() {
+    for (before, expected) in [
+        ("FLY\n", "the controller is in use: error 2 of another program was pending (it does not know this command)"),
+        ("WAV 1 X PNT 1 2 0 1\nWSL 1 1\nWTR 1 100 0\nWGC 1 0\nWGO 1 1\n", "wave generator 1 runs already"),
+    ] {
+        let port = simulated(&Simulation::default());
+        text(port, before);
+        let message = refused(&at(port), &drive(1e-3, &sine(50)));
+        assert!(message.contains(expected) && message.contains("nothing has moved"), "{message}");
+    }
+    let port = simulated(&Simulation::default());
+    let other = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    let connection = ConnectOptions { port, timeout: 0.5, ..ConnectOptions::default() };
+    let message = refused(&AcquireOptions { connection, ..at(port) }, &drive(1e-3, &sine(50)));
+    assert!(message.contains("no whole answer within 0.5 s") && message.contains("one program at a time"), "{message}");
+    drop(other);
 }
 
 #[test]
@@ -221,12 +324,18 @@ fn commands_that_are_wrong_have_the_errors_of_gcs() {
 fn what_is_no_controller_is_told() {
     let quick = |port| {
         let connection = ConnectOptions { port, timeout: 0.3, ..ConnectOptions::default() };
-        connection.connect().unwrap_err().to_string()
+        connection.connect(&mut Stage::ignore).unwrap_err().to_string()
     };
     let closed = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().port();
     assert!(quick(closed).contains("no controller answers at 127.0.0.1"), "{}", quick(closed));
     assert!(quick(strange(b"HTTP/1.1 400 Bad Request\r\n")).contains("check that it speaks GCS 2.0"));
     assert!(quick(strange(b"")).contains("does not answer"));
     let nowhere = ConnectOptions { host: "no.such.host.invalid".into(), ..ConnectOptions::default() };
-    assert!(nowhere.connect().unwrap_err().to_string().contains("no controller answers at no.such.host.invalid:50000"));
+    assert!(
+        nowhere
+            .connect(&mut Stage::ignore)
+            .unwrap_err()
+            .to_string()
+            .contains("no controller answers at no.such.host.invalid:50000")
+    );
 }

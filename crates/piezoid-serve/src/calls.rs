@@ -1,13 +1,15 @@
 //! `POST /api/call`: a packed request is given to a process, whose output is the answer.
 //!
 //! As many calls are at work as there are cores, [`WAITING`] more wait, and others are refused. Requests in memory have
-//! at most [`TOGETHER`] bytes together. A call ends when its client goes.
+//! at most [`TOGETHER`] bytes together. A call ends when its client goes; one that moves an instrument also when it is
+//! stopped ([`Stops`]).
 //!
 //! Why: docs/decisions/front-ends-and-serve.md, "A call of the server is a process".
 
 use crate::Shared;
 use crate::body::{self, PATIENCE};
 use crate::failure::Failure;
+use crate::stops::{Stop, Stops};
 use crate::worker::STOPPING;
 use axum::body::{Body, Bytes};
 use axum::extract::{Request, State};
@@ -38,6 +40,8 @@ pub(crate) struct Calls {
     cores: Arc<Semaphore>,
     /// In KiB.
     memory: Arc<Semaphore>,
+    /// Those that move an instrument.
+    pub(crate) stops: Stops,
 }
 
 impl Calls {
@@ -45,7 +49,7 @@ impl Calls {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let [places, cores, memory] = [cores + WAITING, cores, kib(limit.max(TOGETHER)) as usize]
             .map(|count| Arc::new(Semaphore::new(count.min(Semaphore::MAX_PERMITS))));
-        Calls { worker, places, cores, memory }
+        Calls { worker, places, cores, memory, stops: Stops::default() }
     }
 
     /// Starts a process. Its input stays open as long as it is wanted: it ends when the server ends, however that does.
@@ -85,8 +89,9 @@ pub(crate) async fn call(State(server): Shared, request: Request) -> Result<Resp
         request.extend_from_slice(&piece);
     }
     body::whole(length, request.len() as u64)?;
-    let core = calls.cores.clone().acquire_owned().await.map_err(closed)?;
     let moves = piezoid_operations::moves(&request);
+    let stop = moves.then(|| calls.stops.call(&parts.headers));
+    let core = calls.cores.clone().acquire_owned().await.map_err(closed)?;
     let (mut child, mut input) =
         calls.start(moves).map_err(|e| internal(&format!("the work cannot be started: {e}")))?;
     // A process that ends early is noticed by its output.
@@ -96,26 +101,36 @@ pub(crate) async fn call(State(server): Shared, request: Request) -> Result<Resp
     drop((request, memory));
     let (pieces, arguments) = mpsc::channel(4);
     tokio::spawn(async move {
-        relay(&mut child, &pieces).await;
+        let mut input = Some(input);
+        relay(&mut child, &pieces, stop.as_ref(), &mut input).await;
         // If it still runs, nobody waits for it.
         drop(input);
         if !moves || timeout(STOPPING, child.wait()).await.is_err() {
             drop(child.kill().await);
         }
-        drop((core, place));
+        drop((core, place, stop));
     });
     let arguments = unfold(arguments, async |mut arguments| Some((arguments.recv().await?, arguments)));
     Ok(([(header::CONTENT_TYPE, "application/octet-stream")], Body::from_stream(arguments)).into_response())
 }
 
-/// Hands on what the process prints, until its end or until nobody takes it.
-async fn relay(child: &mut Child, pieces: &mpsc::Sender<std::io::Result<Bytes>>) {
+/// Hands on what the process prints, until its end or until nobody takes it. If it is to stop, its input ends.
+async fn relay(
+    child: &mut Child,
+    pieces: &mpsc::Sender<std::io::Result<Bytes>>,
+    stop: Option<&Stop>,
+    input: &mut Option<ChildStdin>,
+) {
     let Some(mut output) = child.stdout.take() else { return };
     let mut head = Head::default();
     loop {
         let mut piece = Vec::with_capacity(PIECE);
         let read = tokio::select! {
             () = pieces.closed() => return,
+            () = requested(stop), if input.is_some() => {
+                *input = None;
+                continue;
+            }
             read = output.read_buf(&mut piece) => read,
         };
         if !read.is_ok_and(|count| count > 0) {
@@ -147,6 +162,14 @@ async fn relay(child: &mut Child, pieces: &mpsc::Sender<std::io::Result<Bytes>>)
         _ => Err(why),
     };
     drop(timeout(PATIENCE, pieces.send(last)).await);
+}
+
+/// Waits until a call is to stop; for ever if it cannot.
+async fn requested(stop: Option<&Stop>) {
+    match stop {
+        Some(stop) => stop.requested().await,
+        None => std::future::pending().await,
+    }
 }
 
 /// What was handed on: whole lines of progress, part of a line, or the empty line and part of the answer too.

@@ -3,6 +3,7 @@
 //! ```text
 //! GET    /                     the page, which is part of the program
 //! POST   /api/call             a packed request -> lines of progress, an empty line, the packed answer
+//! DELETE /api/calls/{id}       stops a call that moves an instrument; its answer still comes
 //! GET    /api/files            the project folder: names, sizes, times of change
 //! GET    /api/files/{name}     a file; PUT and DELETE take If-Match and If-None-Match
 //! GET    /api/lists            what menus and forms need
@@ -22,6 +23,7 @@ mod listen;
 mod lock;
 mod names;
 mod page;
+mod stops;
 mod tags;
 #[cfg(test)]
 mod tests;
@@ -32,7 +34,7 @@ pub use worker::answer;
 use axum::Router;
 use axum::http::{StatusCode, header};
 use axum::middleware::from_fn_with_state;
-use axum::routing::{get, post};
+use axum::routing::{delete, get, post};
 use failure::{Failure, document};
 use lock::Lock;
 use piezoid::Error;
@@ -143,6 +145,7 @@ fn router(settings: &Settings, port: u16, key: String) -> Router {
     let misused = || async { Failure::new(StatusCode::METHOD_NOT_ALLOWED, "this path does not take this method") };
     let api = Router::new()
         .route("/call", post(calls::call))
+        .route("/calls/{id}", delete(stops::stop))
         .route("/files", get(files::list))
         .route("/files/{name}", get(files::read).put(files::write).delete(files::remove))
         .route("/lists", get(|| async { document(&serde_json::json!(piezoid_operations::catalogue())) }))

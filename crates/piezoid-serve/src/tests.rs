@@ -148,6 +148,7 @@ async fn only_who_knows_the_key_may_use_the_interface() {
         "GET /api/files",
         "GET /api/lists",
         "POST /api/call",
+        "DELETE /api/calls/a",
         "DELETE /api/files/a",
         "GET /api/openapi.json",
         "GET /api/x",
@@ -376,6 +377,32 @@ async fn a_call_that_hangs_ends_when_its_client_goes() {
     until(2000, runs).await;
     drop(body);
     until(200, || !runs()).await;
+}
+
+#[tokio::test]
+#[cfg(unix)]
+async fn a_call_that_moves_an_instrument_is_stopped_and_still_answers() {
+    // A process that goes on until its input ends.
+    let site = Site::working("cat > /dev/null; printf '\\nthe axis is at 3 V'");
+    let send = |call: &'static str, id: &'static str| {
+        let (head, router) = (format!("{{\"call\":\"{call}\"}}"), site.router.clone());
+        let body = [&(head.len() as u32).to_le_bytes()[..], head.as_bytes()].concat();
+        let request = Request::post("/api/call").header("host", HOST).header("authorization", "Bearer key");
+        let request = request.header("content-type", "application/octet-stream").header("piezoid-call", id);
+        let request = request.header("content-length", body.len()).body(body.into()).unwrap();
+        tokio::spawn(async move { to_bytes(router.oneshot(request).await.unwrap().into_body(), usize::MAX).await })
+    };
+    let (moving, other) = (send("acquire", "one"), send("inspect", "two"));
+    let stopped = async |id: &str| site.ask(&format!("DELETE /api/calls/{id}"), &[], "").await.status.as_u16();
+    let begin = std::time::Instant::now();
+    while stopped("one").await != 204 && begin.elapsed().as_secs() < 30 {
+        tokio::time::sleep(std::time::Duration::from_millis(5)).await;
+    }
+    assert_eq!(moving.await.unwrap().unwrap(), &b"\nthe axis is at 3 V"[..]);
+    site.ask("DELETE /api/calls/two", &[], "").await.refused(404, "no call of this id");
+    assert!(!other.is_finished());
+    other.abort();
+    assert_eq!(stopped("one").await, 404);
 }
 
 #[tokio::test]

@@ -1,9 +1,9 @@
 //! `piezoid acquire`: a drive played and recorded by a controller.
 
 use super::prelude::*;
-use crate::values::record;
+use crate::values::{Ended, record};
 use piezoid::Error;
-use piezoid_gcs::{AcquireOptions, Controller};
+use piezoid_gcs::{AcquireOptions, Acquired, Controller};
 use piezoid_numerics::number::{round, short};
 
 const EXAMPLES: &str = "\
@@ -11,11 +11,14 @@ Examples:
   The identity of a controller, and the limits it reports; nothing moves:
     piezoid acquire --host 192.168.0.10
   A drive of `piezoid plan` or `piezoid excite`, played in open loop and recorded:
-    piezoid acquire sine20.csv --host 192.168.0.10 --range -20 120 -o record.csv
+    piezoid acquire sine20.csv --host 192.168.0.10 --low -20 --high 120 -o record.csv
+  The same within the current of an amplifier, and to 0 V at the end:
+    piezoid acquire sine20.csv --host 192.168.0.10 --driver e-610 --capacitance 1.5e-6 --rest zero -o record.csv
   The same without hardware, with `piezoid instrument` in another terminal:
     piezoid acquire sine20.csv -o record.csv
 
-The actuator moves. Ctrl-C stops the wave generator; the voltage then stays where it is.";
+The actuator moves. Ctrl-C stops the wave generator; the voltage then stays where it is, and is shown. The record is
+written before the axis moves to its rest. The exit status is 0 only if the axis is where --rest says.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES, override_usage = "piezoid acquire [<FILE> -o <FILE>] [--host <HOST>] [OPTIONS]")]
@@ -41,7 +44,7 @@ impl Run for Acquire {
         let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &drives)?;
         let options = self.options.0;
         let Some(drive) = &self.drive else {
-            let controller = options.connection.connect().map_err(failed)?;
+            let controller = console.work(|progress| options.connection.connect(progress))?;
             if is_free {
                 console.print(&summary(&controller, console))?;
             }
@@ -49,17 +52,24 @@ impl Run for Acquire {
         };
         let Some(output) = &self.output else { bail!("name the file of the record by -o") };
         let (drive, columns) = (files::data(drive)?, self.columns.read()?);
-        let stopped = "the wave generator is stopped; the axis is in open loop, and its voltage stays where it is";
-        let result = console.work(|progress| {
-            let outcome = options.run(&drive, &columns, progress);
-            if let Err(Error::Cancelled { .. }) = &outcome {
-                console.remark(stopped);
-            }
-            outcome
-        })?;
-        console.remarks(&result.notes);
-        let results = Results::default().record(Some(output), |name| result.record.written(name))?;
-        results.json(self.json.as_deref(), &result.to_json()).write(console)
+        let mut notes = Vec::new();
+        let mut keep = |acquired: &Acquired| {
+            let results = Results::default().record(Some(output), |name| acquired.record.written(name));
+            // A file is replaced once the axis is at rest; what goes elsewhere is written only then.
+            let document = self.json.as_deref().filter(|path| !files::is_stream(path));
+            let written = results.and_then(|results| results.json(document, &acquired.to_json()).write(console));
+            written.map_err(|error| Error::Content(format!("{error:#}")))
+        };
+        let outcome =
+            console.work_until_cancelled(|progress| options.run(&drive, &columns, &mut notes, &mut keep, progress));
+        console.remarks(&notes);
+        let (acquired, is_cancelled) = outcome?;
+        Results::default().json(self.json.as_deref(), &acquired.to_json()).write(console)?;
+        let Some(unfinished) = &acquired.unfinished else {
+            return if is_free { console.sentence(&acquired.state()) } else { Ok(()) };
+        };
+        let message = format!("{unfinished}; the record is written");
+        if is_cancelled { bail!(Ended::Cancelled(message)) } else { bail!(message) }
     }
 }
 
@@ -82,5 +92,6 @@ fn summary(controller: &Controller, console: &Console) -> String {
             reported(axis.servo.map(|servo| if servo { "on".into() } else { "off".into() })),
         ]
     });
-    head + &console.table(&["axis", "position", "voltage", "limits", "servo"], rows)
+    let used = controller.in_use().map(|signs| format!("\nin use: {signs}\n")).unwrap_or_default();
+    head + &console.table(&["axis", "position", "voltage", "limits", "servo"], rows) + &used
 }

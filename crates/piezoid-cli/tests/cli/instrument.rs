@@ -1,10 +1,16 @@
 //! `acquire` and PI's own client PIPython on the controller of `instrument`.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, Run};
 use piezoid_testing::skipped;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+/// So long must nothing take, even on a machine that is busy.
+const GENEROUS: Duration = Duration::from_secs(30);
 
 /// A running controller, which ends with the test.
 struct Controller(Child, String);
@@ -19,6 +25,57 @@ impl Controller {
         let port = line.trim().rsplit(' ').next().unwrap().to_string();
         Controller(child, port)
     }
+
+    /// Its answers, as a terminal shows them.
+    fn text(&self, lines: &str) -> String {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.1.parse().unwrap())).unwrap();
+        stream.write_all(lines.as_bytes()).unwrap();
+        stream.shutdown(Shutdown::Write).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    }
+
+    fn voltage(&self) -> f64 {
+        self.text("VOL?\n").trim().strip_prefix("1=").unwrap().parse().unwrap()
+    }
+}
+
+/// A measurement of 1 s that has started.
+fn started(bench: &Bench, port: &str, options: &str) -> (String, Child) {
+    if !bench.path("u.csv").exists() {
+        bench.run("excite sine --frequency 2 --amplitude 20 --ts 1e-2 --duration 1 -o u.csv").ok();
+    }
+    let line = format!("acquire u.csv --port {port} --settle 0 -o r.csv --json r.json {options}");
+    let child = bench.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    (line, child)
+}
+
+fn signal(child: &Child, name: &str) {
+    assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
+}
+
+/// How the measurement ended, which must be soon.
+fn ended(line: &str, child: Child) -> Run {
+    let begin = Instant::now();
+    let run = Run::of(line, &child.wait_with_output().unwrap());
+    assert!(begin.elapsed() < GENEROUS, "{run:?}");
+    run
+}
+
+/// Waits until a file is there.
+fn awaited(bench: &Bench, name: &str) {
+    let begin = Instant::now();
+    while !bench.path(name).exists() && begin.elapsed() < GENEROUS {
+        sleep(Duration::from_millis(5));
+    }
+}
+
+/// Checks what the client says against the controller.
+fn witness(controller: &Controller, run: &Run) {
+    assert_eq!(controller.text("\x09"), "0x0\n", "{run:?}");
+    let stated = format!("axis 1 is at {:.3} V, in open loop", controller.voltage());
+    assert!(run.err.contains(&stated) || run.err.contains("nothing has moved"), "`{stated}`: {run:?}");
 }
 
 impl Drop for Controller {
@@ -41,7 +98,13 @@ fn a_drive_becomes_a_record_and_a_model() {
     assert_eq!(record.lines().count(), 1002);
     bench.run("identify r.csv --operator pi -o m.json").ok();
 
-    bench.refused(&format!("acquire u.csv --port {port} --range 0 5 -o none.csv")).says(&["outside 0 to 5 V"]);
+    bench.refused(&format!("acquire u.csv --port {port} --low 0 --high 5 -o none.csv")).says(&["outside 0 to 5 V"]);
+    let jump = "t_s,u_V\n0,-20\n0.001,-20\n0.002,20\n0.003,0\n";
+    bench.write("jump.csv", jump);
+    let refused = bench.refused(&format!("acquire jump.csv --port {port} -o none.csv"));
+    refused.says(&["jumps by 40 V at 0.002 s", "give `--driver` or `--slew`"]);
+    let limited = bench.refused(&format!("acquire jump.csv --port {port} --slew 1V/s -o none.csv"));
+    limited.says(&["slew 40000 V/s at 0.002 s, limit 1 V/s"]);
     drop(controller);
     bench.refused(&format!("acquire --port {port} --timeout 1")).says(&["no controller answers at 127.0.0.1"]);
 }
@@ -57,4 +120,96 @@ fn the_client_of_the_maker_measures_too() {
     let message = Command::new("python3").arg(script).arg(&controller.1).output().unwrap();
     let text = String::from_utf8_lossy(&message.stderr);
     assert!(message.status.success() && message.stdout.ends_with(b"all well\n"), "{text}");
+}
+
+#[test]
+#[cfg(unix)]
+fn signals_at_any_moment_stop_the_generator_and_state_the_voltage() {
+    for (k, name) in (0..16).zip(["-INT", "-TERM"].into_iter().cycle()) {
+        let (bench, controller) = (Bench::new(), Controller::new());
+        let (line, child) = started(&bench, &controller.1, "--ramp 0.3");
+        sleep(Duration::from_millis(60 + 137 * k));
+        signal(&child, name);
+        let run = ended(&line, child);
+        let is_written = bench.path("r.csv").exists();
+        match run.code {
+            Some(0) => assert!(bench.json("r.json")["unfinished"].is_null() && is_written, "{run:?}"),
+            // Before the work begins a signal ends the process at once.
+            Some(130) if run.err.is_empty() => assert!(!is_written && controller.voltage() == 0.0),
+            Some(130) => {
+                assert_eq!(is_written, run.err.contains("the record is written"), "{run:?}");
+                assert!(is_written || run.err.contains("nothing was written"), "{run:?}");
+                assert!(!is_written || bench.json("r.json")["unfinished"].is_string(), "{run:?}");
+                witness(&controller, &run);
+            }
+            _ => panic!("{run:?}"),
+        }
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn two_signals_on_the_way_to_the_rest_do_not_lose_the_record() {
+    let (bench, controller) = (Bench::new(), Controller::new());
+    let (line, child) = started(&bench, &controller.1, "--ramp 2 --rest zero");
+    awaited(&bench, "r.json");
+    sleep(Duration::from_millis(300));
+    signal(&child, "-INT");
+    signal(&child, "-INT");
+    let run = ended(&line, child).exits(130).says(&["cancelled: slow move of the voltage", "the record is written"]);
+    assert_eq!(bench.text("r.csv").lines().count(), 102);
+    let document = bench.json("r.json");
+    let unfinished = document["unfinished"].as_str().unwrap();
+    assert!(run.err.contains(unfinished), "{unfinished}");
+    assert!((document["voltage"].as_f64().unwrap() - controller.voltage()).abs() < 1e-5);
+    witness(&controller, &run);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_client_that_is_killed_on_the_way_to_the_rest_has_written_the_record() {
+    let (bench, controller) = (Bench::new(), Controller::new());
+    let (_, mut child) = started(&bench, &controller.1, "--ramp 2");
+    awaited(&bench, "r.json");
+    child.kill().unwrap();
+    child.wait().unwrap();
+    assert_eq!(bench.text("r.csv").lines().count(), 102);
+    assert_eq!(bench.json("r.json")["unfinished"], "the axis has not moved to its rest yet");
+}
+
+#[test]
+fn a_controller_that_goes_on_the_way_to_the_rest_is_a_failure_with_a_record() {
+    let (bench, controller) = (Bench::new(), Controller::new());
+    let (line, child) = started(&bench, &controller.1, "--ramp 2");
+    awaited(&bench, "r.json");
+    drop(controller);
+    ended(&line, child).exits(1).says(&["wave generator 1 could not be stopped", "the record is written"]);
+    assert_eq!(bench.text("r.csv").lines().count(), 102);
+    assert!(bench.json("r.json")["unfinished"].is_string());
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_is_noticed_while_the_controller_is_silent() {
+    let bench = Bench::new();
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let (line, child) = started(&bench, &listener.local_addr().unwrap().port().to_string(), "--timeout 3000");
+    let (client, _) = listener.accept().unwrap();
+    sleep(Duration::from_millis(200));
+    signal(&child, "-INT");
+    ended(&line, child).exits(130).says(&["nothing has moved", "nothing was written"]);
+    drop(client);
+}
+
+#[test]
+fn the_axis_rests_where_the_option_says() {
+    let (bench, controller) = (Bench::new(), Controller::new());
+    bench.write("u.csv", "t_s,u_V\n0,0\n0.01,5\n0.02,10\n0.03,12\n");
+    controller.text("SVA 1 4\n");
+    for (rest, expected) in [("start", 4.0), ("stay", 12.0), ("zero", 0.0)] {
+        let (line, child) = started(&bench, &controller.1, &format!("--ramp 0.1 --rest {rest}"));
+        let run = ended(&line, child).ok();
+        assert_eq!(run.out, format!("axis 1 is at {expected:.3} V, in open loop.\n"));
+        assert_eq!((controller.voltage(), bench.json("r.json")["voltage"].as_f64()), (expected, Some(expected)));
+    }
 }

@@ -43,6 +43,9 @@ type Outcome = Result<Vec<String>, i32>;
 impl Simulated {
     /// The answer to a byte that is a command.
     pub(super) fn answer_byte(&mut self, byte: u8) -> &'static [u8] {
+        self.waves.go_on(&mut self.axis);
+        #[cfg(test)]
+        self.log(&format!("#{byte}"));
         match byte {
             // Nothing moves, and no macro runs.
             5 | 8 => b"0\n",
@@ -63,6 +66,9 @@ impl Simulated {
         let mut words = line.split_whitespace();
         let Some(name) = words.next() else { return Vec::new() };
         let arguments: Vec<&str> = words.collect();
+        self.waves.go_on(&mut self.axis);
+        #[cfg(test)]
+        self.log(line);
         self.obey(&name.to_uppercase(), &arguments).unwrap_or_else(|error| {
             self.error = error;
             Vec::new()
@@ -192,7 +198,7 @@ impl Simulated {
             ("WGO", ["1", _]) => {
                 refused(&[(waves.running(), GENERATOR_RUNS), (waves.cycles().is_none(), NO_WAVE)])?;
                 refused(&[(waves.cycles().is_some_and(|cycles| cycles > LONGEST_WAVE), RANGE)])?;
-                waves.start(axis);
+                waves.start();
             }
             ("SVO" | "SVA" | "MOV" | "MVR" | "WSL" | "WGC" | "WOS" | "WGO", [_, _]) => return Err(AXIS),
             _ if HELP.lines().any(|row| row.split(' ').next() == Some(name)) => return Err(COUNT),

@@ -1,8 +1,8 @@
 //! A controller that is simulated around a plant, for programs that are tried without hardware.
 //!
-//! It has one axis, `1`, and serves one client after the other. Its time is not that of the clock: a command to move
-//! takes [`MOVE`](axis::MOVE), and a wave takes as long as it is. So the same commands give the same numbers. The
-//! generator says that it runs for as long as a real one would.
+//! It has one axis, `1`, and serves one client after the other. A wave is played with the clock. All else has a time of
+//! its own: a command to move takes [`MOVE`](axis::MOVE), and between commands nothing happens. So the same commands
+//! give the same numbers, unless they come while a wave is played.
 
 mod axis;
 mod commands;
@@ -45,7 +45,15 @@ impl Simulation {
         let plant = Plant::new(spec, CYCLE)?.with_seed(self.seed);
         let range = voltages(spec)?;
         let identity = format!("piezoid, {name}, simulated controller, {}", env!("CARGO_PKG_VERSION"));
-        Ok(Simulated { identity, error: 0, axis: SimulatedAxis::new(plant, range, self.gain), waves: Waves::default() })
+        let axis = SimulatedAxis::new(plant, range, self.gain);
+        Ok(Simulated {
+            identity,
+            error: 0,
+            axis,
+            waves: Waves::default(),
+            #[cfg(test)]
+            log: std::sync::Arc::default(),
+        })
     }
 }
 
@@ -70,6 +78,19 @@ pub struct Simulated {
     error: i32,
     axis: SimulatedAxis,
     waves: Waves,
+    /// What it was given, for tests.
+    #[cfg(test)]
+    pub(crate) log: std::sync::Arc<std::sync::Mutex<Vec<Entry>>>,
+}
+
+/// A command, and the state before it.
+#[cfg(test)]
+#[derive(Debug, Clone)]
+pub(crate) struct Entry {
+    pub(crate) command: String,
+    pub(crate) voltage: f64,
+    pub(crate) servo: bool,
+    pub(crate) runs: bool,
 }
 
 impl Simulated {
@@ -86,6 +107,13 @@ impl Simulated {
                 Err(e) => return Err(e),
             }
         }
+    }
+
+    /// Keeps a command for tests.
+    #[cfg(test)]
+    fn log(&self, command: &str) {
+        let (voltage, servo, runs) = (self.axis.voltage, self.axis.servo, self.waves.running());
+        self.log.lock().unwrap().push(Entry { command: command.into(), voltage, servo, runs });
     }
 
     fn converse(&mut self, client: TcpStream) -> std::io::Result<()> {

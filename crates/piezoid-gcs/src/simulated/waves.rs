@@ -3,7 +3,7 @@
 use super::CYCLE;
 use super::axis::SimulatedAxis;
 use std::collections::BTreeMap;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 /// Wave tables.
 pub(super) const WAVES: usize = 16;
@@ -41,9 +41,23 @@ pub(super) struct Waves {
     /// What each table of the recorder records.
     pub(super) options: [u32; TABLES],
     recorded: [Vec<f64>; TABLES],
-    /// When the generator was started, and how long it runs; without an end if it is endless.
-    run: Option<(Instant, Option<Duration>)>,
+    /// What the generator plays.
+    run: Option<Playing>,
 }
+
+/// A wave that is played.
+#[derive(Debug)]
+struct Playing {
+    begin: Instant,
+    points: Vec<f64>,
+    /// Servo cycles that it takes; without an end if it is endless.
+    cycles: Option<u64>,
+    /// Servo cycles that are played by now.
+    played: u64,
+}
+
+/// Servo cycles that are computed at once at most: an endless wave that nobody asked about for long goes on elsewhere.
+const AT_ONCE: u64 = 400_000;
 
 impl Default for Waves {
     fn default() -> Self {
@@ -64,15 +78,11 @@ impl Default for Waves {
 impl Waves {
     /// True while the generator runs.
     pub(super) fn running(&self) -> bool {
-        self.run.is_some_and(|(begin, length)| length.is_none_or(|length| begin.elapsed() < length))
+        self.run.is_some()
     }
 
-    /// Ends the wave. What a real recorder would not have yet is gone.
+    /// Ends the wave where it is.
     pub(super) fn stop(&mut self) {
-        for table in 1..=TABLES {
-            let by_now = self.recorded(table).len();
-            self.recorded[table - 1].truncate(by_now);
-        }
         self.run = None;
     }
 
@@ -81,35 +91,44 @@ impl Waves {
         self.tables.get(&self.selected).filter(|table| !table.is_empty())
     }
 
-    /// Servo cycles of the wave, if a table is selected. An endless wave is played until the recorder is full.
+    /// Servo cycles of the wave, if a table is selected; 0 if it is endless.
     pub(super) fn cycles(&self) -> Option<u64> {
-        let period = (self.table()?.len() as u64).saturating_mul(self.rate);
-        let endless = (RECORDED as u64).saturating_mul(self.record_rate).max(period);
-        Some(if self.times == 0 { endless } else { period.saturating_mul(self.times) })
+        Some((self.table()?.len() as u64).saturating_mul(self.rate).saturating_mul(self.times))
     }
 
-    /// Plays the selected table on the axis, and records it.
-    pub(super) fn start(&mut self, axis: &mut SimulatedAxis) {
-        let (Some(table), Some(cycles)) = (self.table(), self.cycles()) else { return };
-        let mut recorded: [Vec<f64>; TABLES] = Default::default();
-        for k in 0..cycles {
-            axis.follow(table[(k / self.rate) as usize % table.len()] + self.offset);
-            if k % self.record_rate == 0 && k / self.record_rate < RECORDED as u64 {
-                for (option, recorded) in self.options.iter().zip(&mut recorded) {
+    /// Begins to play and to record the selected table.
+    pub(super) fn start(&mut self) {
+        let (Some(points), Some(cycles)) = (self.table().cloned(), self.cycles()) else { return };
+        self.recorded = Default::default();
+        let cycles = (self.times > 0).then_some(cycles);
+        self.run = Some(Playing { begin: Instant::now(), points, cycles, played: 0 });
+    }
+
+    /// Plays on the axis what was due until now, and records it.
+    pub(super) fn go_on(&mut self, axis: &mut SimulatedAxis) {
+        let Some(run) = &mut self.run else { return };
+        let now = (run.begin.elapsed().as_secs_f64() / CYCLE) as u64;
+        let until = run.cycles.map_or(now, |cycles| cycles.min(now));
+        let full = self.record_rate.saturating_mul(RECORDED as u64);
+        if run.cycles.is_none() && run.played > full && until - run.played > AT_ONCE {
+            run.played = until - AT_ONCE;
+        }
+        for k in run.played..until {
+            axis.follow(run.points[(k / self.rate) as usize % run.points.len()] + self.offset);
+            if k % self.record_rate == 0 && k < full {
+                for (option, recorded) in self.options.iter().zip(&mut self.recorded) {
                     recorded.push(axis.reading(*option));
                 }
             }
         }
-        self.recorded = recorded;
-        let length = Duration::from_secs_f64(cycles as f64 * CYCLE);
-        self.run = Some((Instant::now(), (self.times > 0).then_some(length)));
+        run.played = until;
+        if run.cycles == Some(until) {
+            self.run = None;
+        }
     }
 
     /// The points that are recorded by now.
     pub(super) fn recorded(&self, table: usize) -> &[f64] {
-        let recorded = &self.recorded[table - 1];
-        let ended = |(begin, _): (Instant, _)| (begin.elapsed().as_secs_f64() / CYCLE) as u64 / self.record_rate;
-        let by_now = if self.running() { self.run.map_or(0, ended) as usize } else { RECORDED };
-        &recorded[..recorded.len().min(by_now)]
+        &self.recorded[table - 1]
     }
 }

@@ -15,8 +15,8 @@ pub(super) const OPERATIONS: &[Operation] = &[
         module: "instruments",
         roles: &[],
         options: ConnectOptions::rows,
-        run: |inputs, _| {
-            let result = inputs.options::<ConnectOptions>()?.connect()?.to_json();
+        run: |inputs, progress| {
+            let result = inputs.options::<ConnectOptions>()?.connect(progress)?.to_json();
             Ok(Output { result, ..Output::default() })
         },
     },
@@ -32,7 +32,13 @@ pub(super) const OPERATIONS: &[Operation] = &[
 
 fn acquire(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let options = inputs.options::<AcquireOptions>()?;
-    let outcome = options.run(&inputs.data("drive")?, &inputs.columns()?, progress)?;
+    let (drive, columns, mut notes) = (inputs.data("drive")?, inputs.columns()?, Vec::new());
+    let outcome = options.run(&drive, &columns, &mut notes, &mut |_| Ok(()), progress);
+    let outcome = outcome.map_err(|error| match error {
+        // A cancelled measurement has to say where the axis is.
+        Error::Cancelled { .. } => Error::Content(format!("{error}; {}", notes.join("; "))),
+        other => other,
+    })?;
     let record = &outcome.record;
     let file = File::new("record.csv", record.written("record.csv")?);
     Ok(Output { result: outcome.to_json(), series: named([("u", record.u()), ("y", record.y())]), files: vec![file] })

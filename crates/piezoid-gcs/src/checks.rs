@@ -1,0 +1,91 @@
+//! What a drive must keep before anything is changed or moves.
+
+use crate::controller::{Axis, Controller};
+use crate::run::Play;
+use piezoid::Error;
+use piezoid::excitation::Limits;
+use piezoid_numerics::number::round;
+use serde_json::Value;
+
+/// Share of the range by which a drive may jump from sample to sample without a limit of slew.
+const JUMP: f64 = 0.5;
+
+/// Lowest and highest voltage: the limits, within what the controller reports.
+pub(crate) fn range(limits: &Limits, axis: &Axis) -> Result<(f64, f64), Error> {
+    let (lowest, highest) = axis.range.unzip();
+    let narrower = |a: Option<f64>, b: Option<f64>, narrow: fn(f64, f64) -> f64| match (a, b) {
+        (Some(a), Some(b)) => Some(narrow(a, b)),
+        (a, b) => a.or(b),
+    };
+    match (narrower(limits.low, lowest, f64::max), narrower(limits.high, highest, f64::min)) {
+        (Some(low), Some(high)) if low < high => Ok((low, high)),
+        (Some(low), Some(high)) => Err(Error::Content(format!(
+            "the limits and those of the controller leave no voltage, from {low} to {high} V: correct the limits"
+        ))),
+        _ => Err(Error::Content("the controller reports no limits of its voltage: ".into())
+            .needing(vec![("low", Value::Null), ("high", Value::Null)])),
+    }
+}
+
+/// Returns an error if the drive leaves the range.
+pub(crate) fn within(play: &Play, (low, high): (f64, f64)) -> Result<(), Error> {
+    let Some((k, value)) = play.u.iter().enumerate().find(|(_, u)| !(low..=high).contains(*u)) else { return Ok(()) };
+    let time = k as f64 * play.ts;
+    Err(Error::Content(format!(
+        "the drive is {value:.4} V at {time:.6} s, outside {low} to {high} V: make it smaller, or give other limits"
+    )))
+}
+
+/// Returns an error if the drive changes faster than the limits allow; without such limits, if it jumps over half the
+/// range.
+pub(crate) fn speed(play: &Play, limits: &Limits, (low, high): (f64, f64)) -> Result<(), Error> {
+    let usage = limits.check(play.u, play.ts)?;
+    let time = |sample: usize| round(sample as f64 * play.ts);
+    let over: Vec<String> = [Some(usage.slew), usage.current]
+        .into_iter()
+        .flatten()
+        .filter(|peak| peak.exceeds())
+        .map(|peak| {
+            let (limit, unit) = (round(peak.limit.unwrap_or(f64::INFINITY)), peak.unit);
+            format!("{} {} {unit} at {} s, limit {limit} {unit}", peak.quantity, round(peak.value), time(peak.sample))
+        })
+        .collect();
+    if !over.is_empty() {
+        let over = over.join("; ");
+        return Err(Error::Content(format!("the drive exceeds its limits: {over}; make it slower or smaller")));
+    }
+    let jump = usage.slew.value * play.ts;
+    if limits.fastest().is_finite() || jump <= JUMP * (high - low) {
+        return Ok(());
+    }
+    let (jump, at) = (round(jump), time(usage.slew.sample));
+    let message = format!("the drive jumps by {jump} V at {at} s, over half of {low} to {high} V: to check it, ");
+    Err(Error::Content(message).advised(vec![("driver", Value::Null), ("slew", Value::Null)]))
+}
+
+/// Returns an error if the drive has more samples than the controller holds.
+pub(crate) fn fits(play: &Play, controller: &Controller) -> Result<(), Error> {
+    for (what, points) in [("a wave table", controller.table), ("a table of the recorder", controller.recorder)] {
+        if let Some(points) = points.filter(|points| *points < play.u.len()) {
+            let (n, longest) = (play.u.len(), points as f64 * play.ts);
+            return Err(Error::Content(format!(
+                "the drive has {n} samples, but {what} of the controller holds {points}: make it {longest} s or \
+                 shorter, or sample it less often"
+            )));
+        }
+    }
+    Ok(())
+}
+
+/// The servo cycles in a sampling period [s].
+pub(crate) fn cycles(ts: f64, cycle: f64) -> Result<u64, Error> {
+    let cycles = (ts / cycle).round().max(1.0);
+    if (ts / cycle / cycles - 1.0).abs() < 1e-6 {
+        return Ok(cycles as u64);
+    }
+    let nearest = cycles * cycle;
+    Err(Error::Content(format!(
+        "the drive is sampled every {ts} s, but the controller plays multiples of its servo cycle of {cycle} s: sample \
+         the drive every {nearest} s"
+    )))
+}

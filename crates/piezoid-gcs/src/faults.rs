@@ -1,0 +1,341 @@
+//! The client on lines that are cut, go silent or drip, and work that is cancelled. The simulated controller keeps what
+//! it was given, as a witness.
+
+use crate::simulated::Entry;
+use crate::{AcquireOptions, Acquired, ConnectOptions, Rest, Simulation};
+use piezoid::Error;
+use piezoid::formats::{ColumnSelection, Table};
+use piezoid::progress::{Progress, Stage};
+use piezoid_verbs::{DataFile, File};
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::ops::ControlFlow::{Break, Continue};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex};
+use std::thread::{sleep, spawn};
+use std::time::{Duration, Instant};
+
+/// So long must nothing take, even on a machine that is busy.
+const GENEROUS: Duration = Duration::from_secs(30);
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Fault {
+    None,
+    Cut,
+    Silent,
+    Drip,
+}
+
+/// A simulated controller, and a line to it whose first connection has a fault.
+struct Bench {
+    /// Port of the line.
+    port: u16,
+    /// Port of the controller itself.
+    direct: u16,
+    log: Arc<Mutex<Vec<Entry>>>,
+    /// Answers that have passed on the first connection.
+    answers: Arc<AtomicUsize>,
+    is_faulty: Arc<AtomicBool>,
+}
+
+impl Bench {
+    /// A line whose fault comes in place of this answer, from 0.
+    fn new(fault: Fault, at: usize) -> Self {
+        let mut controller = Simulation { plant: "paper".into(), ..Simulation::default() }.controller().unwrap();
+        let log = controller.log.clone();
+        let (direct, line) = (TcpListener::bind("127.0.0.1:0").unwrap(), TcpListener::bind("127.0.0.1:0").unwrap());
+        let [inside, port] = [&direct, &line].map(|listener| listener.local_addr().unwrap().port());
+        spawn(move || controller.serve(&direct));
+        let bench = Bench { port, direct: inside, log, answers: Arc::default(), is_faulty: Arc::default() };
+        let (answers, is_faulty) = (bench.answers.clone(), bench.is_faulty.clone());
+        spawn(move || {
+            for (k, client) in line.incoming().flatten().enumerate() {
+                let controller = TcpStream::connect(("127.0.0.1", inside)).unwrap();
+                for stream in [&client, &controller] {
+                    stream.set_nodelay(true).unwrap();
+                }
+                let dead = Arc::new(AtomicBool::new(false));
+                let (to, from) = (controller.try_clone().unwrap(), client.try_clone().unwrap());
+                let dead_too = dead.clone();
+                spawn(move || commands(from, to, &dead_too));
+                let fault = if k == 0 { fault } else { Fault::None };
+                let (answers, is_faulty) = (answers.clone(), is_faulty.clone());
+                spawn(move || {
+                    if passed(&controller, &client, (fault != Fault::None || k == 0).then_some((at, &*answers)), fault)
+                    {
+                        return;
+                    }
+                    is_faulty.store(true, Ordering::SeqCst);
+                    dead.store(true, Ordering::SeqCst);
+                    match fault {
+                        Fault::Cut => {
+                            drop(client.shutdown(Shutdown::Both));
+                            drop(controller.shutdown(Shutdown::Both));
+                        }
+                        Fault::Drip => {
+                            while (&client).write_all(b"2").is_ok() {
+                                sleep(Duration::from_millis(50));
+                            }
+                        }
+                        _ => (),
+                    }
+                });
+            }
+        });
+        bench
+    }
+
+    fn options(&self, timeout: f64) -> AcquireOptions {
+        let connection = ConnectOptions { port: self.port, timeout, ..ConnectOptions::default() };
+        AcquireOptions { connection, ramp: 0.0, settle: 0.0, ..AcquireOptions::default() }
+    }
+
+    /// Puts the axis into closed loop, perhaps.
+    fn close(&self, is_closed: bool) {
+        if is_closed {
+            self.text("SVO 1 1\nMOV 1 100\n");
+        }
+    }
+
+    /// Answers of the controller itself.
+    fn text(&self, lines: &str) -> String {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.direct)).unwrap();
+        stream.write_all(lines.as_bytes()).unwrap();
+        stream.shutdown(Shutdown::Write).unwrap();
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).unwrap();
+        answer
+    }
+
+    /// Checks what the controller says against `text`, what the client states.
+    fn witness(&self, text: &str, what: &str) {
+        let log = self.log.lock().unwrap().clone();
+        let last = |names: &[&str]| log.iter().rposition(|one| names.iter().any(|name| one.command.starts_with(name)));
+        let changed = last(&["SVO 1 0", "SVA ", "WGO 1 1"]);
+        let end = log.last().unwrap();
+        if let Some(changed) = changed {
+            let stopped = last(&["WGO 1 0"]).unwrap_or_else(|| panic!("{what}: never stopped: {text}"));
+            assert!(stopped > changed, "{what}: it moved after it was stopped: {text}");
+            assert!(log[stopped + 1..].iter().all(|one| !one.runs), "{what}: {text}");
+            let state = if end.servo { "closed" } else { "open" };
+            let stated = format!("axis 1 is at {:.3} V, in {state} loop, and wave generator 1 is stopped", end.voltage);
+            assert!(text.contains(&stated), "{what}: not `{stated}` but {text}");
+        } else {
+            let begin = log.iter().find(|one| one.command == "*IDN?").unwrap_or(end);
+            assert_eq!((end.voltage, end.servo, end.runs), (begin.voltage, begin.servo, false), "{what}: {text}");
+        }
+        assert_eq!(self.text("\x09"), "0x0\n", "{what}: {text}");
+        assert_eq!(self.text("VOL?\n"), format!("1={:.6}\n", end.voltage), "{what}: {text}");
+    }
+
+    /// True if the generator ran as it was stopped.
+    fn was_running(&self) -> bool {
+        self.log.lock().unwrap().iter().any(|one| one.command == "WGO 1 0" && one.runs)
+    }
+}
+
+/// Passes commands on, until the line is dead.
+fn commands(mut from: TcpStream, mut to: TcpStream, is_dead: &AtomicBool) {
+    let mut piece = [0; 4096];
+    while let Ok(count) = from.read(&mut piece) {
+        if count == 0 || !is_dead.load(Ordering::SeqCst) && to.write_all(&piece[..count]).is_err() {
+            break;
+        }
+    }
+    drop(to.shutdown(Shutdown::Both));
+}
+
+/// Passes answers on, and counts them. False if the fault comes.
+fn passed(mut from: &TcpStream, mut to: &TcpStream, count: Option<(usize, &AtomicUsize)>, fault: Fault) -> bool {
+    let (mut byte, mut before) = ([0], b' ');
+    while from.read(&mut byte).is_ok_and(|count| count == 1) {
+        if fault != Fault::None && count.is_some_and(|(at, done)| done.load(Ordering::SeqCst) == at) {
+            return false;
+        }
+        if to.write_all(&byte).is_err() {
+            break;
+        }
+        if let Some((_, done)) = count.filter(|_| byte[0] == b'\n' && before != b' ') {
+            done.fetch_add(1, Ordering::SeqCst);
+        }
+        before = byte[0];
+    }
+    drop(to.shutdown(Shutdown::Both));
+    true
+}
+
+/// A drive of 1 s.
+fn drive() -> DataFile {
+    let u: Vec<f64> = (0..100).map(|t| 20.0 * libm::sin(0.05 * f64::from(t))).collect();
+    File::new("drive.csv", Table::write("drive.csv", 0.01, &[("u_V", &u)]).unwrap()).into()
+}
+
+/// What the client states, and what it kept.
+fn run(options: &AcquireOptions, progress: &mut Progress) -> (Result<Acquired, Error>, String, Option<Acquired>) {
+    let (mut notes, mut kept) = (Vec::new(), None);
+    let mut keep = |acquired: &Acquired| {
+        kept = Some(acquired.clone());
+        Ok(())
+    };
+    let outcome = options.run(&drive(), &ColumnSelection::default(), &mut notes, &mut keep, progress);
+    let text = match &outcome {
+        Ok(acquired) => acquired.unfinished.clone().unwrap_or_default(),
+        Err(error) => error.to_string(),
+    };
+    (outcome, format!("{text}; {}", notes.join("; ")), kept)
+}
+
+/// Answers of a measurement without a fault.
+fn answers(is_closed: bool) -> usize {
+    let bench = Bench::new(Fault::None, 0);
+    bench.close(is_closed);
+    let (outcome, ..) = run(&bench.options(10.0), &mut Stage::ignore);
+    let acquired = outcome.unwrap();
+    assert_eq!((acquired.unfinished, acquired.servo), (None, Some(is_closed)));
+    bench.answers.load(Ordering::SeqCst)
+}
+
+/// Tries a fault in place of each answer.
+fn at_every_answer(fault: Fault, timeout: f64, is_closed: bool) {
+    let (next, running) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let last = answers(is_closed);
+    let one = |at: usize| {
+        let bench = Bench::new(fault, at);
+        bench.close(is_closed);
+        let begin = Instant::now();
+        let (outcome, text, kept) = run(&bench.options(timeout), &mut Stage::ignore);
+        let what = format!("{fault:?} at answer {at} of {last}");
+        assert!(begin.elapsed() < GENEROUS, "{what}: {:?}", begin.elapsed());
+        if !bench.is_faulty.load(Ordering::SeqCst) {
+            // The number of questions while the drive is played depends on the clock.
+            assert!(outcome.unwrap().unfinished.is_none() && at + 10 > last, "{what}: {text}");
+            return;
+        }
+        match outcome {
+            Ok(acquired) => {
+                assert_eq!(kept.unwrap().record, acquired.record, "{what}");
+                assert!(acquired.unfinished.is_some(), "{what}: {text}");
+            }
+            Err(error) => assert!(error.to_string().contains("does not answer") && kept.is_none(), "{what}: {error}"),
+        }
+        bench.witness(&text, &what);
+        running.fetch_add(usize::from(bench.was_running()), Ordering::SeqCst);
+    };
+    std::thread::scope(|scope| {
+        for _ in 0..32 {
+            scope.spawn(|| {
+                loop {
+                    let at = next.fetch_add(1, Ordering::SeqCst);
+                    if at >= last {
+                        break;
+                    }
+                    one(at);
+                }
+            });
+        }
+    });
+    // A line that is silent is noticed only after the drive.
+    assert!(fault == Fault::Silent || running.load(Ordering::SeqCst) > 0, "no fault came while the drive was played");
+}
+
+#[test]
+fn a_line_that_is_cut_at_any_answer_leaves_a_stopped_generator_and_a_true_voltage() {
+    at_every_answer(Fault::Cut, 5.0, false);
+    at_every_answer(Fault::Cut, 5.0, true);
+}
+
+#[test]
+fn a_line_that_goes_silent_at_any_answer_leaves_a_stopped_generator_and_a_true_voltage() {
+    at_every_answer(Fault::Silent, 1.5, false);
+}
+
+#[test]
+fn an_answer_that_drips_ends_at_its_deadline() {
+    let last = answers(false);
+    for at in [0, 3, last / 2, last - 5] {
+        let bench = Bench::new(Fault::Drip, at);
+        let begin = Instant::now();
+        let (outcome, text, _) = run(&bench.options(1.5), &mut Stage::ignore);
+        let finished = outcome.as_ref().is_ok_and(|acquired| acquired.unfinished.is_none());
+        assert!(!finished && begin.elapsed() < GENEROUS, "{at}: {text}");
+        assert!(text.contains("there was no whole answer within 1.5 s"), "{text}");
+        bench.witness(&text, &format!("drip at {at}"));
+    }
+}
+
+#[test]
+fn cancelling_is_noticed_while_an_answer_is_awaited() {
+    let last = answers(false);
+    for (fault, at) in [(Fault::Silent, 0), (Fault::Silent, last / 2), (Fault::Drip, last - 8)] {
+        let bench = Bench::new(fault, at);
+        let (is_faulty, mut cancelled) = (bench.is_faulty.clone(), None);
+        // The time from the fault to the end is far below the time for an answer.
+        let (outcome, text, _) = run(&bench.options(3000.0), &mut |_: Stage| {
+            if !is_faulty.load(Ordering::SeqCst) {
+                return Continue(());
+            }
+            cancelled.get_or_insert_with(Instant::now);
+            Break(())
+        });
+        assert!(cancelled.unwrap().elapsed() < GENEROUS, "{text}");
+        let is_cancelled = matches!(outcome, Err(Error::Cancelled { .. }));
+        assert!(is_cancelled || outcome.is_ok_and(|acquired| acquired.unfinished.is_some()), "{text}");
+        bench.witness(&text, &format!("{fault:?} at {at}"));
+    }
+}
+
+#[test]
+fn cancelling_at_any_moment_leaves_a_stopped_generator_and_a_true_voltage() {
+    for moment in (0..30).map(|k| Duration::from_millis(7 + 53 * k)) {
+        let bench = Bench::new(Fault::None, 0);
+        let begin = Instant::now();
+        let mut after = |_: Stage| if begin.elapsed() > moment { Break(()) } else { Continue(()) };
+        let (outcome, text, kept) = run(&bench.options(10.0), &mut after);
+        match outcome {
+            Err(Error::Cancelled { .. }) => assert!(kept.is_none(), "{text}"),
+            Ok(acquired) if acquired.unfinished.is_none() => continue,
+            Ok(acquired) => assert_eq!(kept.unwrap().record, acquired.record),
+            Err(other) => panic!("{other}"),
+        }
+        bench.witness(&text, &format!("cancelled after {moment:?}"));
+    }
+}
+
+#[test]
+fn cancelling_on_the_way_to_the_rest_keeps_the_record() {
+    let bench = Bench::new(Fault::None, 0);
+    let options = AcquireOptions { ramp: 1.0, rest: Rest::Zero, ..bench.options(10.0) };
+    let mut is_read = false;
+    let (outcome, text, kept) = run(&options, &mut |stage: Stage| {
+        is_read |= stage.what == "the record is read";
+        if is_read && stage.what.starts_with("slow move") && stage.done > 5 { Break(()) } else { Continue(()) }
+    });
+    let acquired = outcome.unwrap();
+    assert!(acquired.unfinished.as_deref().is_some_and(|why| why.starts_with("cancelled: slow move")), "{text}");
+    assert_eq!(kept.unwrap().record, acquired.record);
+    assert!(acquired.voltage.is_some_and(|voltage| voltage.abs() > 1.0), "{:?}", acquired.voltage);
+    bench.witness(&text, "cancelled on the way");
+}
+
+#[test]
+fn a_controller_that_is_gone_is_said_to_be_perhaps_in_motion() {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let (port, begin) = (listener.local_addr().unwrap().port(), Instant::now());
+    let bench = Bench::new(Fault::None, 0);
+    let direct = bench.direct;
+    // A line that ends with the controller's last answer, and takes no client again.
+    spawn(move || {
+        let (client, _) = listener.accept().unwrap();
+        drop(listener);
+        let controller = TcpStream::connect(("127.0.0.1", direct)).unwrap();
+        let (from, to) = (client.try_clone().unwrap(), controller.try_clone().unwrap());
+        spawn(move || commands(from, to, &AtomicBool::new(false)));
+        passed(&controller, &client, Some((80, &AtomicUsize::new(0))), Fault::Cut);
+        drop((client.shutdown(Shutdown::Both), controller.shutdown(Shutdown::Both)));
+    });
+    let mut options = bench.options(5.0);
+    options.connection.port = port;
+    let (_, text, _) = run(&options, &mut Stage::ignore);
+    assert!(text.contains("wave generator 1 could not be stopped, and may run on"), "{text}");
+    assert!(begin.elapsed() < GENEROUS);
+}

@@ -1,0 +1,101 @@
+//! Where the axis goes after the drive: slowly to a voltage, which is then measured.
+
+use crate::run::Run;
+use crate::start::NOISE;
+use crate::stop::Left;
+use piezoid::Error;
+use piezoid_numerics::options::OptionKind;
+use serde::{Deserialize, Serialize};
+use std::time::{Duration, Instant};
+
+/// Where the axis goes after the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Rest {
+    /// To the voltage that it had before; in closed loop again if it was.
+    #[default]
+    Start,
+    /// To 0 V.
+    Zero,
+    /// Nowhere: it stays at the last voltage of the drive.
+    Stay,
+}
+
+pub(crate) const RESTS: OptionKind = OptionKind::Choice(&[
+    ("start", "To the voltage that it had before; in closed loop again if it was"),
+    ("zero", "To 0 V, in open loop"),
+    ("stay", "It stays at the last voltage of the drive, in open loop"),
+]);
+
+/// Error of a voltage at rest, as a share of the range; [`NOISE`] is added.
+const ERROR: f64 = 1e-3;
+
+/// Time in which the voltage must be reached, and in which a closed loop must hold it.
+const TIME: Duration = Duration::from_secs(1);
+const HOLD: Duration = Duration::from_millis(200);
+
+/// Largest change of the voltage by closing the loop, as a share of the range.
+const CHANGE: f64 = 0.05;
+
+const PAUSE: Duration = Duration::from_millis(20);
+
+/// The axis before the measurement.
+pub(crate) struct Before {
+    /// Voltage that was requested in open loop [V].
+    pub(crate) start: f64,
+    /// Voltage that was measured, if it was [V].
+    pub(crate) first: Option<f64>,
+}
+
+impl Rest {
+    /// The voltage of rest, and what is then measured, if the axis moves [V].
+    fn target(self, before: &Before) -> Option<(f64, f64)> {
+        match self {
+            Rest::Start => Some((before.start, before.first.unwrap_or(before.start))),
+            Rest::Zero => Some((0.0, 0.0)),
+            Rest::Stay => None,
+        }
+    }
+
+    /// Moves the axis from the last voltage of a drive to its rest in this time [s], and checks that it is there.
+    pub(crate) fn reach(self, run: &mut Run, before: &Before, last: f64, time: f64) -> Result<Left, Error> {
+        let Some((target, expected)) = self.target(before) else { return run.left() };
+        let (low, high) = run.range;
+        let from = run.measured()?.unwrap_or(last).max(low).min(high);
+        run.ramp(from, target, time)?;
+        let (begin, allowed) = (Instant::now(), NOISE + ERROR * (high - low));
+        loop {
+            let voltage = run.measured()?.map_or_else(|| run.requested(), Ok)?;
+            if (voltage - expected).abs() <= allowed {
+                break;
+            }
+            if begin.elapsed() > TIME {
+                return Err(Error::Content(format!("the voltage is {voltage:.3} V after the move to {expected:.3} V")));
+            }
+            run.line.watch.pause(PAUSE)?;
+        }
+        if self == Rest::Start && run.axis.servo == Some(true) {
+            close(run, expected)?;
+        }
+        run.left()
+    }
+}
+
+/// Closes the loop again. A controller then holds the position where the axis is. If the voltage changes instead, the
+/// loop is opened.
+fn close(run: &mut Run, voltage: f64) -> Result<(), Error> {
+    let name = run.axis.name.clone();
+    run.line.command(&format!("SVO {name} 1"))?;
+    let (begin, allowed) = (Instant::now(), CHANGE * (run.range.1 - run.range.0));
+    while begin.elapsed() < HOLD {
+        let now = run.measured()?.unwrap_or(voltage);
+        if (now - voltage).abs() > allowed {
+            run.line.command(&format!("SVO {name} 0"))?;
+            return Err(Error::Content(format!(
+                "the servo moved the voltage from {voltage:.3} to {now:.3} V as it was switched on, and is off again"
+            )));
+        }
+        run.line.watch.pause(PAUSE)?;
+    }
+    Ok(())
+}
