@@ -14,6 +14,9 @@ const OTHER = "another server answers at this address, not the one that this pag
 const FRESH = 1000;
 const PATIENCE = 5000;
 
+/** How long an instrument may take to stop [ms]. */
+const STOPPING = 10_000;
+
 /** Where this browser keeps the key. */
 const KEY = "piezoid-key";
 
@@ -123,9 +126,25 @@ export class ServerLibrary implements Library {
 
   async call(request: Request, files: File[], progress: Progress = () => {}, signal?: AbortSignal): Promise<Answer> {
     const body = packed(request, files) as BodyInit;
-    const response = await this.server.ask("/api/call", { method: "POST", headers: OCTETS, body, signal });
+    const { headers, ends } = request.call === "acquire" ? this.#stopped(signal) : { headers: {}, ends: signal };
+    const init = { method: "POST", headers: { ...OCTETS, ...headers }, body, signal: ends };
+    const response = await this.server.ask("/api/call", init);
     const reader = response.body!.getReader();
-    return unpacked(await answered(() => reader.read().catch(() => gone(signal)), progress));
+    return unpacked(await answered(() => reader.read().catch(() => gone(ends)), progress));
+  }
+
+  /** A call that moves an instrument is stopped by its id, and still answers where the instrument was left. It ends
+   * without an answer only if none comes. */
+  #stopped(signal?: AbortSignal): { headers: Record<string, string>; ends: AbortSignal } {
+    const id = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
+    const end = new AbortController();
+    const stop = () => {
+      this.server.ask(`/api/calls/${id}`, { method: "DELETE" }).catch(() => end.abort());
+      setTimeout(() => end.abort(), STOPPING);
+    };
+    if (signal?.aborted) end.abort();
+    else signal?.addEventListener("abort", stop, { once: true });
+    return { headers: { "piezoid-call": id }, ends: end.signal };
   }
 }
 

@@ -139,9 +139,12 @@ test("drives of a plan are measured on a controller", { skip, timeout: 180_000 }
   await page.waitForTimeout(2500);
   await page.getByRole("button", { name: /Cancel/ }).first().click();
   await section.getByRole("button", { name: "Measure all drives", disabled: false }).waitFor();
+  const where = await section.getByRole("alert").textContent();
+  assert.match(where, /cancelled: .*axis 1 is at \S+ V, in open loop|cancelled: .*nothing has moved/);
 
   await section.getByRole("button", { name: /^Measure (?!all)/ }).click();
   await section.getByText("1 record is in the project").waitFor({ timeout: 60_000 });
+  await section.getByText("axis 1 is at 0.000 V, in open loop").waitFor();
   const drive = readdirSync(folder).find((name) => name.startsWith("measured-"));
   const text = readFileSync(join(folder, drive), "utf8");
   assert.match(text, /^# piezoid: measured by the controller piezoid, paper/);

@@ -25,19 +25,25 @@ interface Props extends Drives {
 export function Instrument({ drives, files, chosen }: Props) {
   const { workspace, lists } = useShared();
   const [values, change] = useSettings("instrument");
-  const where = optionsOf(lists, "controller").filter(({ name }) => name in values);
-  const connection = { call: "controller", options: Object.fromEntries(where.map(({ name }) => [name, values[name]])) };
+  // The settings may be of an older version, with other options.
+  const those = (call: "controller" | "acquire") =>
+    Object.fromEntries(optionsOf(lists, call).filter(({ name }) => name in values).map(({ name }) => [name, values[name]]));
+  const connection = { call: "controller", options: those("controller") };
   const requested = useKept<Answer>("controller", connection);
   const result = useKept<number>("instrument", values);
   // What was said of drives that were measured, also if a later one failed.
   const [notes, setNotes] = useState<string[]>([]);
+  // Where the axis was left.
+  const [left, setLeft] = useState<string>();
   const ask = async () => workspace.run({ name: "controller", request: connection, files: [] });
   const measure = (expected: string[]) => async () => {
     setNotes([]);
+    setLeft(undefined);
     const some = drives.filter(({ name }) => expected.includes(name));
     return measured(workspace, { drives: some, files }, "measured", async (drive, file) => {
-      const request = { call: "acquire", options: values, files: { drive: [file.name] } };
+      const request = { call: "acquire", options: those("acquire"), files: { drive: [file.name] } };
       const answer = await workspace.run({ name: `measure: ${drive}`, request, files: [file] });
+      if (!answer.result.unfinished) setLeft(answer.result.state);
       setNotes((before) => [...before, ...answer.result.notes.map((note: string) => `${drive}: ${note}`)]);
       return answer;
     });
@@ -45,8 +51,8 @@ export function Instrument({ drives, files, chosen }: Props) {
   const busy = requested.busy || result.busy;
   return (
     <Section title="Measure on a controller" wide
-      help="A controller with PI's GCS 2.0 plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the axis is then in open loop, and its voltage stays where it is.">
-      <Form rows={optionsOf(lists, "acquire")} values={values} change={change} first={["host", "port", "axis", "range"]} />
+      help="A controller with PI's GCS 2.0 plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the voltage then stays where it is, and is shown here.">
+      <Form rows={optionsOf(lists, "acquire")} values={values} change={change} first={["host", "port", "axis", "driver", "rest"]} />
       <div class="row">
         <button type="button" disabled={busy} onClick={() => requested.start(ask)}>Query the controller</button>
         <button type="button" disabled={busy || !chosen} onClick={() => result.start(measure([chosen]))}>Measure {chosen}</button>
@@ -62,6 +68,7 @@ export function Instrument({ drives, files, chosen }: Props) {
           {result.value === 1 ? "1 record is" : `${result.value} records are`} in the project: <a href="#data">Data</a>
         </p>
       )}
+      {left && !busy && <p role="status">{left}</p>}
       <Notes title="Notes" notes={notes} />
     </Section>
   );
@@ -81,6 +88,7 @@ function ControllerFacts({ answer: { result } }: { answer: Answer }) {
   return (
     <>
       <p role="status">{result.identity}, servo cycle {reported(result.cycle as number | null, (cycle) => si(cycle, "s"))}</p>
+      {result.in_use && <p class="fault" role="alert">In use: {result.in_use}</p>}
       <Table caption="Axes of the controller" head={["Axis", "Position", "Voltage", "Limits", "Servo"]} rows={rows} />
     </>
   );

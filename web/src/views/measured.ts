@@ -13,7 +13,7 @@ export interface Drives {
 /** What the records of these drives are used for; of all others, training. */
 const USES: Record<string, Use> = { small: "small-signal", path: "validation" };
 
-/** Runs every drive, and adds the records, in one step. The number of records. */
+/** Runs every drive, and adds the records, in one step, until one leaves the actuator elsewhere. The number of records. */
 export async function measured(
   workspace: Workspace,
   { drives, files }: Drives,
@@ -25,11 +25,13 @@ export async function measured(
     for (const { name, file } of drives) {
       const drive = files.find((one) => one.name === file);
       if (!drive) throw new Error(`the plan lacks its file ${file}`);
-      const [written] = (await run(name, drive)).files;
+      const { files: [written], result } = await run(name, drive);
       if (!written) throw new Error(`there is no record of ${file}`);
       const record = { name: `${prefix}-${name}.csv`, bytes: written.bytes };
       await workspace.addRecords([{ file: record, use: USES[name] ?? "training" }], { passing: true });
       count += 1;
+      // The record is measured, but the actuator is not where it was to be: no further drive.
+      if (result?.unfinished) throw new Error(`${name}: ${result.unfinished}; the record is in the project`);
     }
   } finally {
     // What is measured is kept, even if a later drive fails or is cancelled, and is undone in one step.
