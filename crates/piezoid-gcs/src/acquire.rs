@@ -90,13 +90,11 @@ impl AcquireOptions {
             Error::Units { what, found, expected: "V".into() }
         })?;
         let u: Vec<f64> = signal.samples.iter().map(|u| u * factor).collect();
-        let unmoved = |error: Error, notes: &mut Vec<String>| {
+        let (mut run, play, identity) = self.ready(&u, signal.ts, progress).inspect_err(|error| {
             if let Error::Cancelled { .. } = error {
                 notes.push("nothing has moved".into());
             }
-            error
-        };
-        let (mut run, play, identity) = self.ready(&u, signal.ts, progress).map_err(|error| unmoved(error, notes))?;
+        })?;
         let (before, record) = self.measure(&mut run, &play, &identity).map_err(|error| {
             let (_, state) = run.stop();
             match error {
@@ -122,8 +120,15 @@ impl AcquireOptions {
             }
         };
         if run.axis.servo == Some(true) {
-            let state = if left.servo == Some(true) { "is on again" } else { "is off now" };
+            let state = match left.servo {
+                Some(true) => "is on again",
+                Some(false) => "is off now",
+                None => "may be off now",
+            };
             notes.push(format!("the servo of axis {} was on; it {state}", run.axis.name));
+        }
+        if kept.is_err() {
+            notes.push(unfinished.clone().unwrap_or_else(|| left.text(&run.axis.name)));
         }
         (acquired.unfinished, acquired.notes) = (unfinished, notes.clone());
         Left { voltage: acquired.voltage, servo: acquired.servo } = left;
@@ -233,7 +238,7 @@ impl Acquired {
         let (ts, samples, units) = (record.ts(), record.len(), record.units());
         json!({
             "identity": identity, "axis": axis, "notes": notes, "ts": ts, "samples": samples, "units": units,
-            "unfinished": unfinished, "voltage": voltage, "servo": servo, "state": self.state(),
+            "unfinished": unfinished, "voltage": voltage, "servo": servo, "state": unfinished.is_none().then(|| self.state()),
         })
     }
 }

@@ -241,6 +241,7 @@ fn a_record_that_cannot_be_kept_is_an_error_after_the_move_to_the_rest() {
     let columns = ColumnSelection::default();
     let outcome = rest.run(&drive(1e-3, &sine(50)), &columns, &mut notes, &mut keep, &mut Stage::ignore);
     assert_eq!(outcome.unwrap_err().to_string(), "the disk is full");
+    assert_eq!(notes, ["axis 1 is at 0.000 V, in open loop"]);
     assert!(text(port, "VOL?\n").starts_with("1=0.000000"));
 }
 

@@ -24,7 +24,7 @@ impl<'a> Watch<'a> {
 
     /// From now on, cancelling ends nothing any more.
     pub(crate) fn ignore(&mut self) {
-        self.is_heeded = false;
+        (self.is_heeded, self.stage) = (false, ("stop of the wave generator".into(), 0, 1));
     }
 
     /// Returns an error if the work was cancelled.

@@ -102,7 +102,7 @@ fn a_drive_becomes_a_record_and_a_model() {
     let jump = "t_s,u_V\n0,-20\n0.001,-20\n0.002,20\n0.003,0\n";
     bench.write("jump.csv", jump);
     let refused = bench.refused(&format!("acquire jump.csv --port {port} -o none.csv"));
-    refused.says(&["jumps by 40 V at 0.002 s", "give `--driver` or `--slew`"]);
+    refused.says(&["jumps by 40 V at 0.002 s", "give --driver or --slew"]);
     let limited = bench.refused(&format!("acquire jump.csv --port {port} --slew 1V/s -o none.csv"));
     limited.says(&["slew 40000 V/s at 0.002 s, limit 1 V/s"]);
     drop(controller);
