@@ -32,8 +32,9 @@ fn is_recovered(names: &[&str]) {
     }
 }
 
-/// The two grids and the longest search. Each takes seconds; all others together take less.
-const SLOW: [&str; 3] = ["preisach", "krasnoselskii-pokrovskii", "bouc-wen-baber-noori"];
+/// The two grids, the longest search and the learned operators. Each takes seconds; all others together take less.
+const SLOW: [&str; 6] =
+    ["preisach", "krasnoselskii-pokrovskii", "bouc-wen-baber-noori", "narx", "neural", "gaussian-process"];
 
 #[test]
 fn every_operator_of_few_parameters_is_recovered_to_a_millionth_of_peak_to_peak() {
@@ -54,7 +55,22 @@ fn a_grid_of_kernels_is_recovered() {
 
 #[test]
 fn wear_and_pinching_are_recovered() {
-    is_recovered(&SLOW[2..]);
+    is_recovered(&SLOW[2..3]);
+}
+
+#[test]
+fn polynomials_whose_terms_are_selected_are_recovered() {
+    is_recovered(&SLOW[3..4]);
+}
+
+#[test]
+fn a_network_is_recovered() {
+    is_recovered(&SLOW[4..5]);
+}
+
+#[test]
+fn a_gaussian_process_is_recovered() {
+    is_recovered(&SLOW[5..]);
 }
 
 #[test]

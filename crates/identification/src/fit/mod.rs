@@ -28,6 +28,7 @@ mod runs;
 mod signals;
 mod solve;
 mod spread;
+mod terms;
 #[cfg(test)]
 mod testing;
 mod uncertainty;
@@ -54,6 +55,7 @@ pub(crate) use refine::{
 pub(super) use runs::{TrainingRecord, training_records};
 pub(super) use solve::{FreeParameters, MAX_CREEP_GAIN, roughness};
 pub(super) use spread::Spread;
+pub(super) use terms::with_selected_terms;
 #[cfg(test)]
 pub(super) use testing::{estimate, pair};
 pub use uncertainty::FittedParameter;

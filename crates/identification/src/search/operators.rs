@@ -3,7 +3,7 @@
 
 use super::fit::{
     Estimate, Fitted, FreeParameters, Smoothness, StepCallback, TrainingRecord, free_run_residual, refine, refine_from,
-    refine_further, refine_within_reach,
+    refine_further, refine_within_reach, with_selected_terms,
 };
 use super::initial_conditions::{fit_with_other_initial_conditions, select_initial_conditions};
 use super::shape_search::best_shape;
@@ -151,8 +151,8 @@ fn with_block_held(
     reporter: &mut Reporter,
 ) -> Result<Held, Error> {
     let own = |row: &'static Operator, watch: StepCallback| -> Shapes {
-        let start = blocks.with_basis((row.basis)(design)?);
         watch(0)?;
+        let start = with_selected_terms(blocks.with_basis((row.basis)(design)?), runs);
         Ok(vec![refine(start, &mut runs.to_vec(), FreeParameters::Creep, watch)?])
     };
     let mut report = |phase: usize, k: usize, fits: Option<&Shapes>| {
@@ -167,7 +167,7 @@ fn with_block_held(
     let most = POLICY.searched_shape_ratio * least(&held);
     let with_others = |(row, fits): (&'static Operator, Shapes), watch: StepCallback| match fits {
         Ok(mut own) if settings.effort != Effort::Quick && counted_error(row, &own[0]) <= most => {
-            shapes(row, own.swap_remove(0), design, blocks, settings, &mut runs.to_vec(), watch)
+            shapes(own.swap_remove(0), design, blocks, settings, &mut runs.to_vec(), watch)
         }
         fits => fits,
     };
@@ -273,7 +273,6 @@ fn refit_closest(
 /// is found, and the better of these with other initial conditions, if that is clearly better. Not all initial
 /// conditions suit every operator.
 fn shapes(
-    row: &Operator,
     own: Fitted,
     design: &BasisDesign,
     blocks: &Estimate,
@@ -281,7 +280,7 @@ fn shapes(
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Vec<Fitted>, Error> {
-    let start = blocks.with_basis((row.basis)(design)?);
+    let start = blocks.with_basis(own.estimate.basis.reshaped(&own.estimate.shape())?);
     let mut fits = vec![own];
     let stage = trace_span!(target: "stage", "shapes");
     if let Some(reshaped) = stage.in_scope(|| best_shape(&start, runs, settings, watch))? {
@@ -366,8 +365,7 @@ mod tests {
             runs[0].start_from(initial, design.range);
             let start = blocks.with_basis((row.basis)(&design).unwrap());
             let own = refine(start, &mut runs, FreeParameters::Creep, &mut |_| Ok(())).unwrap();
-            let fits =
-                shapes(row, own, &design, &blocks, &JointOptions::default(), &mut runs, &mut |_| Ok(())).unwrap();
+            let fits = shapes(own, &design, &blocks, &JointOptions::default(), &mut runs, &mut |_| Ok(())).unwrap();
             assert_ne!(fits[0].initial_conditions, [InitialCondition::FromBelow], "{initial:?}");
             assert_eq!(runs[0].initial, initial);
         }

@@ -132,7 +132,12 @@ pub(super) fn with_other_blocks(
     linear: Arx,
     basis: MakeBasis,
 ) -> Result<Estimate, Error> {
-    let basis = basis(basis_ts(linear.ts(), driver.is_some()))?.reshaped(&estimate.shape())?.into();
+    let ts = basis_ts(linear.ts(), driver.is_some());
+    // Terms that records have selected remain.
+    let basis = match estimate.basis.with_period(ts) {
+        Some(same) => same.into(),
+        None => basis(ts)?.reshaped(&estimate.shape())?.into(),
+    };
     Ok(Estimate { driver, seeks_lag, basis, lags: lags.to_vec(), linear, ..estimate.clone() })
 }
 

@@ -45,6 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
+    learned: false,
     load: Weighted::<AsymmetricBoucWen>::load,
     basis: |design| {
         let beta = 1.0 / design.half();

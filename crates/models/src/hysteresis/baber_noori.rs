@@ -55,6 +55,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
+    learned: false,
     load: Weighted::<BaberNoori>::load,
     basis: |design| {
         let half = design.half();

@@ -84,6 +84,17 @@ pub trait Basis: Debug + Send + Sync {
     /// allow them.
     fn reshaped(&self, shape: &[f64]) -> Result<Box<dyn Basis>, Error>;
 
+    /// The basis with these responses alone, if the records are to select among them; `None` if all belong to the
+    /// operator.
+    fn with_terms(&self, _terms: &[usize]) -> Option<Box<dyn Basis>> {
+        None
+    }
+
+    /// The same for inputs with another sampling period [s], if its responses are such a selection.
+    fn with_period(&self, _ts: f64) -> Option<Box<dyn Basis>> {
+        None
+    }
+
     /// For each shape parameter the sensitivity dz/dp_j at each sample of `u`, from rest.
     fn slopes(&self, _weights: &[f64], _u: &[f64]) -> Vec<Vec<f64>> {
         Vec::new()

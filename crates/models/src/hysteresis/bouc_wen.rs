@@ -47,6 +47,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
+    learned: false,
     load: Weighted::<BoucWen>::load,
     basis: |design| {
         let law = BoucWen { beta: 1.0 / design.half(), gamma_over_beta: 0.0 };

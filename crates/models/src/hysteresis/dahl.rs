@@ -45,6 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
+    learned: false,
     load: Weighted::<Dahl>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Dahl { breakaway: design.half(), exponent: 1.0 }),
     example: |ts| Weighted::example(ts, Dahl { breakaway: 20.0, exponent: 1.4 }, vec![1.4, 0.5]),

@@ -54,6 +54,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
+    learned: false,
     load: Weighted::<Duhem>::load,
     basis: |design| {
         let degree = design.elements.unwrap_or(DEGREE).clamp(1, MAX_DEGREE);

@@ -56,6 +56,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
+    learned: false,
     load: Weighted::<GeneralisedPlay>::load,
     basis: |design| {
         let law = GeneralisedPlay::new(thresholds::even(design), dead_zones(design), [0.0; 4]);

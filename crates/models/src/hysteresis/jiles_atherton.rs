@@ -57,6 +57,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
+    learned: false,
     load: Weighted::<JilesAtherton>::load,
     basis: |design| {
         let half = design.half();

@@ -53,6 +53,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: true,
     rate_independent: true,
     wipes_out: true,
+    learned: false,
     load: Weighted::<Krasnoselskii>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Krasnoselskii::even(design)),
     example: |ts| {

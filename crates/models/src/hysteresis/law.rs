@@ -134,6 +134,11 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         None
     }
 
+    /// See [`Hysteresis::deviation`]; `last` is the last input.
+    fn deviation(&self, _weights: &[f64], _x: &[f64], _last: Input) -> Option<f64> {
+        None
+    }
+
     /// [`Law::step`] as a program, as in [`Hysteresis::block`]. Completes a `block` that has the last input as `last`,
     /// the weights as `w`, and the shape parameters under their names. For [`Law::closed`] it may add
     /// `hysteresis_closed(x: hysteresis, z, low, high)`, which returns u and 1, or 0 as second value if there is no
@@ -153,6 +158,11 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
     /// See [`Basis::shape`]; the input range is 2 `half` [input unit], the sampling period `ts` [s].
     fn shape(&self, _half: f64, _ts: f64) -> Vec<ShapeParameter> {
         Vec::new()
+    }
+
+    /// The law with these responses alone, if records select them; see [`Basis::with_terms`].
+    fn with_terms(&self, _terms: &[usize]) -> Option<Self> {
+        None
     }
 
     /// The same law with other shape parameters, which are fields of its file.
@@ -300,6 +310,10 @@ impl<L: Law> Hysteresis for Weighted<L> {
         Some(self.params.range)
     }
 
+    fn deviation(&self, x: &[f64]) -> Option<f64> {
+        self.params.law.deviation(&self.params.weights, &x[1..], self.last(x))
+    }
+
     fn block(&self) -> Option<Block> {
         let block = Block::new("hysteresis", format!("{}: {}", L::ROW.name, L::ROW.summary));
         let block = block.number("last", 0.0).table("w", &self.params.weights);
@@ -363,6 +377,17 @@ impl<L: Law> Basis for Weighted<L> {
         finite("shape", shape)?;
         counted(L::ROW.name, "shape", shape.len(), self.shape.len())?;
         Self::basis(self.ts, self.params.range, self.params.law.reshaped(shape)?)
+    }
+
+    fn with_terms(&self, terms: &[usize]) -> Option<Box<dyn Basis>> {
+        let law = self.params.law.with_terms(terms)?;
+        Self::basis(self.ts, self.params.range, law).ok()
+    }
+
+    fn with_period(&self, ts: f64) -> Option<Box<dyn Basis>> {
+        let all: Vec<usize> = (0..Basis::len(self)).collect();
+        let law = self.params.law.with_terms(&all)?;
+        Self::basis(ts, self.params.range, law).ok()
     }
 
     fn slopes(&self, weights: &[f64], u: &[f64]) -> Vec<Vec<f64>> {

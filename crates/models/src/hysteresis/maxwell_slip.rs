@@ -51,6 +51,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
+    learned: false,
     load: Weighted::<MaxwellSlip>::load,
     basis: |design| {
         let (low, high) = speeds(design.half(), design.ts);

@@ -7,12 +7,15 @@ mod bouc_wen;
 mod branches;
 mod dahl;
 mod duhem;
+mod gaussian_process;
 mod generalised_play;
 mod inverse;
 mod jiles_atherton;
 mod krasnoselskii;
 mod law;
 mod maxwell_slip;
+mod narx;
+mod neural;
 mod nodes;
 mod play;
 mod preisach;
@@ -84,6 +87,11 @@ pub trait Hysteresis: System {
         None
     }
 
+    /// Standard deviation of z at the state `x` [unit of z], if the operator states one.
+    fn deviation(&self, _x: &[f64]) -> Option<f64> {
+        None
+    }
+
     /// Lowest and highest frequency of the identification data [Hz], if the output depends on frequency.
     fn frequencies(&self) -> Option<(f64, f64)> {
         None
@@ -119,6 +127,9 @@ pub struct Operator {
     pub rate_independent: bool,
     /// True if an input that passes an older reversal deletes the loops inside it from memory.
     pub wipes_out: bool,
+    /// True if records determine its form, not only its parameters. `auto` leaves it out, because its fit takes longer
+    /// than those of several laws together; `all` has it.
+    pub learned: bool,
     /// Its basis for the joint method, for the given inputs.
     pub basis: fn(&BasisDesign) -> Result<Box<dyn Basis>, Error>,
     /// Reads the parameters of a model file; the second argument is the sampling period [s].
@@ -140,7 +151,7 @@ impl Serialize for Operator {
         let row = json!({
             "name": self.name, "summary": format!("{}{also}", self.summary), "reference": self.reference,
             "aliases": self.aliases, "minor_loops": self.minor_loops, "needs_minor_loops": self.needs_minor_loops,
-            "rate_independent": self.rate_independent, "wipes_out": self.wipes_out,
+            "rate_independent": self.rate_independent, "wipes_out": self.wipes_out, "learned": self.learned,
         });
         row.serialize(to)
     }
@@ -165,6 +176,9 @@ pub static OPERATORS: &[&Operator] = &[
     &duhem::OPERATOR,
     &jiles_atherton::OPERATOR,
     &tellinen::OPERATOR,
+    &narx::OPERATOR,
+    &neural::OPERATOR,
+    &gaussian_process::OPERATOR,
 ];
 
 impl Operator {
@@ -184,12 +198,14 @@ impl Operator {
         row("operator", OPERATORS.iter().copied(), |row| row.name, name)
     }
 
-    /// The operators of a comma-separated list of names, without those after a minus sign; `auto` stands for all.
+    /// The operators of a comma-separated list of names, without those after a minus sign; `all` stands for all, and
+    /// `auto` for all but those that are [learned](Operator::learned).
     ///
     /// ```
     /// use piezoid::hysteresis::{OPERATORS, Operator};
     /// assert_eq!(Operator::list("stop, bouc-wen")?.len(), 2);
-    /// assert_eq!(Operator::list("auto,-preisach")?.len(), OPERATORS.len() - 1);
+    /// assert_eq!(Operator::list("all,-preisach")?.len(), OPERATORS.len() - 1);
+    /// assert!(Operator::list("auto,narx")?.iter().filter(|operator| operator.learned).map(|o| o.name).eq(["narx"]));
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
@@ -199,7 +215,8 @@ impl Operator {
         let mut listed: Vec<&'static Self> = Vec::new();
         for name in names.split(',').map(str::trim) {
             match name.strip_prefix('-') {
-                _ if name == AUTO => listed.extend(OPERATORS),
+                _ if name == AUTO => listed.extend(OPERATORS.iter().filter(|operator| !operator.learned)),
+                _ if name == ALL => listed.extend(OPERATORS),
                 None => listed.push(Operator::find(name)?),
                 Some(without) => {
                     let without = Operator::find(without)?.name;
@@ -214,12 +231,13 @@ impl Operator {
     }
 }
 
-/// In a list of operators, all of them.
+/// In a list of operators, all but those that are learned, and all.
 const AUTO: &str = "auto";
+const ALL: &str = "all";
 
 /// True if a list of operators leaves the choice to the records.
 pub fn is_auto(names: &str) -> bool {
-    names.split(',').any(|name| name.trim().eq_ignore_ascii_case(AUTO))
+    names.split(',').any(|name| [AUTO, ALL].iter().any(|all| name.trim().eq_ignore_ascii_case(all)))
 }
 
 /// Writes an operator as `{"operator": name, ...params}`.

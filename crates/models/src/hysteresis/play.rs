@@ -45,6 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
+    learned: false,
     load: Weighted::<Play>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Play { thresholds: thresholds::even(design) }),
     example: |ts| Weighted::example(ts, Play { thresholds: thresholds::example() }, thresholds::example_weights(0.7)),

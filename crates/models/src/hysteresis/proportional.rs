@@ -34,6 +34,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
+    learned: false,
     basis: |design| Ok(Box::new(Proportional::new(design.ts, 1.0)?)),
     load: |params, ts| {
         let params: ProportionalParams = parse("proportional", params)?;

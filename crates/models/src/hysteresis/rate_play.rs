@@ -48,6 +48,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
+    learned: false,
     load: Weighted::<RatePlay>::load,
     basis: |design| {
         let rate = TAU * 0.01 * design.half() / design.ts;

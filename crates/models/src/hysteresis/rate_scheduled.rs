@@ -69,6 +69,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
+    learned: false,
     basis: |design| Ok(Box::new(RateScheduledBasis::new(design)?)),
     load: |params, ts| {
         let params: RateScheduledParams = parse("rate-scheduled", params)?;

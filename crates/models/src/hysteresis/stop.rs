@@ -38,6 +38,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
+    learned: false,
     load: Weighted::<Stop>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Stop { thresholds: thresholds::even(design) }),
     example: |ts| Weighted::example(ts, Stop { thresholds: thresholds::example() }, thresholds::example_weights(1.2)),

@@ -50,6 +50,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
+    learned: false,
     basis: |design| Ok(Box::new(TellinenBasis::even(design)?)),
     load: |params, ts| Ok(Arc::new(Tellinen::new(ts, parse("tellinen", params)?)?)),
     example: |ts| Ok(Arc::new(Tellinen::new(ts, example(1.0)?)?)),

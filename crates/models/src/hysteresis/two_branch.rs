@@ -84,6 +84,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
+    learned: false,
     basis: |design| Ok(Box::new(TwoBranchBasis { ts: design.ts, nodes: Nodes::new(design)? })),
     load: |params, ts| {
         let TwoBranchParams { reading, branches } = parse("two-branch", params)?;

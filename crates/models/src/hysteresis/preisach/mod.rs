@@ -79,6 +79,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: true,
     rate_independent: true,
     wipes_out: true,
+    learned: false,
     basis: |design| Ok(Box::new(CellBasis::new(design)?)),
     load: |params, ts| Ok(Arc::new(Preisach::new(ts, parse("preisach", params)?)?)),
     example: |ts| {
