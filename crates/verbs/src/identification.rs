@@ -81,9 +81,9 @@ options! {
     pub struct IdentifyOptions {
         /// Method of identification.
         method: Method = Method::Joint, OptionRow::new(METHODS);
-        /// The hysteresis operator (see {list}), or several separated by commas; auto tries all that
-        /// are laws, all also the learned ones, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With
-        /// the paper's method, auto selects two-branch or rate-scheduled.
+        /// The hysteresis operator (see {list}), or several separated by commas; auto tries all laws, all also the
+        /// learned operators, and auto,-NAME all laws but one. The simplest one that predicts held-out parts as well as
+        /// the best is selected. With the paper's method, auto selects two-branch or rate-scheduled.
         operator: String = "auto".into(), OptionRow::new(NAME).list("operators");
         /// Where hysteresis is.
         structure: Structure = Structure::Hammerstein, OptionRow::new(STRUCTURES).group(JOINT);

@@ -63,7 +63,7 @@ const RISING: [f64; 4] = [5.0, 20.0, 80.0, 160.0];
 const RISING_DURATION: f64 = 1.0;
 
 /// Operators of the joint model; the better one is selected: the usual law of the literature, and the one closest to
-/// measured ceramics. Fits of all sixteen (`auto`) would take ten times as long.
+/// measured ceramics. Fits of all laws (`auto`) would take ten times as long.
 const OPERATORS: &str = "bouc-wen, preisach";
 
 /// Levels of the Preisach operator.
