@@ -24,6 +24,7 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 mod check;
+mod each;
 pub mod feedback;
 mod fit;
 mod identified;
@@ -37,6 +38,7 @@ mod side_by_side;
 mod tests;
 
 pub use check::MIN_SAMPLES_PER_PARAMETER;
+pub use each::{Clock, Each, EachOperator, identify_each};
 pub use fit::FittedParameter;
 pub use identified::{Identified, LinearPart, called, common_units, unexcited_resonance};
 pub use search::OperatorTrial;
@@ -47,7 +49,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::progress::Progress;
 use piezoid_records::record::Record;
 use records::Records;
-use search::Search;
+use search::{Candidate, Search};
 use serde::{Deserialize, Serialize};
 
 /// Number of samples of a quick search, of all records together, and number from which another search begins with it.
@@ -162,12 +164,24 @@ fn identified(
     settings: &JointOptions,
     progress: &mut Progress,
 ) -> Result<Identified, Error> {
+    let result = |search: &mut Search, best: Candidate| result::identified(best, search, records, settings);
+    searched(records, ends, settings, progress, result)
+}
+
+/// What `then` makes of the search of `records` in their `ends`, and of the best candidate that it finds.
+fn searched<T>(
+    records: &Records,
+    ends: &Records,
+    settings: &JointOptions,
+    progress: &mut Progress,
+    then: impl FnOnce(&mut Search, Candidate) -> Result<T, Error>,
+) -> Result<T, Error> {
     let mut notes = Vec::new();
     let operators = search::suitable_operators(&settings.operator, records, &mut notes)?;
     let runs = fit::training_records(ends.beside(), &ends.large_signal, &mut notes)?;
     let breadth = settings.effort.breadth();
     let parts = Parts::of(&runs, breadth.whole_samples, breadth.part_samples)?;
     let mut search = Search::new(settings, ends, &runs, &parts, operators, notes, progress)?;
-    let candidate = search.run()?;
-    result::identified(candidate, search, records, settings)
+    let best = search.run()?;
+    then(&mut search, best)
 }

@@ -17,7 +17,7 @@ use tracing::trace_span;
 /// [`Error::Unidentifiable`] if the model does not predict the held-out data.
 pub(super) fn identified(
     candidate: Candidate,
-    search: Search,
+    search: &Search,
     records: &Records,
     settings: &JointOptions,
 ) -> Result<Identified, Error> {
@@ -59,7 +59,7 @@ pub(super) fn identified(
         trials,
         parameters,
         left_percent,
-        cancelled: search.cancelled,
+        cancelled: search.cancelled.clone(),
         reasons,
         notes,
     })

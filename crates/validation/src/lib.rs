@@ -141,9 +141,50 @@ impl Validate for Model {
         }
         let unknown = || Error::units("the output of the record", &units.y, &own.y);
         let k = Units::factor(&own.y, &units.y).ok_or_else(unknown)?;
+        let (simulated, initial_condition) =
+            initial_condition::free_run_from(self, record, k, options.offset != Offset::Kept);
+        Validation::compared(Some(self), record, (simulated, initial_condition), options)
+    }
+}
+
+impl Validation {
+    /// The same comparison for a free run over a whole record that any other simulator computed. There are no remarks
+    /// on a model, and the initial condition is that of the simulator, not the one in the result.
+    ///
+    /// ```
+    /// use piezoid::validation::ValidateOptions;
+    /// let u: Vec<f64> = (0..400).map(|t| (0.1 * f64::from(t)).sin()).collect();
+    /// let record = piezoid::Record::new(1e-3, u.clone(), u.iter().map(|u| 2.0 * u).collect())?;
+    /// let own: Vec<f64> = u.iter().map(|u| 1.8 * u).collect();
+    /// let validation = piezoid_validation::Validation::of_run(&record, own, &ValidateOptions::default())?;
+    /// assert!((validation.metrics.nrmse_percent - 10.0).abs() < 1e-9);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Returns an error if the run has another length than the record, or samples that are not finite; the errors of
+    /// `skip`.
+    pub fn of_run(record: &Record, simulated: Vec<f64>, options: &ValidateOptions) -> Result<Self, Error> {
+        if simulated.len() != record.len() {
+            let (found, expected) = (simulated.len(), record.len());
+            let text = format!("the free run has {found} samples, but the input has {expected}: return one for each");
+            return Err(Error::Content(text));
+        }
+        if let Some(t) = simulated.iter().position(|y| !y.is_finite()) {
+            let text = format!("the free run is {} at sample {t}: it diverges", simulated[t]);
+            return Err(Error::Content(text));
+        }
+        Validation::compared(None, record, (simulated, InitialCondition::Rest), options)
+    }
+
+    fn compared(
+        model: Option<&Model>,
+        record: &Record,
+        (mut simulated, initial_condition): (Vec<f64>, InitialCondition),
+        options: &ValidateOptions,
+    ) -> Result<Self, Error> {
         let free_offset = options.offset != Offset::Kept;
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
-        let (mut simulated, initial_condition) = initial_condition::free_run_from(self, record, k, free_offset);
         let counted = if start == 0 { record.clone() } else { record.slice(start..record.len())? };
         // Its search needs memory for the whole record: before the errors are there.
         let period = period(counted.u());
@@ -162,15 +203,15 @@ impl Validate for Model {
         let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
         let floor = Floor::of(&run, period, &errors, &metrics, &drift);
         let loops = loops::loops(&run);
-        let comparison = remarks::Comparison {
-            model: self,
+        let comparison = model.map(|model| remarks::Comparison {
+            model,
             record: &counted,
             simulated: run.simulated,
             metrics: &metrics,
             drift: &drift,
             loops: &loops,
-            domains: self.identified().map(|domain| (domain, Domain::of_input(counted.u(), counted.ts()))),
-        };
+            domains: model.identified().map(|domain| (domain, Domain::of_input(counted.u(), counted.ts()))),
+        });
         Ok(Validation {
             metrics,
             start,
@@ -184,8 +225,8 @@ impl Validate for Model {
             whiteness: Whiteness::of(counted.u(), &errors),
             floor,
             summary: summary(&metrics, floor.as_ref(), named),
-            remarks: remarks::remarks(&comparison),
-            not_covered: remarks::not_covered(&comparison),
+            remarks: comparison.as_ref().map_or(Vec::new(), remarks::remarks),
+            not_covered: comparison.as_ref().map_or(Vec::new(), remarks::not_covered),
             loops,
             simulated,
         })

@@ -1,10 +1,15 @@
-//! Several models on the same records.
+//! Several models on the same records, and methods that are identified from one split of them.
 
+use super::methods::{Fitted, MethodOptions};
+use super::split::Split;
 use super::validate::{ValidateRecords, records};
 use super::{File, Source, Validated, short};
+use crate::identification::Records;
+use piezoid_identification::Clock;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::progress::Progress;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use piezoid_validation::ValidateOptions;
@@ -15,7 +20,53 @@ options! {
     pub struct CompareOptions {
         /// The record whose loops and residuals are drawn; by default the first.
         record: Option<String> = None, OptionRow::new(OptionKind::Text("FILE"));
-    } with validation: ValidateOptions
+    } with validation: ValidateOptions with methods: MethodOptions
+}
+
+/// What is compared on one split.
+#[derive(Debug, Clone, Default)]
+pub struct Contest {
+    /// Records to identify from, by their names; without `data`, their ends are held out for the comparison.
+    pub training: Vec<(String, Record)>,
+    /// Small-signal records, which are training data alone.
+    pub small_signal: Vec<(String, Record)>,
+    /// Other records to compare on.
+    pub data: Vec<(String, Record)>,
+    /// Models that exist.
+    pub models: Vec<(String, Model)>,
+    /// Free runs of other simulators.
+    pub others: Vec<Other>,
+}
+
+/// A method outside piezoid, fitted to the training records of a [`Split`].
+#[derive(Debug, Clone, PartialEq)]
+pub struct Other {
+    /// Its name.
+    pub name: String,
+    /// Its free runs over the whole records of the tests, or the reason why there are none.
+    pub runs: Result<Vec<Vec<f64>>, String>,
+    /// Number of its parameters, if it is known.
+    pub parameters: Option<usize>,
+    /// The times of its fit [s] and of a step of its free run [ns].
+    pub times: Times,
+}
+
+/// Measured times: they differ from run to run, so no document and no figure holds them.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Times {
+    /// The fit, with a search that is shared with other methods [s].
+    pub fit_s: Option<f64>,
+    /// One sample of a free run [ns].
+    pub step_ns: Option<f64>,
+}
+
+/// A method without free runs.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Failed {
+    /// Its name.
+    pub name: String,
+    /// Why there are none.
+    pub reason: String,
 }
 
 /// A model and its free runs.
@@ -23,19 +74,30 @@ options! {
 pub struct ComparedModel {
     /// Its name: that of its file, if it is one.
     pub name: String,
-    /// The model.
-    pub model: Model,
+    /// The model; `None` for a simulator outside piezoid.
+    pub model: Option<Model>,
+    /// Number of all parameters of hysteresis, creep, linear block and offset, or of mechanics with hysteresis in
+    /// feedback; of a simulator outside piezoid what it states.
+    pub all_parameters: Option<usize>,
     /// Its free runs on the records.
     pub validated: Validated,
+    /// Measured times.
+    pub times: Times,
 }
 
 /// Models and their free runs on the same records.
 #[derive(Debug, Clone)]
 pub struct ModelComparison {
-    /// The models, in the order given.
+    /// The models, in the order given; with a split, by rising error.
     pub models: Vec<ComparedModel>,
     /// Number of the record whose loops and residuals are drawn.
     pub record: usize,
+    /// The methods without free runs.
+    pub failed: Vec<Failed>,
+    /// What was fitted and what was compared, if methods were identified.
+    pub split: Option<Split>,
+    /// The [`Error::Cancelled`] that ended the work, if it was cancelled: the other methods were compared before.
+    pub cancelled: Option<Error>,
 }
 
 impl CompareOptions {
@@ -44,13 +106,36 @@ impl CompareOptions {
     /// # Errors
     /// Returns an error for files without a model or a record. The errors of [`CompareOptions::on`].
     pub fn run(&self, models: &[File], data: Vec<Source>) -> Result<ModelComparison, Error> {
-        // Names without folders, if these tell the files apart.
-        let alone = |file: &File| models.iter().filter(|other| other.short() == file.short()).count() == 1;
-        let named = |file: &File| {
-            let name = if alone(file) { short(&file.name) } else { &file.name };
-            Ok((name.to_string(), file.model()?))
-        };
-        self.on(models.iter().map(named).collect::<Result<_, Error>>()?, &records(data)?)
+        self.on(named(models)?, &records(data)?)
+    }
+
+    /// Compares models in files with records in files: training records, small-signal records and records to compare
+    /// on. Without methods to identify and without training records, it is [`CompareOptions::run`].
+    ///
+    /// # Errors
+    /// Returns an error for files without a model or a record, if no model or no record is given, and the errors of
+    /// [`CompareOptions::contest`].
+    pub fn run_all(
+        &self,
+        (models, [training, small_signal, data]): (Vec<File>, [Vec<Source>; 3]),
+        clock: Option<Clock>,
+        progress: &mut Progress,
+    ) -> Result<ModelComparison, Error> {
+        if !self.methods.is_any() && training.is_empty() && small_signal.is_empty() {
+            for (what, is_missing) in [("model", models.is_empty()), ("data", data.is_empty())] {
+                if is_missing {
+                    return Err(Error::Content(format!(
+                        "compare takes 1 or more of the files `{what}`, but 0 are given"
+                    )));
+                }
+            }
+            return self.run(&models, data);
+        }
+        self.methods.check()?;
+        let models = named(&models)?;
+        let [training, small_signal, data] = [training, small_signal, data].map(records);
+        let contest = Contest { training: training?, small_signal: small_signal?, data: data?, models, others: vec![] };
+        self.contest(contest, clock, progress)
     }
 
     /// Compares named models with named records, each record in the unit of the first.
@@ -58,37 +143,175 @@ impl CompareOptions {
     /// # Errors
     /// Returns an error for an unknown record, and the errors of [`ValidateOptions::on`].
     pub fn on(&self, models: Vec<(String, Model)>, records: &[(String, Record)]) -> Result<ModelComparison, Error> {
-        let record = match &self.record {
-            None => 0,
-            Some(expected) => {
-                let known = || Error::unknown("record", expected, records.iter().map(|(name, _)| &**name));
-                records.iter().position(|(name, _)| name == expected || short(name) == expected).ok_or_else(known)?
-            }
-        };
+        let record = self.drawn(records.iter().map(|(name, _)| &**name))?;
         let compare = |(name, model): (String, Model)| {
             let validated = self.validation.on(&model, records).map_err(|e| e.of(&name))?;
-            Ok(ComparedModel { name, model, validated })
+            Ok(ComparedModel::of(name, model, validated))
         };
-        Ok(ModelComparison { models: models.into_iter().map(compare).collect::<Result<_, Error>>()?, record })
+        let models = models.into_iter().map(compare).collect::<Result<_, Error>>()?;
+        Ok(ModelComparison { models, record, failed: Vec::new(), split: None, cancelled: None })
     }
+
+    /// The number of the record that is drawn.
+    fn drawn<'n>(&self, names: impl Iterator<Item = &'n str> + Clone) -> Result<usize, Error> {
+        let Some(expected) = &self.record else { return Ok(0) };
+        let known = || Error::unknown("record", expected, names.clone());
+        names.clone().position(|name| name == expected || short(name) == expected).ok_or_else(known)
+    }
+
+    /// The split of the records of a contest.
+    ///
+    /// # Errors
+    /// The errors of [`Split::of`].
+    pub fn split(&self, contest: &Contest) -> Result<Split, Error> {
+        Split::of(contest.training.clone(), contest.data.clone(), self.methods.held_out)
+    }
+
+    /// Identifies the methods of the options on one split, and compares them with models and free runs that exist. A
+    /// method that fails has a reason in the result. If the work is cancelled, the result has what was compared until
+    /// then. Without a `clock`, there are no times.
+    ///
+    /// # Errors
+    /// Returns an error for unknown names and for two methods of one name, and the errors of [`Split::of`].
+    pub fn contest(
+        &self,
+        contest: Contest,
+        clock: Option<Clock>,
+        progress: &mut Progress,
+    ) -> Result<ModelComparison, Error> {
+        self.methods.check()?;
+        let split = self.split(&contest)?;
+        let record = self.drawn(split.tests.iter().map(|test| &*test.name))?;
+        let Contest { small_signal, models, others, .. } = contest;
+        let identified = self.methods.names()?;
+        let names = models.iter().map(|(name, _)| name).chain(others.iter().map(|other| &other.name));
+        let names: Vec<&String> = names.chain(&identified).collect();
+        if names.is_empty() {
+            return Err(Error::Content("there is nothing to compare: give operators, structures or models".into()));
+        }
+        if let Some(twice) = names.iter().find(|name| names.iter().filter(|other| other == name).count() > 1) {
+            return Err(Error::Content(format!("two methods are called {twice}: give one of them another name")));
+        }
+        let mut board =
+            ModelComparison { models: Vec::new(), record, failed: Vec::new(), split: None, cancelled: None };
+        for (name, model) in models {
+            board.add(name, self.run_model(&split, model, None, clock));
+        }
+        for Other { name, runs, parameters: all_parameters, times } in others {
+            let validated = runs.map_err(Error::Content).and_then(|runs| split.compared(runs, &self.validation));
+            let row = |validated| ComparedModel { name: name.clone(), model: None, all_parameters, validated, times };
+            board.add(name.clone(), validated.map(row));
+        }
+        if !identified.is_empty() {
+            let own = |records: &[(String, Record)]| records.iter().map(|(_, one)| one.clone()).collect::<Vec<_>>();
+            let (small, large) = (own(&small_signal), own(&split.training));
+            let records = Records { small_signal: &small, large_signal: &large };
+            let still = || 0.0;
+            let mut finished = |Fitted { name, model, seconds }: Fitted| {
+                board.add(name, model.and_then(|model| self.run_model(&split, model, Some(seconds), clock)));
+            };
+            match self.methods.identify(records, clock.unwrap_or(&still), progress, &mut finished) {
+                Err(cancelled @ Error::Cancelled { .. }) => board.cancelled = Some(cancelled),
+                other => other?,
+            }
+        }
+        if let Some(cancelled) = &board.cancelled {
+            let missing = identified.into_iter().filter(|name| !board.has(name));
+            let reason = cancelled.to_string();
+            board.failed.extend(missing.map(|name| Failed { name, reason: reason.clone() }).collect::<Vec<_>>());
+        }
+        let error = |one: &ComparedModel| one.validated.total().rms_pp_percent;
+        board.models.sort_by(|a, b| error(a).total_cmp(&error(b)));
+        Ok(ModelComparison { split: Some(split), ..board })
+    }
+
+    /// The free runs of a model on the tests of a split; its name is still empty.
+    fn run_model(
+        &self,
+        split: &Split,
+        model: Model,
+        fit_s: Option<f64>,
+        clock: Option<Clock>,
+    ) -> Result<ComparedModel, Error> {
+        let validated = split.validated(&model, &self.validation)?;
+        let step_ns = clock.map(|clock| step_ns(&model, split.tests[0].record.u(), clock));
+        let times = Times { fit_s: fit_s.filter(|_| clock.is_some()), step_ns };
+        Ok(ComparedModel { times, ..ComparedModel::of(String::new(), model, validated) })
+    }
+}
+
+/// The models in files, with names without folders if these tell the files apart.
+fn named(models: &[File]) -> Result<Vec<(String, Model)>, Error> {
+    let alone = |file: &File| models.iter().filter(|other| other.short() == file.short()).count() == 1;
+    let named = |file: &File| {
+        let name = if alone(file) { short(&file.name) } else { &file.name };
+        Ok((name.to_string(), file.model()?))
+    };
+    models.iter().map(named).collect()
+}
+
+/// Repetitions of a free run whose shortest time counts, and their smallest number of samples.
+const REPETITIONS: usize = 3;
+const TIMED_SAMPLES: usize = 10_000;
+
+/// The time of a step of a free run [ns].
+fn step_ns(model: &Model, u: &[f64], clock: Clock) -> f64 {
+    let runs = TIMED_SAMPLES.div_ceil(u.len());
+    let time = |_| {
+        let start = clock();
+        (0..runs).for_each(|_| drop(std::hint::black_box(model.simulate(u))));
+        clock() - start
+    };
+    let least = (0..REPETITIONS).map(time).fold(f64::INFINITY, f64::min);
+    1e9 * least / (runs * u.len()) as f64
 }
 
 impl ComparedModel {
-    /// Numbers that describe its hysteresis block.
-    pub fn parameters(&self) -> usize {
-        fn numbers(value: &Value) -> usize {
-            match value {
-                Value::Number(_) => 1,
-                Value::Array(values) => values.iter().map(numbers).sum(),
-                Value::Object(members) => members.values().map(numbers).sum(),
-                _ => 0,
-            }
-        }
-        self.model.hysteresis().params().iter().filter(|(name, _)| *name != "range").map(|(_, v)| numbers(v)).sum()
+    fn of(name: String, model: Model, validated: Validated) -> Self {
+        let linear = model.linear();
+        let creep = model.creep().lags().iter().filter(|lag| lag.gain != 0.0).count();
+        let blocks = parameters(&model) + creep + linear.a().len() + linear.b().len();
+        let all = 1 + model.feedback().map_or(blocks, |feedback| feedback.parameters().len());
+        ComparedModel { name, model: Some(model), all_parameters: Some(all), validated, times: Times::default() }
+    }
+
+    /// Numbers that describe its hysteresis block; `None` without a model.
+    pub fn parameters(&self) -> Option<usize> {
+        self.model.as_ref().map(parameters)
+    }
+
+    /// Name of its operator; `None` without a model.
+    pub fn operator(&self) -> Option<&'static str> {
+        self.model.as_ref().map(|model| model.hysteresis().operator().name)
     }
 }
 
+/// Numbers that describe the hysteresis block of a model.
+fn parameters(model: &Model) -> usize {
+    fn numbers(value: &Value) -> usize {
+        match value {
+            Value::Number(_) => 1,
+            Value::Array(values) => values.iter().map(numbers).sum(),
+            Value::Object(members) => members.values().map(numbers).sum(),
+            _ => 0,
+        }
+    }
+    model.hysteresis().params().iter().filter(|(name, _)| *name != "range").map(|(_, v)| numbers(v)).sum()
+}
+
 impl ModelComparison {
+    /// Adds the free runs of a method, or the reason why there are none.
+    fn add(&mut self, name: String, compared: Result<ComparedModel, Error>) {
+        match compared {
+            Ok(compared) => self.models.push(ComparedModel { name, ..compared }),
+            Err(why) => self.failed.push(Failed { name, reason: why.to_string() }),
+        }
+    }
+
+    fn has(&self, name: &str) -> bool {
+        self.models.iter().any(|one| one.name == name) || self.failed.iter().any(|one| one.name == name)
+    }
+
     /// The model with the smallest error over all records; `None` if all errors are undefined.
     pub fn best(&self) -> Option<&ComparedModel> {
         let error = |one: &ComparedModel| one.validated.total().rms_pp_percent;
@@ -111,15 +334,27 @@ impl ModelComparison {
         let one = |one: &ComparedModel| {
             let mut object = one.validated.to_json();
             object["model"] = json!(one.name);
-            object["operator"] = json!(one.model.hysteresis().operator().name);
+            let model = one.model.as_ref();
+            object["operator"] = json!(one.operator());
             object["parameters"] = json!(one.parameters());
-            object["order"] = json!(one.model.linear().a().len());
-            object["ts"] = json!(one.model.ts());
-            object["verdict"] = json!(one.validated.verdict(&one.model));
+            object["all_parameters"] = json!(one.all_parameters);
+            object["order"] = json!(model.map(|model| model.linear().a().len()));
+            object["ts"] = json!(model.map(System::ts));
+            object["verdict"] = json!(model.map(|model| one.validated.verdict(model)));
+            if let (None, Some(files)) = (model, object["files"].as_array_mut()) {
+                files.iter_mut().for_each(|file| file["initial_condition"] = Value::Null);
+            }
             object
         };
         let models: Vec<Value> = self.models.iter().map(one).collect();
-        json!({"models": models, "best": self.best().map(|best| &best.name), "summary": self.summary()})
+        let failed = |one: &Failed| json!({"model": one.name, "reason": one.reason});
+        let mut document =
+            json!({"models": models, "best": self.best().map(|best| &best.name), "summary": self.summary()});
+        if let Some(split) = &self.split {
+            document["split"] = split.to_json();
+            document["failed"] = self.failed.iter().map(failed).collect();
+        }
+        document
     }
 }
 
@@ -158,6 +393,7 @@ mod tests {
         let json = result.to_json();
         assert_eq!((&json["best"], json["models"][1]["files"].as_array().unwrap().len()), (&"two.json".into(), 2));
         assert_eq!((&json["models"][0]["parameters"], &json["models"][0]["order"]), (&1.into(), &0.into()));
+        assert_eq!(json["models"][0]["all_parameters"], 3, "a gain of each block and the offset");
     }
 
     #[test]

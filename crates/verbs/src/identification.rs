@@ -46,7 +46,7 @@ const BESTS: OptionKind = OptionKind::Choice(&[
     ("current", "the best of the current positions: equation (4) as printed"),
 ]);
 
-const EFFORTS: OptionKind = OptionKind::Choice(&[
+pub(super) const EFFORTS: OptionKind = OptionKind::Choice(&[
     (
         "quick",
         "in about a second: a coarse hysteresis and a linear block of order 2, from the last part of each record",
@@ -64,6 +64,9 @@ const STRUCTURES: OptionKind = OptionKind::Choice(&[
     ),
     ("auto", "the one that predicts held-out parts of each record better; it takes longer"),
 ]);
+
+/// Highest order of the linear block.
+pub(super) const MAX_ORDER: u64 = 12;
 
 const NAME: OptionKind = OptionKind::Text("NAME");
 const COUNT: OptionKind = OptionKind::Integer(1, u64::MAX);
@@ -90,7 +93,7 @@ options! {
         /// How much the search tries.
         effort: Effort = Effort::Usual, OptionRow::new(EFFORTS).group(JOINT);
         /// Order of the linear block.
-        order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, 12)).absent("chosen; 2 by the paper's method");
+        order: Option<usize> = None, OptionRow::new(OptionKind::Integer(0, MAX_ORDER)).absent("chosen; 2 by the paper's method");
         /// Seed of the swarm.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
         /// Number of thresholds, levels or knots of the operator.
@@ -233,7 +236,7 @@ impl IdentifyOptions {
         }
     }
 
-    fn joint(&self) -> Result<JointOptions, Error> {
+    pub(super) fn joint(&self) -> Result<JointOptions, Error> {
         Ok(JointOptions {
             operator: self.operator.clone(),
             order: self.order,

@@ -5,6 +5,7 @@
 
 mod candidate;
 mod creep_order;
+mod each;
 mod extensions;
 mod initial_conditions;
 mod mode_evidence;

@@ -272,7 +272,7 @@ fn refit_closest(
 /// Fits with the linear block held, the best first: the one with the operator's own shape, one with the best shape that
 /// is found, and the better of these with other initial conditions, if that is clearly better. Not all initial
 /// conditions suit every operator.
-fn shapes(
+pub(super) fn shapes(
     own: Fitted,
     design: &BasisDesign,
     blocks: &Estimate,
@@ -295,7 +295,7 @@ fn shapes(
 
 /// The better refinement, in all parameters, of the best two of these sorted fits; none if their errors exceed `most`.
 /// A refinement ends where a cost of `reach` is out of reach. Both limits are as they count among operators.
-fn refined(
+pub(super) fn refined(
     row: &Operator,
     mut shapes: Vec<Fitted>,
     (most, reach): (f64, f64),

@@ -7,7 +7,7 @@ use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
-use piezoid_report::report::{comparison, report, tracking};
+use piezoid_report::report::{comparison, leaderboard, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
 use piezoid_verbs::{CompareOptions, ComparisonReport, ControlOptions, DataFile, File, ValidateRecords};
 use serde_json::json;
@@ -31,11 +31,11 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "compare",
-        summary: "Compare models on the same records",
+        summary: "Compare models, operators and structures on the same records",
         module: "reports",
-        roles: &[several("model", 1), DATA],
+        roles: &[several("model", 0), several("training", 0), several("small_signal", 0), several("data", 0)],
         options: CompareOptions::rows,
-        run: |inputs, _| compare(inputs),
+        run: compare,
     },
     Operation {
         name: "study",
@@ -81,10 +81,14 @@ fn page(inputs: &Inputs) -> Result<Output, Error> {
     Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", report(&model, &outcome).html())] })
 }
 
-fn compare(inputs: &Inputs) -> Result<Output, Error> {
+fn compare(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let options = inputs.options::<CompareOptions>()?;
-    let outcome = options.run(&inputs.all("model")?, inputs.sources("data")?)?;
-    let files = vec![File::new("compare.html", comparison(&outcome).html())];
+    let [training, small_signal, data] = ["training", "small_signal", "data"].map(|role| inputs.sources(role));
+    let outcome = options.run_all((inputs.all("model")?, [training?, small_signal?, data?]), None, progress)?;
+    let mut files = vec![File::new("compare.html", comparison(&outcome).html())];
+    if outcome.split.is_some() {
+        files.extend(leaderboard(&outcome).map(|figure| File::new("compare.svg", figure.svg())));
+    }
     Ok(Output { result: outcome.to_json(), series: Vec::new(), files })
 }
 

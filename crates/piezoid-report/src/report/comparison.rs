@@ -4,24 +4,27 @@ use super::loops::{self, FreeRun};
 use crate::each::Each;
 use crate::page::{Cell, Fact, Page, PageTable, Section, sentence};
 use crate::plot::{Axes, Axis, Figure, Role, Series};
+use piezoid::Model;
 use piezoid::validation::Bin;
 use piezoid_numerics::number::short;
 use piezoid_validation::Source;
-use piezoid_verbs::{Compared, ComparedModel, ModelComparison};
+use piezoid_verbs::{Compared, ComparedModel, ModelComparison, Split};
 
 /// Number of colours.
 const COLOURS: usize = 5;
 
 /// The page: one self-contained file.
 pub fn comparison(compared: &ModelComparison) -> Page {
-    let models = &compared.models[..];
+    // Of many methods, those with the smallest errors are drawn.
+    let drawn = if compared.split.is_some() { COLOURS.min(compared.models.len()) } else { compared.models.len() };
+    let models = &compared.models[..drawn];
     let records = models.first().map_or(&[][..], |one| &one.validated.files);
     let names: Vec<&str> = records.iter().map(Compared::short).collect();
     let bins = by_bins(models);
     let where_they_are = (!bins.is_empty()).then(|| Section::new("Where the errors are").each(bins, Section::figure));
     Page::new("Comparison of models")
         .subtitle(format!("free runs on {}", names.join(", ")))
-        .section(errors(compared, records))
+        .section(errors(compared, models, records))
         .each(where_they_are, Page::section)
         .each(records.get(compared.record), |page, record| page.section(runs(models, compared.record, record)))
 }
@@ -31,8 +34,7 @@ fn styled(series: Series, k: usize) -> Series {
     series.role(Role::accent(k)).dashes(k / COLOURS)
 }
 
-fn errors(compared: &ModelComparison, records: &[Compared]) -> Section {
-    let models = &compared.models[..];
+fn errors(compared: &ModelComparison, models: &[ComparedModel], records: &[Compared]) -> Section {
     let facts = |best: &ComparedModel| {
         let total = best.validated.total();
         let unit = records.first().map_or(String::new(), |one| one.record.units().y.clone());
@@ -43,36 +45,97 @@ fn errors(compared: &ModelComparison, records: &[Compared]) -> Section {
         ]
     };
     let verdict = |one: &ComparedModel| {
-        let message = one.validated.verdict(&one.model).map_or("not proven".into(), |verdict| verdict.to_string());
-        format!("{}: {message}.", one.name)
+        let verdict = one.model.as_ref().and_then(|model| one.validated.verdict(model));
+        format!("{}: {}.", one.name, verdict.map_or("not proven".into(), |verdict| verdict.to_string()))
     };
+    let failed = compared.failed.iter().map(|one| format!("{}: {}", one.name, one.reason));
     Section::new("Models")
         .each(compared.summary(), |section, summary| section.text(sentence(&summary)))
         .each(compared.best(), |section, best| section.facts(facts(best)))
-        .table(blocks(models))
+        .table(blocks(&compared.models))
+        .each(compared.split.as_ref().map(described), Section::text)
+        .each((!compared.failed.is_empty()).then_some(failed), |section, failed| section.list(failed))
+        .each(compared.split.as_ref().and_then(|_| leaderboard(compared)), Section::figure)
         .table(by_record(models, records))
-        .list(models.iter().map(verdict))
+        .list(models.iter().filter(|one| one.model.is_some()).map(verdict))
+}
+
+/// The split in one sentence.
+fn described(split: &Split) -> String {
+    match split.held_out {
+        Some(share) => format!(
+            "Identified from all but the last {} % of each record; the errors are those of this end, in free runs from \
+             the start of the record. The tables and figures below are of the smallest errors.",
+            short(100.0 * share)
+        ),
+        None => "Identified from other records than those compared. The tables and figures below are of the smallest \
+                 errors."
+            .into(),
+    }
+}
+
+/// Error against number of parameters: the methods for which no smaller one has a smaller error are joined and named.
+/// `None` if no error and number are known. It holds no times: they differ from run to run.
+pub fn leaderboard(compared: &ModelComparison) -> Option<Figure> {
+    let point = |one: &ComparedModel| Some((one.all_parameters? as f64, one.validated.total().rms_pp_percent));
+    let points = compared.models.iter().filter_map(|one| Some((one.name.as_str(), point(one)?)));
+    let mut points: Vec<(&str, (f64, f64))> =
+        points.filter(|(_, (n, e))| *n > 0.0 && *e > 0.0 && e.is_finite()).collect();
+    points.sort_by(|(_, a), (_, b)| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut least = f64::INFINITY;
+    let is_better = |&(_, (_, error)): &(&str, (f64, f64))| {
+        let is_better = error < least;
+        least = least.min(error);
+        is_better
+    };
+    let (front, others): (Vec<_>, Vec<_>) = points.into_iter().partition(is_better);
+    let split = |points: &[(&str, (f64, f64))]| -> (Vec<f64>, Vec<f64>) { points.iter().map(|(_, at)| *at).unzip() };
+    let mut axes = Axes::new(Axis::log("parameters"), Axis::log("rms error / peak-to-peak [%]"));
+    let (n, errors) = split(&front);
+    axes = axes.with(Series::line(&n, &errors).role(Role::Muted));
+    let (n, errors) = split(&others);
+    axes = axes.with(Series::points(&n, &errors).role(Role::Muted));
+    for (k, (name, (n, error))) in front.iter().enumerate() {
+        axes = axes.with(Series::points(&[*n], &[*error]).role(Role::accent(k)).named(*name));
+    }
+    if let Some(floor) = compared.best().and_then(|best| best.validated.floor()) {
+        axes = axes.at_y(floor.rms_pp_percent, "noise");
+    }
+    let listed = |(name, (n, error)): &(&str, (f64, f64))| format!("{name} {} % ({n})", short(*error));
+    let rest: Vec<String> = others.iter().map(listed).collect();
+    let rest = if rest.is_empty() { String::new() } else { format!(" Others: {}.", rest.join(", ")) };
+    let named: Vec<String> = front.iter().map(listed).collect();
+    let caption = format!(
+        "Error of the free run, over all records, against the number of parameters (in brackets). No smaller method has \
+         a smaller error than {}.{rest}",
+        named.join(", ")
+    );
+    (!front.is_empty()).then(|| Figure::new("Error against parameters", caption).panel(axes))
 }
 
 /// Errors over all records, and what the models are made of.
 fn blocks(models: &[ComparedModel]) -> PageTable {
     let table = PageTable::new("Models").text("model").text("operator").number("rms / peak-to-peak [%]");
-    let table = table.number("NRMSE [%]").number("fit [%]").number("parameters").number("order").number("creep [%]");
+    let table = table.number("NRMSE [%]").number("fit [%]").number("noise [%]").number("hysteresis");
+    let table = table.number("parameters").number("order").number("creep [%]");
     let least = least(models.iter().map(|one| one.validated.total().rms_pp_percent));
     let row = |one: &ComparedModel| {
-        let (model, total) = (&one.model, one.validated.total());
-        let creep: f64 = model.creep().lags().iter().map(|lag| lag.gain).sum();
+        let (model, total) = (one.model.as_ref(), one.validated.total());
+        let creep = |model: &Model| short(100.0 * model.creep().lags().iter().map(|lag| lag.gain).sum::<f64>());
         let error = Cell::from(short(total.rms_pp_percent));
         let error = if total.rms_pp_percent == least { error.best() } else { error };
-        let what = [one.name.clone(), model.hysteresis().operator().name.into()].map(Cell::from);
+        let what = [one.name.clone(), one.operator().unwrap_or("-").into()].map(Cell::from);
         let errors = [error, short(total.nrmse_percent).into(), short(total.fit_percent).into()];
-        let order = model.linear().a().len().to_string();
-        let size = [one.parameters().to_string(), order, short(100.0 * creep)].map(Cell::from);
+        let none = || "-".to_string();
+        let noise = one.validated.floor().map_or_else(none, |floor| short(floor.rms_pp_percent));
+        let order = model.map_or_else(none, |model| model.linear().a().len().to_string());
+        let [own, all] = [one.parameters(), one.all_parameters].map(|n| n.map_or_else(none, |n| n.to_string()));
+        let size = [noise, own, all, order, model.map_or_else(none, creep)].map(Cell::from);
         what.into_iter().chain(errors).chain(size).collect::<Vec<_>>()
     };
     table.rows(models.iter().map(row)).note(
-        "Errors of the free run, over all records. Parameters: the numbers that describe the hysteresis block. Order: \
-        that of the linear block.",
+        "Errors of the free run, over all records. Noise: its part of the error, over peak-to-peak. Hysteresis: the \
+        numbers that describe the hysteresis block. Parameters: those of all blocks. Order: that of the linear block.",
     )
 }
 
@@ -99,7 +162,7 @@ fn least(errors: impl Iterator<Item = f64>) -> f64 {
 
 /// The errors by frequency and by amplitude, where there are several bins.
 fn by_bins(models: &[ComparedModel]) -> Vec<Figure> {
-    let unit = models.first().map_or("", |one| &one.model.units().u);
+    let unit = models.first().and_then(|one| one.validated.files.first()).map_or("", |one| &one.record.units().u);
     let amplitude = format!("amplitude of the input [{unit}]");
     let named = [("Error by frequency", "f [Hz]"), ("Error by amplitude", &amplitude)];
     let figure = |(which, (title, label)): (usize, (&str, &str))| {
@@ -172,9 +235,9 @@ fn runs(models: &[ComparedModel], at: usize, measured: &Compared) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use piezoid::System;
     use piezoid::hysteresis::Operator;
     use piezoid::linear::Arx;
-    use piezoid::{Model, System};
     use piezoid_verbs::{CompareOptions, File};
 
     fn compared() -> ModelComparison {

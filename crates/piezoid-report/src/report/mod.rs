@@ -15,7 +15,7 @@ mod record;
 mod residuals;
 mod tracking;
 
-pub use comparison::comparison;
+pub use comparison::{comparison, leaderboard};
 pub use tracking::tracking;
 
 use crate::each::Each;

@@ -1,0 +1,182 @@
+//! The split of `compare`: what methods are fitted to, and the samples on which all are compared.
+//!
+//! With other records for the comparison, methods are fitted to the whole training records. Otherwise the end of each
+//! training record is held out: a method simulates the whole record from its input, and only the end counts. What the
+//! input did before is then known, and the initial condition is that of the first samples, which are training data.
+//! Small-signal records are training data alone.
+
+use super::{Compared, Validated};
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::round;
+use piezoid_records::record::Record;
+use piezoid_validation::{Validate, ValidateOptions, Validation};
+use serde_json::{Value, json};
+
+/// Least number of samples of the training part, and of the end that is held out.
+const LEAST: usize = 10;
+
+/// A record on which methods are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Test {
+    /// Its name: that of its file, if it is one.
+    pub name: String,
+    /// The whole record.
+    pub record: Record,
+    /// The first sample that counts: those before are training data.
+    pub from: usize,
+}
+
+/// Training data, and the records on which methods are compared.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Split {
+    /// What methods are fitted to, with their names: the training records, without the ends that are held out.
+    pub training: Vec<(String, Record)>,
+    /// The records that count, all in the unit of the first.
+    pub tests: Vec<Test>,
+    /// The share that is held out; `None` if other records are compared.
+    pub held_out: Option<f64>,
+}
+
+impl Split {
+    /// The split of `training` records; `data` are other records for the comparison, or none.
+    ///
+    /// # Errors
+    /// Returns an error if there is no record, for a record that is too short to be split, and for units that cannot be
+    /// converted.
+    pub fn of(training: Vec<(String, Record)>, data: Vec<(String, Record)>, held_out: f64) -> Result<Self, Error> {
+        let held_out = data.is_empty().then_some(held_out);
+        let Some((_, first)) = data.first().or(training.first()) else {
+            let remedy = "give training records, records to compare on, or both".into();
+            return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
+        };
+        let unit = first.units().y.clone();
+        let test = |(name, record): &(String, Record), from: usize| {
+            let record = record.output_in(&unit).map_err(|error| error.of(name))?;
+            Ok(Test { name: name.clone(), record, from })
+        };
+        let Some(share) = held_out else {
+            let tests = data.iter().map(|one| test(one, 0)).collect::<Result<_, Error>>()?;
+            return Ok(Split { training, tests, held_out });
+        };
+        let mut split = Split { training: Vec::new(), tests: Vec::new(), held_out };
+        for named in training {
+            let (name, record) = &named;
+            let (n, have) = (record.len(), record.len());
+            let from = ((1.0 - share) * n as f64).round() as usize;
+            if from < LEAST || n - from.min(n) < LEAST {
+                let what = format!("{name}, of which {} % are held out,", round(100.0 * share));
+                let remedy = "give a longer record, hold out another share, or give other records to compare on".into();
+                return Err(Error::TooShort { what, have, need: 2 * LEAST, remedy });
+            }
+            split.tests.push(test(&named, from)?);
+            split.training.push((name.clone(), record.slice(0..from).map_err(|error| error.of(name))?));
+        }
+        Ok(split)
+    }
+
+    /// Free runs of a model on all tests.
+    ///
+    /// # Errors
+    /// The errors of [`Validate::validate_with`].
+    pub(super) fn validated(&self, model: &Model, options: &ValidateOptions) -> Result<Validated, Error> {
+        self.each(options, |_, record, options| model.validate_with(record, options))
+    }
+
+    /// Free runs that another simulator computed, one per test.
+    ///
+    /// # Errors
+    /// Returns an error for another number of runs, and the errors of [`Validation::of_run`].
+    pub(super) fn compared(&self, runs: Vec<Vec<f64>>, options: &ValidateOptions) -> Result<Validated, Error> {
+        let (found, expected) = (runs.len(), self.tests.len());
+        if found != expected {
+            return Err(Error::Content(format!("there are {found} free runs, but {expected} records")));
+        }
+        self.each(options, |k, record, options| Validation::of_run(record, runs[k].clone(), options))
+    }
+
+    fn each(
+        &self,
+        options: &ValidateOptions,
+        validate: impl Fn(usize, &Record, &ValidateOptions) -> Result<Validation, Error>,
+    ) -> Result<Validated, Error> {
+        let one = |(k, Test { name, record, from }): (usize, &Test)| {
+            let start = *from as f64 * record.ts();
+            if start + options.skip >= record.duration() {
+                let rule =
+                    format!("must be less than the duration that counts, {} s", round(record.duration() - start));
+                return Err(Error::parameter("skip", options.skip, rule).of(name));
+            }
+            let options = ValidateOptions { skip: start + options.skip, ..*options };
+            let validation = validate(k, record, &options).map_err(|error| error.of(name))?;
+            Ok(Compared { name: name.clone(), record: record.clone(), validation })
+        };
+        Ok(Validated { files: self.tests.iter().enumerate().map(one).collect::<Result<_, _>>()? })
+    }
+
+    /// The split as a document.
+    pub(super) fn to_json(&self) -> Value {
+        let training = |(name, record): &(String, Record)| json!({"file": name, "n": record.len()});
+        let test = |test: &Test| json!({"file": test.name, "n": test.record.len(), "from": test.from});
+        json!({
+            "held_out": self.held_out,
+            "training": self.training.iter().map(training).collect::<Vec<_>>(),
+            "compared": self.tests.iter().map(test).collect::<Vec<_>>(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_models::hysteresis::Proportional;
+    use piezoid_models::linear::Arx;
+    use std::sync::Arc;
+
+    fn record(n: u32) -> (String, Record) {
+        let u: Vec<f64> = (0..n).map(|t| (0.1 * f64::from(t)).sin()).collect();
+        (format!("{n}"), Record::new(1e-3, u.clone(), u).unwrap())
+    }
+
+    #[test]
+    fn the_end_of_each_record_is_held_out_and_only_it_counts() {
+        let split = Split::of(vec![record(400), record(1000)], Vec::new(), 0.25).unwrap();
+        let lengths: Vec<usize> = split.training.iter().map(|(_, record)| record.len()).collect();
+        assert_eq!(lengths, [300, 750]);
+        let run = |test: &Test| {
+            let wrong = |(t, y): (usize, &f64)| if t < test.from { y + 100.0 } else { y + 0.5 };
+            test.record.y().iter().enumerate().map(wrong).collect()
+        };
+        let runs = split.tests.iter().map(run).collect();
+        let validated = split.compared(runs, &ValidateOptions::default()).unwrap();
+        let total = validated.total();
+        assert_eq!((total.n, total.max_abs), (350, 0.5), "the training part does not count");
+    }
+
+    #[test]
+    fn with_other_records_the_whole_training_records_are_fitted() {
+        let split = Split::of(vec![record(400)], vec![record(500)], 0.25).unwrap();
+        assert_eq!((split.training[0].1.len(), split.tests[0].from, split.held_out), (400, 0, None));
+    }
+
+    #[test]
+    fn the_output_of_the_held_out_part_does_not_change_the_free_run() {
+        let (name, whole) = record(1000);
+        let y = whole.y().iter().enumerate().map(|(t, y)| if t < 750 { *y } else { 9.0 }).collect();
+        let other = (name.clone(), Record::new(1e-3, whole.u().to_vec(), y).unwrap());
+        let gain = Arc::new(Proportional::new(1e-3, 1.0).unwrap());
+        let model = Model::new(gain, Arx::new(1e-3, vec![0.9], vec![0.1]).unwrap(), 0.0).unwrap();
+        let run = |record: (String, Record)| {
+            let split = Split::of(vec![record], Vec::new(), 0.25).unwrap();
+            let validated = split.validated(&model, &ValidateOptions::default()).unwrap();
+            (validated.files[0].validation.simulated.clone(), split.training)
+        };
+        assert_eq!(run((name, whole)), run(other));
+    }
+
+    #[test]
+    fn a_record_that_is_too_short_is_refused_with_its_name() {
+        let error = Split::of(vec![record(25)], Vec::new(), 0.25).unwrap_err().to_string();
+        assert!(error.contains("25, of which 25 % are held out"), "{error}");
+    }
+}
