@@ -396,3 +396,25 @@ fn records_that_are_long_are_searched_in_parts_and_fitted_whole() {
     // The state of slow creep before a record and the trend of its sensor look alike.
     assert!(rms(&found.model) < 2.0 * rms(&plant), "{} {}", rms(&found.model), rms(&plant));
 }
+
+#[test]
+fn every_operator_gets_the_blocks_of_the_search_and_the_true_one_the_smallest_error() {
+    let plant = plant(1e-3, 1);
+    let records = noisy(large_signal(&plant, 4.0, &[(2.0, 0.0), (20.0, 0.0), (45.0, 0.0)]));
+    let settings = named("prandtl-ishlinskii,bouc-wen");
+    let rows = Operator::list("bouc-wen,dahl,prandtl-ishlinskii,proportional").unwrap();
+    let each = identify_each((&[], &records), &settings, &rows, &|| 0.0, &mut Stage::ignore).unwrap();
+    let alone = identify_joint(&[], &records, &settings, &mut Stage::ignore).unwrap();
+    assert_eq!((&each.selected.model, each.cancelled.is_none()), (&alone.model, true));
+    let of = |k: usize| each.operators[k].found.as_ref().unwrap();
+    let names: Vec<&str> = (0..4).map(|k| of(k).model.hysteresis().operator().name).collect();
+    assert_eq!(names, rows.iter().map(|row| row.name).collect::<Vec<_>>());
+    assert_eq!(of(2).model, alone.model, "the selected operator");
+    let error = |k: usize| {
+        let y = of(k).model.simulate(records[1].u());
+        let square: f64 = y.iter().zip(records[1].y()).map(|(m, y)| (y - m).powi(2)).sum();
+        (square / scatter(records[1].y())).sqrt()
+    };
+    assert!(error(2) < 0.005 && (0..4).all(|k| k == 2 || error(k) > 2.0 * error(2)), "{:?}", [0, 1, 2, 3].map(error));
+    assert!((0..4).all(|k| of(k).trials.len() == 1 && of(k).trials[0].operator == names[k]));
+}

@@ -24,7 +24,7 @@ mod watch;
 mod _piezoid {
     #[pymodule_export]
     use crate::{
-        compare::compare,
+        compare::{compare, contest, split},
         compensation::FeedForward,
         control::{control, follow},
         error::PiezoidError,

@@ -8,6 +8,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import piezoid as pz
 import pytest
 
@@ -97,6 +98,56 @@ def test_models_are_compared_on_records(tmp_path: Path, model: pz.Model, rich: p
         "data is empty": lambda: pz.compare(model, {}),
         "no record called `c`": lambda: pz.compare(model, {"a": rich}, record="c"),
         "skip = -1": lambda: pz.compare(model, rich, skip=-1),
+    }.items():
+        with pytest.raises(pz.PiezoidError, match=message):
+            call()
+
+
+def test_functions_are_compared_with_operators_on_one_split(rich: pz.Record, model: pz.Model) -> None:
+    trained: list[list[pz.Record]] = []
+
+    class Line:
+        """A straight line with two parameters."""
+
+        parameters = 2
+
+        def __init__(self, train: list[pz.Record]) -> None:
+            u, y = (np.concatenate([getattr(one, name) for one in train]) for name in "uy")
+            self.line = np.polyfit(u, y, 1)
+
+        def simulate(self, u: np.ndarray) -> np.ndarray:  # type: ignore[type-arg]
+            return np.asarray(np.polyval(self.line, u))
+
+    def line(train: list[pz.Record]) -> Line:
+        trained.append(train)
+        return Line(train)
+
+    def fails(train: list[pz.Record]) -> None:
+        raise ValueError("no idea")
+
+    methods = {"line": line, "given": lambda u: 30 * u, "model": model, "fails": fails, "short": lambda u: u[1:]}
+    found = pz.compare(rich, methods, operators=["stop"], structures="hammerstein,linear", effort="quick", offset="free")
+    ranking = found.ranking
+    assert set(ranking.index) == {"stop", "linear", *methods}
+    n = round(0.75 * len(rich))
+    assert len(trained[0]) == 1 and trained[0][0] == pz.Record(rich.u[:n], rich.y[:n], rich.ts)
+    assert "ValueError: no idea" in ranking.loc["fails", "reason"] and "samples" in ranking.loc["short", "reason"]
+    assert ranking.loc["line", "parameters"] == 2 and ranking.loc["line", "fit_s"] > 0
+    assert ranking.loc["stop", "step_ns"] > 0 and pd.isna(ranking.loc["given", "parameters"])
+    # The same figures as on the held-out part alone, without memory.
+    held = pz.Record(rich.u[n:], rich.y[n:], rich.ts)
+    left = held.y - Line(trained[0]).simulate(held.u)
+    expected = 100 * (left - left.mean()).std() / np.ptp(held.y)
+    np.testing.assert_allclose(ranking.loc["line", "rms_pp_percent"], expected, rtol=1e-9)
+    again = pz.compare(rich, methods, operators="stop", structures=["hammerstein", "linear"], effort="quick", offset="free")
+    assert (again.figures, again.html, again.svg) == (found.figures, found.html, found.svg)
+    other = pz.compare(records=[rich], methods=line, data=held)
+    assert list(other.ranking.index) == ["line"] and other.figures["split"]["held_out"] is None
+    assert trained[-1][0] == rich
+    for message, call in {
+        "did you mean": lambda: pz.compare(rich, operators="stopp"),
+        "there are no names": lambda: pz.compare(rich, operators=[]),
+        "held_out = 1": lambda: pz.compare(rich, operators="stop", held_out=1),
     }.items():
         with pytest.raises(pz.PiezoidError, match=message):
             call()

@@ -410,4 +410,109 @@ mod tests {
         let text = of("c.csv").unwrap_err().to_string();
         assert!(text.contains("`c.csv`") && text.contains("x/a.csv"), "{text}");
     }
+
+    /// A record of the twin `pl140`: a rising sine.
+    fn rising(seconds: usize) -> (String, Record) {
+        use piezoid_records::excitation::RisingSine;
+        let sine = RisingSine { amplitude: 28.0, frequency: 4.0, ..RisingSine::default() };
+        let u = sine.samples(1e-3, 1000 * seconds).unwrap();
+        let y = piezoid_twins::Plant::named("pl140", 1e-3).unwrap().run(&u).y;
+        ("rising".into(), Record::new(1e-3, u, y).unwrap())
+    }
+
+    fn methods(operators: &str, structures: &str) -> CompareOptions {
+        let effort = piezoid_identification::Effort::Quick;
+        let (operators, structures) = (Some(operators.into()), Some(structures.into()));
+        let methods = MethodOptions { operators, structures, effort, ..MethodOptions::default() };
+        CompareOptions { methods, ..CompareOptions::default() }
+    }
+
+    fn names(board: &ModelComparison) -> Vec<&str> {
+        let mut names: Vec<&str> = board.models.iter().map(|one| &*one.name).collect();
+        names.sort_unstable();
+        names
+    }
+
+    #[test]
+    fn each_operator_and_structure_has_a_row_and_the_selected_one_is_what_identify_finds() {
+        let contest = Contest { training: vec![rising(3)], ..Contest::default() };
+        let options = methods("stop,prandtl-ishlinskii,auto", "hammerstein,no-creep,order-1,linear");
+        let clock = || 0.0;
+        let run = || options.contest(contest.clone(), Some(&clock), &mut piezoid::progress::Stage::ignore).unwrap();
+        let board = run();
+        let all = ["auto", "linear", "no-creep", "order-1", "prandtl-ishlinskii", "stop"];
+        assert_eq!((names(&board), &board.failed[..]), (all.into(), &[][..]));
+        assert_eq!(board.to_json().to_string(), run().to_json().to_string(), "the same each time");
+        let of = |name: &str| board.models.iter().find(|one| one.name == name).unwrap();
+        assert_eq!(of("order-1").model.as_ref().unwrap().linear().a().len(), 1);
+        assert!(of("no-creep").model.as_ref().unwrap().creep().lags().is_empty());
+        let error = |name: &str| of(name).validated.total().rms_pp_percent;
+        assert!(error("prandtl-ishlinskii") < 0.5 * error("linear"), "{}", error("prandtl-ishlinskii"));
+        // The search is that of `identify` on the training part.
+        let split = options.split(&contest).unwrap();
+        let usual = crate::IdentifyOptions { effort: options.methods.effort, ..crate::IdentifyOptions::default() };
+        let alone = crate::identify(&[split.training[0].1.clone()], &usual).unwrap().model;
+        assert_eq!(of("auto").model.as_ref(), Some(&alone));
+        assert_eq!((of("auto").validated.total().n, board.best().unwrap().name.is_empty()), (750, false));
+    }
+
+    #[test]
+    fn a_method_that_fails_has_the_reason_and_the_others_are_compared() {
+        let other = |name: &str, runs| Other { name: name.into(), runs, parameters: Some(3), times: Times::default() };
+        let (name, record) = rising(2);
+        let y = record.y().to_vec();
+        let others = vec![
+            other("true", Ok(vec![y.clone()])),
+            other("short", Ok(vec![y[1..].to_vec()])),
+            other("diverges", Ok(vec![vec![f64::NAN; y.len()]])),
+            other("none", Err("it raised".into())),
+        ];
+        let contest = Contest { training: vec![(name, record)], others, ..Contest::default() };
+        let board =
+            methods("proportional", "hammerstein").contest(contest, None, &mut piezoid::progress::Stage::ignore);
+        let board = board.unwrap();
+        assert_eq!((names(&board), board.best().unwrap().name.as_str()), (vec!["proportional", "true"], "true"));
+        let reasons = board.failed.iter().map(|one| format!("{}: {}", one.name, one.reason)).collect::<Vec<_>>();
+        let starts =
+            ["short: rising: the free run has 1999 samples", "diverges: rising: the free run is NaN at sample 0"];
+        assert!(starts.iter().zip(&reasons).all(|(start, reason)| reason.starts_with(start)), "{reasons:?}");
+        assert_eq!(reasons[2], "none: it raised");
+        assert_eq!(
+            (board.to_json()["failed"][2]["reason"].as_str(), board.models[0].times.step_ns),
+            (Some("it raised"), None)
+        );
+    }
+
+    #[test]
+    fn a_cancelled_comparison_has_what_was_compared_until_then() {
+        let contest = Contest { training: vec![rising(2)], ..Contest::default() };
+        let options = methods("proportional,stop,prandtl-ishlinskii", "linear,hammerstein");
+        let mut has_linear = false;
+        let board = options.contest(contest, None, &mut |stage: piezoid::progress::Stage| {
+            has_linear |= stage.what == "stop";
+            if has_linear { std::ops::ControlFlow::Break(()) } else { std::ops::ControlFlow::Continue(()) }
+        });
+        let board = board.unwrap();
+        assert!(board.cancelled.is_some());
+        let all = board.models.len() + board.failed.len();
+        assert_eq!((all, board.failed.iter().all(|one| one.reason.contains("cancelled"))), (4, true));
+    }
+
+    #[test]
+    fn unknown_names_and_methods_of_one_name_are_refused_before_the_work() {
+        let contest = || Contest { training: vec![rising(2)], ..Contest::default() };
+        let refused = |options: CompareOptions, contest: Contest| {
+            options.contest(contest, None, &mut |_| panic!("no work")).unwrap_err().to_string()
+        };
+        assert!(refused(methods("preisac", "hammerstein"), contest()).contains("did you mean `preisach`"));
+        assert!(refused(methods("stop", "hammerstien"), contest()).contains("did you mean `hammerstein`"));
+        assert!(refused(methods("stop", "order-13"), contest()).contains("from 0 to 12"));
+        assert!(refused(methods("stop,-stop", "hammerstein"), contest()).contains("leaves no operator"));
+        let runs = Ok(vec![vec![0.0; 2000]]);
+        let others = vec![Other { name: "stop".into(), runs, parameters: None, times: Times::default() }];
+        let twice = refused(methods("stop", "hammerstein"), Contest { others, ..contest() });
+        assert!(twice.contains("two methods are called stop"), "{twice}");
+        let none = Contest { data: vec![rising(2)], ..Contest::default() };
+        assert!(refused(methods("stop", "hammerstein"), none).contains("the list of training records"));
+    }
 }

@@ -6,15 +6,16 @@ use piezoid::{IdentifyOptions, PrepareOptions};
 use piezoid_export::ExportOptions;
 use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::study::StudyOptions;
-use piezoid_verbs::{CompensateOptions, ControlOptions, PlanOptions, SimulateOptions};
+use piezoid_verbs::{CompareOptions, CompensateOptions, ControlOptions, PlanOptions, SimulateOptions};
 
 /// The rows of a table.
 pub(crate) type Rows = fn() -> Vec<OptionRow>;
 
 /// The classes of keywords in Python. Left out are options that its functions take in another form: references as
 /// arrays, tolerances as fractions, `from` and `to`, of which one is a word of the language, as `start` and `stop`.
-pub(crate) const KEYWORDS: [(&str, &str, Rows); 12] = [
+pub(crate) const KEYWORDS: [(&str, &str, Rows); 13] = [
     ("ColumnOptions", "`read` and `inspect`", || without(ColumnSelection::rows(), &["from", "to"])),
+    ("CompareOptions", "`compare`", || without(CompareOptions::rows(), &["record", "operators", "structures"])),
     ("CompensateOptions", "`Model.compensate`", CompensateOptions::rows),
     ("ControlOptions", "`control`", || {
         let elsewhere = ["controller", "reference", "amplitude", "noise", "tolerance", "draws"];
@@ -33,7 +34,7 @@ pub(crate) const KEYWORDS: [(&str, &str, Rows); 12] = [
         let swarm = ["particles", "iterations", "global_best", "seed"];
         IdentifyOptions::rows().into_iter().filter(|row| swarm.contains(&row.name)).collect()
     }),
-    ("ValidateOptions", "`Model.validate` and `compare`", ValidateOptions::rows),
+    ("ValidateOptions", "`Model.validate`", ValidateOptions::rows),
 ];
 
 fn without(rows: Vec<OptionRow>, names: &[&str]) -> Vec<OptionRow> {

@@ -92,10 +92,8 @@ impl Run for Compare {
             }
         }
         if compared.cancelled.is_some() {
-            let count = compared.models.len();
-            bail!(Ended::Cancelled(format!(
-                "cancelled: {count} methods were compared until then, nothing was written"
-            )));
+            let text = "cancelled: the table has what was compared until then; nothing was written";
+            bail!(Ended::Cancelled(text.into()));
         }
         let page = Results::default().file_with(self.output.as_deref(), || comparison(&compared).html());
         let figure = || leaderboard(&compared).map(|figure| figure.svg()).unwrap_or_default();

@@ -54,3 +54,33 @@ fn what_cannot_be_compared_is_named() {
     bench.run("compare sine5.csv --data sine5.csv").exits(1).says(&["sine5.csv: ", remedy]);
     bench.run("compare model.json --data sine5.csv -o model.json").exits(2).says(&["overwritten"]);
 }
+
+#[test]
+fn operators_and_structures_are_identified_and_compared_on_one_split() {
+    let bench = bench();
+    let line = "compare sine5.csv sine20.csv stop.json --operators stop,prandtl-ishlinskii --effort quick \
+                --structures hammerstein,linear";
+    let run = bench.run(&format!("{line} --json a.json --figure a.svg -o a.html")).ok();
+    run.prints(&["method", "noise %", "step ns", "stop.json", "prandtl-ishlinskii", "linear", "Smallest error"]);
+    let found = bench.json("a.json");
+    assert_eq!(found["models"].as_array().unwrap().len() + found["failed"].as_array().unwrap().len(), 4);
+    let n = |k: &str| found["split"][k][0]["n"].as_f64().unwrap();
+    assert_eq!(((0.75 * n("compared")).round(), &found["split"]["held_out"]), (n("training"), &0.25.into()));
+    assert_eq!(found["models"][0]["total"]["n"], found["models"][1]["total"]["n"]);
+    let html = bench.text("a.html");
+    assert_self_contained(&html);
+    assert!(html.contains("Error against parameters") && bench.text("a.svg").contains("<svg"));
+    bench.run(&format!("{line} --json b.json --figure b.svg -o b.html")).ok();
+    for end in ["json", "svg", "html"] {
+        assert_eq!(bench.text(&format!("a.{end}")), bench.text(&format!("b.{end}")), "{end}: no times");
+    }
+    let other = bench.run(&format!("{line} --data sine5.csv --json -")).ok().out_json();
+    assert_eq!(
+        (&other["split"]["held_out"], other["split"]["training"][0]["n"].as_f64()),
+        (&serde_json::Value::Null, Some(n("compared")))
+    );
+    let line = "compare sine5.csv --operators";
+    bench.run(&format!("{line} preisac")).exits(2).says(&["preisach"]);
+    bench.run(&format!("{line} stop --structures series")).exits(2).says(&["series", "hammerstein"]);
+    bench.run(&format!("{line} stop --held-out 1")).exits(2).says(&["--held-out"]);
+}

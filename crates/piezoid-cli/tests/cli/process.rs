@@ -103,6 +103,27 @@ fn ctrl_c_keeps_the_best_model_so_far_and_no_older_file_is_lost() {
     bench.run("validate sine5.csv --model m.json").ok().prints(&["the search was cancelled in"]);
 }
 
+#[test]
+fn ctrl_c_prints_what_was_compared_until_then() {
+    let bench = Bench::stocked();
+    let line = "compare model.json sine5.csv sine20.csv --operators auto,stop --effort thorough --json c.json";
+    let child = bench.command(line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let started = Instant::now();
+    while !handles_interrupts(child.id()) && started.elapsed() < Duration::from_secs(30) {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    std::thread::sleep(Duration::from_millis(1000));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let run = Run::of(line, &child.wait_with_output().unwrap()).exits(130);
+    let run = run.says(&[
+        "auto: cancelled",
+        "stop: cancelled",
+        "the table has what was compared until then; nothing was written",
+    ]);
+    run.prints(&["method", "model.json", "auto", "failed"]);
+    assert!(!bench.path("c.json").exists());
+}
+
 /// Only Linux shows what is ignored.
 #[test]
 #[cfg(target_os = "linux")]

@@ -182,6 +182,16 @@ def follow(name: str, ts: float, n: int, peak: float, hz: float) -> Array: ...
 def compare(
     models: list[tuple[str, Model]], records: list[tuple[str, Record]], settings: dict[str, Any]
 ) -> tuple[dict[str, Any], str]: ...
+def split(
+    training: list[tuple[str, Record]], data: list[tuple[str, Record]], settings: dict[str, Any]
+) -> tuple[list[Record], list[tuple[Record, int]]]: ...
+def contest(
+    models: list[tuple[str, Model]],
+    records: tuple[list[tuple[str, Record]], list[tuple[str, Record]], list[tuple[str, Record]]],
+    settings: dict[str, Any],
+    others: list[tuple[str, tuple[list[Any], str | None], int | None, float | None, float | None]],
+    progress: OnProgress | None,
+) -> tuple[dict[str, Any], str, str | None, list[tuple[str, float | None, float | None]]]: ...
 def control(
     plant: tuple[str, Plant],
     model: Model,
