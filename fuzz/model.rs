@@ -21,5 +21,6 @@ fuzz_target!(|bytes: &[u8]| {
     for r in [&y, &u] {
         let _ = FeedForward::new(&model, settings).map(|inverse| inverse.whole(r));
     }
-    let _ = Causal::new(&model, settings, 0).map(|causal| causal.simulate(&u));
+    let delay_samples = *Causal::delays(&model).start();
+    let _ = Causal::new(&model, settings, delay_samples).map(|causal| causal.simulate(&u));
 });

@@ -351,7 +351,7 @@ export interface CallOptions {
     name?: string;
     /** Use single precision */
     float?: boolean;
-    /** Number of future samples of the reference that the feed-forward may use */
+    /** Samples of the reference that the feed-forward knows in advance; 0: as few as it needs */
     preview?: number;
     /** A feedback controller to export with the model, tuned to it: any feedback of {list} except predictive */
     controller?: string;

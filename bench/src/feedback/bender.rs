@@ -4,10 +4,10 @@
 use crate::accuracy::{VALIDATION, range};
 use crate::page::{self, cell, head, row};
 use crate::twin::{KINDS, OUTSIDE, TS, Twin, error};
-use piezoid::compensation::{FeedForward, FeedForwardSettings};
+use piezoid::compensation::{Causal, FeedForward, FeedForwardSettings};
 use piezoid::excitation::Limits;
 use piezoid::feedback::Structure;
-use piezoid::{Error, Model};
+use piezoid::{Error, Model, System};
 use piezoid_numerics::series::scatter;
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -30,15 +30,27 @@ fn path(hz: f64) -> Vec<f64> {
     (0..SAMPLES).map(at).collect()
 }
 
-/// The rms error of the twin along a path, about its mean, with the voltage by the inverse of `model` [% of
-/// peak-to-peak].
-fn followed(twin: &Twin, model: &Model, hz: f64) -> Result<f64, Error> {
-    let r = path(hz);
+/// Samples by which an inverse sample by sample knows the path in advance.
+const PREVIEW: usize = 8;
+
+/// The voltage for a path by the inverse of `model`: for all of it, or sample by sample.
+fn voltage(model: &Model, r: &[f64], is_whole: bool) -> Result<Vec<f64>, Error> {
     let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
     let settings = FeedForwardSettings { limits, clip: true, ..FeedForwardSettings::default() };
-    let found = FeedForward::new(model, settings)?.whole(&r)?;
+    if is_whole {
+        return Ok(FeedForward::new(model, settings)?.whole(r)?.u);
+    }
+    let causal = Causal::new(model, settings, PREVIEW)?;
+    let mut x = causal.settled_with_preview(r[0], &r[..PREVIEW]);
+    let last = std::iter::repeat_n(r[r.len() - 1], PREVIEW);
+    Ok(causal.resume(&mut x, &r[PREVIEW..].iter().copied().chain(last).collect::<Vec<_>>()))
+}
+
+/// The rms error of the twin along a path, about its mean, with this voltage [% of peak-to-peak].
+fn followed(twin: &Twin, model: &Model, hz: f64, is_whole: bool) -> Result<f64, Error> {
+    let r = path(hz);
+    let y = twin.response(&voltage(model, &r, is_whole)?);
     // Beyond the end of a path its motion is a guess.
-    let y = twin.response(&found.u);
     let errors: Vec<f64> = y.iter().zip(&r).take(SAMPLES - 10).map(|(y, r)| y - r).collect();
     Ok(100.0 * (scatter(&errors) / errors.len() as f64).sqrt() / (2.0 * AMPLITUDE))
 }
@@ -64,12 +76,15 @@ pub(super) fn write(page: &Path) -> Result<(), Box<dyn std::error::Error>> {
             }
         }
         errors_of += &row([name.into()].into_iter().chain(range(&errors).map(cell)));
-        let followed = PATHS.iter().map(|hz| followed(&twin, &model, *hz).map(cell)).collect::<Result<Vec<_>, _>>()?;
-        paths_of += &row([name.into()].into_iter().chain(followed));
+        for (is_whole, known) in [(true, "whole"), (false, "8 samples")] {
+            let of = |hz: &f64| followed(&twin, &model, *hz, is_whole).map(cell);
+            let followed = PATHS.iter().map(of).collect::<Result<Vec<_>, _>>()?;
+            paths_of += &row([name.into(), known.into()].into_iter().chain(followed));
+        }
     }
     let titles = ["model", "best [%]", "median [%]", "worst [%]"];
     page::write(page, "bender", &(head(titles, 1) + &errors_of))?;
     let titles = PATHS.map(|hz| format!("{hz} Hz [%]"));
-    let titles = ["inverse of".to_string()].into_iter().chain(titles);
-    page::write(page, "followed", &(head(titles, 1) + &paths_of))
+    let titles = ["inverse of", "path known"].map(String::from).into_iter().chain(titles);
+    page::write(page, "followed", &(head(titles, 2) + &paths_of))
 }

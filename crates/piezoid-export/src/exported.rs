@@ -2,7 +2,7 @@
 
 use super::vectors::{self, Vectors};
 use super::{ExportRequest, ExportedFunction};
-use piezoid::compensation::{Causal, FeedForwardSettings};
+use piezoid::compensation::FeedForwardSettings;
 use piezoid::{Error, Units};
 use piezoid_identification::online::Online;
 use piezoid_models::program::{Block, FieldValue, Program};
@@ -138,11 +138,7 @@ impl ExportedProgram {
 
     /// Adds the inverse, or a note with the reason for its absence.
     fn feed_forward(&mut self, request: &ExportRequest, u: &Port, y: &Port) -> Result<(), Error> {
-        if request.options.preview > Causal::MAX_DELAY_SAMPLES {
-            let rule = format!("must be at most {} samples", Causal::MAX_DELAY_SAMPLES);
-            return Err(Error::parameter("preview", request.options.preview, rule));
-        }
-        match Causal::new(request.model, request.settings, request.options.preview) {
+        match request.causal() {
             // A requested feed-forward is not omitted silently.
             Err(error) if request.settings != FeedForwardSettings::default() || request.options.preview > 0 => {
                 return Err(error);
@@ -150,7 +146,7 @@ impl ExportedProgram {
             Err(error) => self.notes.push(format!("there is no feed-forward: {error}")),
             Ok(causal) => {
                 causal.extend(&mut self.program)?;
-                let preview = match request.options.preview {
+                let preview = match causal.delay_samples() {
                     0 => String::new(),
                     n => format!("; the displacement must be given {n} samples ahead"),
                 };

@@ -26,7 +26,7 @@ pub use served::{FEED_FORWARD, MODEL};
 #[doc(hidden)]
 pub use vectors::Vectors;
 
-use piezoid::compensation::FeedForwardSettings;
+use piezoid::compensation::{Causal, FeedForwardSettings};
 use piezoid::control::{Controller, ControllerKind, Scheme, TunedScheme};
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
@@ -45,7 +45,7 @@ options! {
         name: String = "piezo_model".into(), OptionRow::new(NAME);
         /// Use single precision.
         float: bool = false, OptionRow::new(OptionKind::Switch);
-        /// Number of future samples of the reference that the feed-forward may use.
+        /// Samples of the reference that the feed-forward knows in advance; 0: as few as it needs.
         preview: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
         /// A feedback controller to export with the model, tuned to it: any feedback of {list} except
         /// predictive.
@@ -175,6 +175,19 @@ impl<'w> ExportRequest<'w> {
     pub fn single(mut self, single: bool) -> Self {
         self.options.float = single;
         self
+    }
+
+    /// Samples by which the feed-forward knows the reference in advance.
+    fn preview(&self) -> usize {
+        match self.options.preview {
+            0 => *Causal::delays(self.model).start(),
+            n => n,
+        }
+    }
+
+    /// The feed-forward.
+    fn causal(&self) -> Result<Causal, Error> {
+        Causal::delayed(self.model, self.settings, ("preview", self.preview()))
     }
 
     /// Name prefix of the exported functions, types and files.

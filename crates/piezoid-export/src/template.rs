@@ -106,7 +106,7 @@ pub(super) fn template_context(
     whole.program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
     context! {
     called, name, upper => name.to_uppercase(), single => request.options.float, ts => model.ts(),
-    preview => request.options.preview,
+    preview => request.preview(),
             hysteresis => model.hysteresis().operator().name, creep => model.creep().order(),
             order => model.linear().a().len(), u_unit => &model.units().u, y_unit => &model.units().y,
             entries => whole.entries.iter().map(entry).collect::<Value>(), notes => whole.notes.iter().collect::<Value>(),

@@ -2,7 +2,6 @@
 
 use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram};
-use piezoid::compensation::Causal;
 use piezoid::{Error, System};
 use piezoid_models::program::{Counts, Machine, Program};
 use piezoid_numerics::series::ends;
@@ -108,9 +107,9 @@ const MAX_SINGLE_ERROR_SHARE: f64 = 1e-2;
 
 /// Rms error of feed-forward and model along the wandering part of `r`, over its height.
 fn missed(request: &ExportRequest, r: &[f64]) -> Option<f64> {
-    let causal = Causal::new(request.model, request.settings, request.options.preview).ok()?;
+    let causal = request.causal().ok()?;
     let y = request.model.simulate(&causal.simulate(r));
-    let pairs = || r.iter().zip(y.iter().skip(request.options.preview)).take(WANDERING).skip(SETTLING_SAMPLES);
+    let pairs = || r.iter().zip(y.iter().skip(causal.delay_samples())).take(WANDERING).skip(SETTLING_SAMPLES);
     let (low, high) = ends(pairs().map(|(r, _)| *r));
     let mean = pairs().map(|(r, y)| (r - y) * (r - y)).sum::<f64>() / pairs().count() as f64;
     Some(mean.sqrt() / (high - low))

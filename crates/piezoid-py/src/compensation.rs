@@ -20,6 +20,8 @@ pub(crate) struct FeedForward {
 
 impl FeedForward {
     pub(crate) fn new(model: &piezoid::Model, settings: FeedForwardSettings, delay_samples: usize) -> PyResult<Self> {
+        // As few as the model allows.
+        let delay_samples = if delay_samples == 0 { *Causal::delays(model).start() } else { delay_samples };
         let causal = Causal::new(model, settings, delay_samples).map_err(raised)?;
         let state = Mutex::new(causal.initial());
         Ok(FeedForward { causal, state })

@@ -1,4 +1,5 @@
-//! What the tests of all crates share: comparison of numbers, noise, hostile models, and the report of skipped tests.
+//! What the tests of all crates share: comparison of numbers, noise, models with feedback, hostile models, and the
+//! report of skipped tests.
 //!
 //! It uses no other crate of this workspace, so that the lowest can use it.
 
@@ -6,10 +7,12 @@
 #![allow(clippy::panic)]
 
 mod close;
+mod feedback;
 pub mod hostile;
 mod noise;
 mod skipped;
 
 pub use close::{assert_close, assert_named_close};
+pub use feedback::in_feedback;
 pub use noise::noise;
 pub use skipped::skipped;

@@ -7,7 +7,7 @@
 //! sample by sample within the allowed inputs ([`Hysteresis::invert`](piezoid_models::hysteresis::Hysteresis::invert)).
 //! Optional iterations send the residual of the model's free run through the same inverse, as long as the error falls.
 //! They correct the approximation of the filter. Mechanics with hysteresis in feedback have an inverse of their own
-//! (`feedback.rs`).
+//! (`flat`).
 //!
 //! Reference: K. Kuhnen, Eur. J. Control 9, 407 (2003), DOI 10.3166/ejc.9.407-418 (inverse operators in series); S.
 //! Devasia, E. Eleftheriou & S. O. R. Moheimani, IEEE Trans. Control Syst. Technol. 15, 802 (2007), DOI
@@ -15,8 +15,8 @@
 //!
 //! Why: docs/decisions/compensation.md, "Corrections by the free run are off by default".
 
-mod feedback;
 mod fir;
+mod flat;
 mod learning;
 mod preview;
 mod program;
@@ -30,7 +30,6 @@ pub use learning::{Learned, Learning};
 pub(crate) use preview::{FirDesign, Preview};
 pub use sample::Causal;
 
-use feedback::Flat;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::{Error, finite};
 use piezoid_numerics::number::{round, short};
@@ -251,7 +250,7 @@ impl FeedForward {
             let (what, remedy) = ("the reference".into(), "it must not be empty".into());
             return Err(Error::TooShort { what, have: 0, need: 1, remedy });
         };
-        if let Some(flat) = self.whole.feedback().and_then(Flat::of) {
+        if let Some(flat) = self.flat() {
             return self.in_feedback(&flat, r);
         }
         let offset = self.model.offset();
@@ -351,6 +350,18 @@ impl FeedForward {
         let step = if self.settings.clip { self.step } else { f64::INFINITY };
         let (low, high) = self.ends;
         ((before - step).clamp(low, high), (before + step).clamp(low, high))
+    }
+
+    /// The nearest of these inputs to `u`, or to `before` if `u` is not finite.
+    fn nearest(&self, u: f64, (low, high): (f64, f64), before: f64) -> f64 {
+        let u = if u.is_finite() { u } else { before };
+        if u > high {
+            high
+        } else if u < low {
+            low
+        } else {
+            u
+        }
     }
 
     /// True if this input is at a limit of those allowed after `before`.

@@ -1,6 +1,7 @@
 //! The causal feed-forward as a program.
 
 use super::Causal;
+use super::sample::Law;
 use piezoid_models::program::{Block, Program};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
@@ -12,7 +13,10 @@ impl Causal {
     /// # Errors
     /// [`Error::Content`] if the program is not that of the model.
     pub fn extend(&self, program: &mut Program) -> Result<(), Error> {
-        let (model, fir) = (self.inverse.model(), self.preview().fir());
+        let (model, fir) = (self.inverse.model(), self.fir());
+        if let Law::Feedback(flat) = &self.law {
+            return flat.extend(program, self.inverse.ends, self.inverse.step);
+        }
         program.add(fir.block(self.resting()))?;
         let (low, high) = self.inverse.ends;
         let slews = self.inverse.step.is_finite();

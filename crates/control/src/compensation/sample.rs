@@ -3,19 +3,23 @@
 //! ```text
 //! u_t = H^-1 (C^-1 (sum over k of f_k (r_{t-k} - offset)))        the displacement follows r_{t-d}
 //! ```
-//! It uses the same inverses as [`super::FeedForward`]. The filter gets its preview of d samples from the delay.
+//! It uses the same inverses as [`super::FeedForward`]: for the blocks in series a filter that gets its preview of d
+//! samples from the delay, for mechanics with hysteresis in feedback their own (`flat`), which needs at least five.
 //! There are no iterations, voltages are clipped to the limits, and a reference that is not finite is replaced by the
 //! previous one. A step does not allocate for states of up to 256 numbers. It takes the same number of operations in
 //! every sample, except for the search of the hysteresis inverse (at most 120 trials).
 
-use super::{FeedForward, FeedForwardSettings, FirDesign, Preview};
+use super::flat::Flat;
+use super::{FeedForward, FeedForwardSettings, Fir, FirDesign};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
+use std::ops::RangeInclusive;
 
 /// Reference [output unit] to voltage [input unit].
 ///
-/// State: the last input; the last references, newest first; the state of the model.
+/// State: the last input; then, for blocks in series, the last references, newest first, and the state of the model;
+/// for mechanics with hysteresis in feedback the state of their inverse.
 ///
 /// ```
 /// use piezoid::compensation::{Causal, FeedForwardSettings};
@@ -33,63 +37,118 @@ use piezoid_numerics::system::System;
 #[derive(Debug, Clone)]
 pub struct Causal {
     pub(super) inverse: FeedForward,
+    pub(super) law: Law,
 }
 
-/// Length of the state before the references.
+/// What it inverts.
+#[derive(Debug, Clone)]
+pub(super) enum Law {
+    Series,
+    Feedback(Flat),
+}
+
+/// Length of the state before that of the law.
 const BEFORE: usize = 1;
 
 impl Causal {
-    /// Largest delay [samples]: the filter then has the largest number of taps.
-    pub const MAX_DELAY_SAMPLES: usize = 488;
+    /// Largest delay of blocks in series [samples]: the filter then has the largest number of taps.
+    const MAX_DELAY_SAMPLES: usize = 488;
+
+    /// The delays that the inverse of `model` can have [samples]. Blocks in series have an inverse without delay, which
+    /// a delay makes better; mechanics with hysteresis in feedback need a preview of five samples, and the delay of
+    /// their sensor.
+    pub fn delays(model: &Model) -> RangeInclusive<usize> {
+        let least = model.feedback().map_or(0, Flat::least_delay);
+        least..=least.max(Causal::MAX_DELAY_SAMPLES)
+    }
 
     /// The inverse of `model` with a delay of `delay_samples` samples. The settings for whole records are ignored.
     ///
     /// # Errors
-    /// The errors of [`FeedForward::new`]; [`Error::Unsuited`] for mechanics with hysteresis in feedback.
+    /// An error for a delay that is none of [`Causal::delays`]; the errors of [`FeedForward::new`];
+    /// [`Error::Unsuited`] for mechanics with hysteresis in feedback that have no inverse, because the input acts on
+    /// modes and hysteresis.
     pub fn new(model: &Model, settings: FeedForwardSettings, delay_samples: usize) -> Result<Self, Error> {
-        if delay_samples > Causal::MAX_DELAY_SAMPLES {
-            let rule = format!("must be at most {} samples", Causal::MAX_DELAY_SAMPLES);
-            return Err(Error::parameter("delay_samples", delay_samples, rule));
+        Causal::delayed(model, settings, ("delay_samples", delay_samples))
+    }
+
+    /// The same with the delay that the option of this name states.
+    ///
+    /// # Errors
+    /// Those of [`Causal::new`]; for the delay it names the option.
+    pub fn delayed(
+        model: &Model,
+        settings: FeedForwardSettings,
+        (option, delay_samples): (&str, usize),
+    ) -> Result<Self, Error> {
+        let delays = Causal::delays(model);
+        let (least, most) = (delays.start(), delays.end());
+        if delay_samples > *most {
+            return Err(Error::parameter(option, delay_samples, format!("must be at most {most} samples")));
         }
-        if model.feedback().is_some() {
-            let because =
-                "its hysteresis is in feedback, and only whole references have an inverse: compensate them, or \
-                           identify hysteresis first, mechanics after"
-                    .into();
-            return Err(Error::Unsuited { what: "inverse sample by sample".into(), because });
+        if delay_samples < *least {
+            let rule = format!(
+                "must be at least {least} samples: the inverse of mechanics with hysteresis in feedback needs the \
+                 reference so far in advance"
+            );
+            return Err(Error::parameter(option, delay_samples, rule));
         }
         let settings = FeedForwardSettings { clip: true, ..settings };
-        Ok(Causal { inverse: FeedForward::with(model, settings, FirDesign::delayed(delay_samples))? })
+        let Some(feedback) = model.feedback() else {
+            let inverse = FeedForward::with(model, settings, FirDesign::delayed(delay_samples))?;
+            return Ok(Causal { inverse, law: Law::Series });
+        };
+        let inverse = FeedForward::with(model, settings, FirDesign::delayed(0))?;
+        let none = || {
+            let because = "its hysteresis is in feedback, and its input acts on modes and hysteresis, or on neither: \
+                           compensate whole references, or identify hysteresis first, mechanics after"
+                .into();
+            Error::Unsuited { what: "inverse sample by sample".into(), because }
+        };
+        let flat = Flat::new(feedback, inverse.ends, delay_samples).ok_or_else(none)?;
+        Ok(Causal { inverse, law: Law::Feedback(flat) })
     }
 
     /// Delay from the reference to the displacement [samples].
     pub fn delay_samples(&self) -> usize {
-        self.inverse.preview().fir().ahead()
+        match &self.law {
+            Law::Series => self.fir().ahead(),
+            Law::Feedback(flat) => flat.delay_samples(),
+        }
     }
 
     /// The inverse of the linear block.
-    pub fn preview(&self) -> &Preview {
-        self.inverse.preview()
+    pub(super) fn fir(&self) -> &Fir {
+        self.inverse.preview().fir()
     }
 
-    /// The output of the model at rest [output unit].
+    /// The output of the blocks in series at rest [output unit].
     pub(super) fn resting(&self) -> f64 {
         let model = self.inverse.model();
         model.offset() + model.linear().dc_gain() * model.step_before_linear(&mut model.initial(), 0.0)
     }
 
-    /// The settled state at `r`, with the references `known` (the first of them `r`) already in the filter: the next
+    /// The settled state at `r`, with the references `known` (the first of them `r`) already in the inverse: the next
     /// step takes the reference after them. With a preview as long as the delay, the reference is followed without
     /// delay.
     pub fn settled_with_preview(&self, r: f64, known: &[f64]) -> Vec<f64> {
         let mut x = self.settled(r);
-        let past = &mut x[BEFORE..BEFORE + self.preview().fir().order()];
-        past.iter_mut().zip(known.iter().rev()).for_each(|(past, r)| *past = *r);
+        match &self.law {
+            Law::Series => {
+                let past = &mut x[BEFORE..BEFORE + self.fir().order()];
+                past.iter_mut().zip(known.iter().rev()).for_each(|(past, r)| *past = *r);
+            }
+            // The voltages before the first sample are not applied.
+            Law::Feedback(flat) => known.iter().for_each(|r| {
+                flat.step(&mut x[BEFORE..], *r);
+            }),
+        }
         x
     }
 
-    fn state(&self, u: f64, r: f64, model: Vec<f64>) -> Vec<f64> {
-        let mut x = vec![r; BEFORE + self.preview().fir().order()];
+    /// The state of the blocks in series.
+    fn in_series(&self, u: f64, r: f64, model: Vec<f64>) -> Vec<f64> {
+        let mut x = vec![r; BEFORE + self.fir().order()];
         x[0] = u;
         x.extend(model);
         x
@@ -102,29 +161,50 @@ impl System for Causal {
     }
 
     fn order(&self) -> usize {
-        BEFORE + self.preview().fir().order() + self.inverse.model().order()
+        let of_law = match &self.law {
+            Law::Series => self.fir().order() + self.inverse.model().order(),
+            Law::Feedback(flat) => flat.order(),
+        };
+        BEFORE + of_law
     }
 
     fn initial(&self) -> Vec<f64> {
-        self.state(0.0, self.resting(), self.inverse.model().initial())
+        match &self.law {
+            Law::Series => self.in_series(0.0, self.resting(), self.inverse.model().initial()),
+            Law::Feedback(flat) => [vec![0.0], flat.initial()].concat(),
+        }
     }
 
     /// The settled state at the reference `r` [output unit], or at the nearest value within reach.
     fn settled(&self, r: f64) -> Vec<f64> {
-        let model = self.inverse.model();
-        let u = model.static_input(r, self.inverse.ends);
-        self.state(u, r, model.settled(u))
+        match &self.law {
+            Law::Series => {
+                let model = self.inverse.model();
+                let u = model.static_input(r, self.inverse.ends);
+                self.in_series(u, r, model.settled(u))
+            }
+            Law::Feedback(flat) => {
+                let (u, x) = flat.settled(r);
+                [vec![self.inverse.nearest(u, self.inverse.ends, 0.0)], x].concat()
+            }
+        }
     }
 
     fn step(&self, x: &mut [f64], r: f64) -> f64 {
-        let fir = self.preview().fir();
         let (before, x) = x.split_at_mut(BEFORE);
-        let (past, model) = x.split_at_mut(fir.order());
-        // The static gain of the filter is 1 / G(0), which therefore also applies to the offset.
-        let block = self.inverse.model();
-        let r = if r.is_finite() { r } else { past.first().copied().unwrap_or_default() };
-        let z = fir.step(past, r) - block.offset() / block.linear().dc_gain();
-        before[0] = block.invert_before_linear(model, z, self.inverse.from(before[0])).u;
+        let allowed = self.inverse.from(before[0]);
+        before[0] = match &self.law {
+            Law::Series => {
+                let fir = self.fir();
+                let (past, model) = x.split_at_mut(fir.order());
+                // The static gain of the filter is 1 / G(0), which therefore also applies to the offset.
+                let block = self.inverse.model();
+                let r = if r.is_finite() { r } else { past.first().copied().unwrap_or_default() };
+                let z = fir.step(past, r) - block.offset() / block.linear().dc_gain();
+                block.invert_before_linear(model, z, allowed).u
+            }
+            Law::Feedback(flat) => self.inverse.nearest(flat.step(x, r), allowed, before[0]),
+        };
         before[0]
     }
 }

@@ -142,7 +142,7 @@ fn inverse(request: &FeedForwardRequest) -> Result<FeedForwardResult, Error> {
     }
     piezoid_numerics::error::finite("reference", r)?;
     let (Some(&first), Some(&last)) = (r.first(), r.last()) else { return Ok(FeedForwardResult::default()) };
-    let causal = Causal::new(model, settings, ahead)?;
+    let causal = Causal::delayed(model, settings, ("preview", ahead))?;
     let (known, rest) = r.split_at(ahead.min(r.len()));
     let mut x = causal.settled_with_preview(first, known);
     let previewed = rest.iter().copied().chain(std::iter::repeat_n(last, known.len()));

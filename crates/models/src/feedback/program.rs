@@ -9,13 +9,16 @@ use piezoid_numerics::system::System;
 
 impl FeedbackModel {
     /// The program: a block `state`, and a function `step(s: state, u)`, in which a band-limited input moves along
-    /// straight lines.
+    /// straight lines; the inverse of the hysteresis if the input drives it.
     ///
     /// # Errors
     /// [`Error::Unsuited`] if the operator has no program.
     pub fn program(&self) -> Result<Program, Error> {
         let remembers = self.hysteresis.order() > 0;
         let mut program = hysteresis::program(&*self.hysteresis)?;
+        if self.dynamics.sensed != 0.0 {
+            hysteresis::inverse(&mut program)?;
+        }
         let block = Block::new("state", "the model: modes with hysteresis in feedback");
         let block = if remembers { block.part("hysteresis", "hysteresis") } else { block };
         let block = self.constants(self.fields(block));

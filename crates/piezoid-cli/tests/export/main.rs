@@ -16,21 +16,24 @@ use piezoid::hysteresis::{OPERATORS, Operator};
 use piezoid::linear::Arx;
 use piezoid::{Error, Model};
 use piezoid_export::{ExportRequest, ExportTarget, Exported};
-use piezoid_testing::skipped;
+use piezoid_testing::{in_feedback, skipped};
 use piezoid_verbs::File;
+use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
 /// Sampling period [s].
 const TS: f64 = 5e-4;
 
-/// A model of every operator, with creep and a resonance; and a model with a driver.
+/// A model of every operator, with creep and a resonance; a model with a driver; and those with hysteresis in feedback.
 fn models() -> Vec<(String, Model)> {
     let named = |name: &str| name.replace('-', "_");
     let mut models: Vec<(String, Model)> =
         OPERATORS.iter().map(|o| (named(o.name), model(o.name, None).unwrap())).collect();
     let driver = DriverModel::new(1e-4, Some(2e4)).unwrap();
     models.push(("driven_plays".into(), model("prandtl-ishlinskii", Some(driver)).unwrap()));
+    let read = |(name, document): (&str, Value)| (name.into(), Model::from_json(&document.to_string()).unwrap());
+    models.extend(in_feedback().into_iter().map(read));
     models
 }
 

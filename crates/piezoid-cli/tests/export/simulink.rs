@@ -23,9 +23,10 @@ fn direct() -> (String, Model) {
     ("direct".into(), Model::new(plays, block, 2.0).unwrap())
 }
 
-/// A model with a resonance and creep, a model with a driver, and a model with feed-through, each in both precisions.
+/// A model with a resonance and creep, a model with a driver, one with feed-through, and one with hysteresis in feedback,
+/// each in both precisions.
 fn kinds() -> Vec<(String, Model, bool)> {
-    let kinds = ["bouc_wen", "driven_plays", "direct"];
+    let kinds = ["bouc_wen", "driven_plays", "direct", "bender"];
     let models = models().into_iter().chain([direct()]).filter(|(name, _)| kinds.contains(&name.as_str()));
     in_both_precisions(models)
 }

@@ -14,6 +14,7 @@ use crate::exported::{Entry, ExportedProgram};
 use crate::language::{Keywords, Language, Printer, less_one};
 use crate::template::{Value, blocks, context, template_context};
 use crate::{ExportRequest, named};
+use piezoid::Model;
 use piezoid::error::Error;
 use piezoid_models::program::{Block, Constant, Expr, Field, FieldValue, Function, Op, Place, Program, ValueType};
 use piezoid_numerics::series::ends;
@@ -29,6 +30,16 @@ const TAKEN: &str = "abs add_block add_line ans close_system control_reset contr
     double error exist ff_reset ff_simulate ff_state ff_step fileparts floor fprintf fullfile handle isempty isscalar \
     load_system mat2str max mex mfilename mod nargin new_system numel onCleanup repmat reset set_param sim simulate \
     single size sprintf state step strjoin struct sum Ts typecast uint32 uint64 units zeros";
+
+/// Names that the printed functions use: a variable of this name would hide them.
+const CALLED: &str = "constants double floor isempty mod repmat single zeros";
+
+/// A name of the program as MATLAB can have it: reserved words get an underscore, so that no two names become equal.
+fn allowed(name: &str) -> String {
+    let word = name.trim_end_matches('_');
+    let is_taken = WORDS.split_whitespace().chain(CALLED.split_whitespace()).any(|taken| taken == word);
+    if is_taken { format!("{name}_") } else { name.into() }
+}
 
 /// Number of significant characters in a MATLAB name.
 const LONGEST: usize = 63;
@@ -68,8 +79,8 @@ impl<'m> Matlab<'m> {
     pub(super) fn template_context(&self, whole: &ExportedProgram, request: &ExportRequest) -> Value {
         let block = |(block, functions): (&Block, Vec<(usize, &Function)>)| {
             let constant = |c: &Constant| match c.table {
-                false => format!("{} = {}", c.name, self.real(c.values[0])),
-                true => format!("{} = {}", c.name, self.column(&c.values, "    ")),
+                false => format!("{} = {}", allowed(&c.name), self.real(c.values[0])),
+                true => format!("{} = {}", allowed(&c.name), self.column(&c.values, "    ")),
             };
             let constants: Value = block.constants.iter().map(constant).collect();
             let functions: Value = functions.into_iter().map(|(_, f)| self.function(f)).collect();
@@ -81,8 +92,7 @@ impl<'m> Matlab<'m> {
         let rest = |e: &Entry| (e.state, self.rest(e.state, "s", false));
         let own = context! {
                     number => if self.single { "single" } else { "double" },
-        // With b0 = 0 there is no feed-through.
-                    feedthrough => request.model.linear().b().first().is_some_and(|b0| *b0 != 0.0),
+                    feedthrough => feedthrough(request.model),
                     middle => 0.5 * (low + high), half => 0.5 * (high - low),
                     simulate => whole.entries.iter().map(simulate).collect::<BTreeMap<_, _>>(),
                     rest => whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
@@ -94,12 +104,12 @@ impl<'m> Matlab<'m> {
     fn function(&self, function: &Function) -> String {
         let printer = Printer { program: &self.program, function, language: self, single: self.single };
         let mut known = known(function);
-        let mut gives: Vec<String> = function.takes.iter().filter(|p| p.changed).map(|p| p.name.clone()).collect();
+        let mut gives: Vec<String> = function.takes.iter().filter(|p| p.changed).map(|p| allowed(&p.name)).collect();
         let mut last = String::new();
         for expr in &function.returns {
             match expr {
                 // A variable needs no second name.
-                Expr::Variable(name, _) if !gives.contains(name) => gives.push(name.clone()),
+                Expr::Variable(name, _) if !gives.contains(&allowed(name)) => gives.push(allowed(name)),
                 expr => {
                     let name = fresh("result", &mut known);
                     last += &format!("    {name} = {};\n", printer.expr(expr));
@@ -107,7 +117,7 @@ impl<'m> Matlab<'m> {
                 }
             }
         }
-        let takes: Vec<&str> = function.takes.iter().map(|p| p.name.as_str()).collect();
+        let takes: Vec<String> = function.takes.iter().map(|p| allowed(&p.name)).collect();
         let mut out = format!("function {}{}({})\n", handed(&gives), self.own(&function.name), takes.join(", "));
         out += &function.about.iter().map(|about| format!("    % {about}\n")).collect::<String>();
         let mut reads = false;
@@ -123,7 +133,7 @@ impl<'m> Matlab<'m> {
     /// Lines that set the state of a block to rest, or to zero.
     fn rest(&self, block: &str, prefix: &str, zero: bool) -> Vec<String> {
         let fields = self.program.block(block).map_or(&[][..], |b| &b.fields);
-        let line = |field: &Field| match (&field.holds, format!("{prefix}.{}", field.name)) {
+        let line = |field: &Field| match (&field.holds, format!("{prefix}.{}", allowed(&field.name))) {
             (FieldValue::Block(inner), name) => self.rest(inner, &name, zero),
             (FieldValue::Number(_), name) if zero => vec![format!("{name} = {};", self.real(0.0))],
             (FieldValue::Number(value), name) => vec![format!("{name} = {};", self.real(*value))],
@@ -157,8 +167,15 @@ impl<'m> Matlab<'m> {
     /// The results of a call: the states that it changes, then `names`.
     fn targets(&self, function: &Function, arguments: &[Expr], names: &[String], printer: &Printer) -> Vec<String> {
         let changed = function.takes.iter().zip(arguments).filter(|(parameter, _)| parameter.changed);
-        changed.map(|(_, argument)| printer.expr(argument)).chain(names.iter().cloned()).collect()
+        changed.map(|(_, argument)| printer.expr(argument)).chain(names.iter().map(|name| allowed(name))).collect()
     }
+}
+
+/// True if an input acts on the output of the same sample: with hysteresis in feedback on what is read at its end, of
+/// blocks in series unless b0 = 0.
+fn feedthrough(model: &Model) -> bool {
+    let of_blocks = || model.linear().b().first().is_some_and(|b0| *b0 != 0.0);
+    model.feedback().map_or_else(of_blocks, |feedback| feedback.dynamics().delay == 0)
 }
 
 /// The function that returns the constants of a block.
@@ -210,12 +227,12 @@ impl Language for Matlab<'_> {
 
     fn constant(&self, _: &Block, name: &str, index: Option<&Expr>, printer: &Printer) -> String {
         let index = index.map_or(String::new(), |index| format!("({})", printer.expr(&from_one(index))));
-        format!("constants.{name}{index}")
+        format!("constants.{}{index}", allowed(name))
     }
 
     fn place(&self, place: &Place, printer: &Printer) -> String {
-        let mut text = place.root.clone();
-        place.path.iter().for_each(|field| text += &format!(".{field}"));
+        let mut text = allowed(&place.root);
+        place.path.iter().for_each(|field| text += &format!(".{}", allowed(field)));
         place.index.iter().for_each(|index| text += &format!("({})", printer.expr(&from_one(index))));
         text
     }
@@ -251,19 +268,21 @@ impl Language for Matlab<'_> {
             Expr::Call(name, arguments) => self.program.function(name).map(|function| (function, arguments)),
             _ => None,
         };
+        let plain = || names.iter().map(|name| allowed(name)).collect();
         let names =
-            called.map_or(names.to_vec(), |(function, arguments)| self.targets(function, arguments, names, printer));
+            called.map_or_else(plain, |(function, arguments)| self.targets(function, arguments, names, printer));
         vec![format!("{}{};", handed(&names), printer.expr(value))]
     }
 
     fn copy(&self, name: &str, of: &Place, block: &str, zero: bool, printer: &Printer) -> Vec<String> {
+        let name = allowed(name);
         let copy = format!("{name} = {};", self.place(of, printer));
-        let clear = if zero { self.rest(block, name, true) } else { Vec::new() };
+        let clear = if zero { self.rest(block, &name, true) } else { Vec::new() };
         std::iter::once(copy).chain(clear).collect()
     }
 
     fn room(&self, name: &str, n: usize) -> Vec<String> {
-        vec![format!("{name} = {};", self.zeros(n))]
+        vec![format!("{} = {};", allowed(name), self.zeros(n))]
     }
 
     fn done(&self, call: &Expr, printer: &Printer) -> String {
@@ -275,7 +294,7 @@ impl Language for Matlab<'_> {
             Expr::Binary(..) => format!("({})", printer.expr(expr)),
             expr => printer.expr(expr),
         };
-        let (first, last) = (bound(from), bound(&less_one(to)));
+        let (name, first, last) = (allowed(name), bound(from), bound(&less_one(to)));
         if down { format!("for {name} = {last}:-1:{first}") } else { format!("for {name} = {first}:{last}") }
     }
 }
@@ -283,7 +302,6 @@ impl Language for Matlab<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Model;
     use piezoid::hysteresis::OPERATORS;
     use piezoid::linear::Arx;
 
@@ -315,6 +333,25 @@ function [x, t, result] = my_both(x, t, u)
 end
 function x = my_empty(x)
     x = my_fill(x, -x.level);
+end
+";
+        assert_eq!(printed(text, false), expected);
+    }
+
+    #[test]
+    fn reserved_words_get_an_underscore_and_names_stay_different() {
+        let text = "fn f(end, end_) {
+                let case = end * 2.0;
+                for global in 0..2 { case = case + real(global); }
+                return case - end_;
+            }";
+        let expected = "\
+function result = my_f(end_, end__)
+    case_ = end_ * 2.0;
+    for global_ = 0:1
+        case_ = case_ + global_;
+    end
+    result = case_ - end__;
 end
 ";
         assert_eq!(printed(text, false), expected);

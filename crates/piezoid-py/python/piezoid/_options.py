@@ -107,7 +107,7 @@ class ExportOptions(TypedDict, total=False):
 
     name: Name prefix of the exported functions, types and files; default: piezo_model
     float: Use single precision
-    preview: Number of future samples of the reference that the feed-forward may use; default: 0
+    preview: Samples of the reference that the feed-forward knows in advance; 0: as few as it needs; default: 0
     controller: A feedback controller to export with the model, tuned to it: any feedback of `pz.controllers` except
         predictive
     delay_samples: Sensor delay in samples; controllers are tuned for it; default: 0

@@ -236,8 +236,9 @@ class Model:
     def inverse(self, delay_samples: int = 0, **limits: Unpack[InverseOptions]) -> FeedForward:
         """The inverse, sample by sample, from requested displacement to voltage.
 
-        The displacement follows `delay_samples` samples later. A value that is not finite is replaced by the one
-        before, and voltages beyond the limits are clipped.
+        The displacement follows `delay_samples` samples later; 0 means as few as the model allows, which is more than
+        none if its hysteresis is in feedback: the inverse then needs the reference in advance. A value that is not
+        finite is replaced by the one before, and voltages beyond the limits are clipped.
 
         {options}
         """

@@ -100,7 +100,8 @@ pub(crate) fn between(ends: (f64, f64), z: f64, mut reached: impl FnMut(f64) -> 
         } else {
             0.5
         };
-        share = share.clamp(least, 1.0 - least);
+        // Also if these are not numbers.
+        share = share.max(least).min(1.0 - least);
     }
     Inverted { u: a, z: reached(a) }
 }

@@ -11,12 +11,16 @@ use piezoid_models::linear::Arx;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use piezoid_testing::hostile::{CHANGES, changed};
+use piezoid_testing::in_feedback;
 use piezoid_validation::Validate;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-/// A model of every operator, behind a driver, with creep and a delay, as JSON.
+/// A model of every operator, behind a driver, with creep and a delay, then those with feedback, as JSON.
 fn legitimate(operator: usize) -> Value {
+    if let Some((_, document)) = operator.checked_sub(OPERATORS.len()).map(|k| in_feedback().swap_remove(k)) {
+        return document;
+    }
     let hysteresis = (OPERATORS[operator].example)(TS / DriverModel::SUBSTEPS as f64).expect("an example");
     let linear = Arx::new(TS, vec![1.6, -0.8], vec![0.0, 0.1, 0.05]).expect("a block");
     let driver = DriverModel::new(1e-4, Some(6e4)).expect("a driver");
@@ -44,7 +48,13 @@ fn use_it(model: &Model) {
         for r in [&y, &plain] {
             let _ = FeedForward::new(model, settings).map(|inverse| inverse.whole(r));
         }
-        let _ = Causal::new(model, settings, 0).map(|causal| causal.simulate(&plain));
+        for delay_samples in [*Causal::delays(model).start(), 20] {
+            let far = [f64::NAN, f64::MAX, 1e300, f64::NEG_INFINITY, f64::MIN, -1e-300];
+            let _ = Causal::new(model, settings, delay_samples).map(|causal| {
+                let mut x = causal.settled_with_preview(plain[0], &plain[..9]);
+                (causal.simulate(&plain), causal.resume(&mut x, &[&far[..], &plain].concat()), causal.settled(f64::NAN))
+            });
+        }
     }
 }
 
@@ -53,7 +63,7 @@ proptest! {
 
     #[test]
     fn what_loads_as_a_model_can_be_used(
-        operator in 0..OPERATORS.len(),
+        operator in 0..OPERATORS.len() + in_feedback().len(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), 0..CHANGES), 1..3),
     ) {
         let document = changes.iter().fold(legitimate(operator), |model, (at, how)| changed(model, |n| at.index(n), *how));
