@@ -386,31 +386,43 @@ export interface CallOptions {
     host?: string;
     /** TCP port of the controller */
     port?: number;
-    /** Time to wait for an answer [s] */
+    /** Time for a whole answer [s] */
     timeout?: number | string;
   };
   /** Play a drive on a controller with PI's GCS 2.0, and record what the actuator does. */
   acquire: {
     /** Axis to drive */
     axis?: string;
-    /** Lowest and highest voltage that the actuator may get, within those of the controller [V] */
-    range?: [number, number];
     /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres [V] */
     gain?: number | string;
     /** Number of the output channel and wave generator of the axis */
     channel?: number;
-    /** Time of the move to the first voltage, and of the move back [s] */
+    /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
     ramp?: number | string;
     /** Wait at the first voltage before the drive [s] */
     settle?: number | string;
+    /** Where the axis goes after the drive */
+    rest?: "start" | "zero" | "stay";
     /** Servo cycle of the controller [s] */
     cycle?: number | string;
     /** Address or name of the controller in the network */
     host?: string;
     /** TCP port of the controller */
     port?: number;
-    /** Time to wait for an answer [s] */
+    /** Time for a whole answer [s] */
     timeout?: number | string;
+    /** The driver whose limits the voltage must keep (see {list}) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs {capacitance} [A] */
+    current?: number | string;
   };
 }
 
