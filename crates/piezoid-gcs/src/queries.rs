@@ -1,7 +1,7 @@
 //! Commands and queries on the line to a controller.
 //!
-//! A command is a line. It has no answer; `ERR?` answers the number of its error, or 0. A query ends with `?`. An unknown
-//! query has no answer.
+//! A command is a line. It has no answer; `ERR?` answers the number of its error, or 0. A query ends with `?`. An
+//! unknown query has no answer.
 
 use crate::codes::meaning;
 use crate::controller::RUNNING;
