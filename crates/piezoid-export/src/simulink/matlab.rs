@@ -91,13 +91,13 @@ impl<'m> Matlab<'m> {
         let simulate = |e: &Entry| (e.kind(), format!("{}_simulate", e.kind()).trim_start_matches('_').to_owned());
         let rest = |e: &Entry| (e.state, self.rest(e.state, "s", false));
         let own = context! {
-                    number => if self.single { "single" } else { "double" },
-                    feedthrough => feedthrough(request.model),
-                    middle => 0.5 * (low + high), half => 0.5 * (high - low),
-                    simulate => whole.entries.iter().map(simulate).collect::<BTreeMap<_, _>>(),
-                    rest => whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
-                    blocks => blocks(&self.program).map(block).collect::<Value>(),
-                };
+            number => if self.single { "single" } else { "double" },
+            feedthrough => feedthrough(request.model),
+            middle => 0.5 * (low + high), half => 0.5 * (high - low),
+            simulate => whole.entries.iter().map(simulate).collect::<BTreeMap<_, _>>(),
+            rest => whole.entries.iter().map(rest).collect::<BTreeMap<_, _>>(),
+            blocks => blocks(&self.program).map(block).collect::<Value>(),
+        };
         context! { ..own, ..template_context(request, whole, &|values| self.column(values, "    ")) }
     }
 

@@ -13,6 +13,10 @@ const BEYOND: f64 = 0.1;
 /// What is held, of a smooth input at the end of its sample.
 const AT_END: [f64; REACH] = [0.0, 1.0, 0.0, 0.0];
 
+/// Farthest displacement that a reference may request, over that which the limits hold: a resonance of a damping ratio of
+/// 0.01 has 50 times as much. Any other would only spoil creep and hysteresis.
+const FARTHEST: f64 = 50.0;
+
 impl Flat {
     /// The inverse with this delay, at least the least one; `ends` are the lowest and highest input. `None` if the
     /// model has none: without a mode that the input or the hysteresis moves, or if the input acts on hysteresis and
@@ -89,12 +93,18 @@ impl Flat {
         let creep: Vec<Slow> = creep.iter().map(slow).collect();
         let settles = model.dynamics().creep.iter().fold(1.0, |sum, lag| sum + lag.gain);
         let creeps = settles - creep.iter().map(|lag| lag.settled).sum::<f64>();
+        let held_by = |u: f64| match by_input {
+            true => mode.hysteretic * settles * model.hysteresis().step(&mut model.hysteresis().initial(), sensed * u),
+            false => mode.input * u,
+        };
+        let farthest = FARTHEST * held_by(ends.0).abs().max(held_by(ends.1).abs()) / share.abs();
         let all_are_finite =
             [share, creeps, settles].iter().chain(&across).chain(&vibrates).chain(&held).all(|v| v.is_finite());
         (all_are_finite && delay_samples >= Flat::least_delay(model)).then(|| Flat {
             model: model.clone(),
             delay_samples,
             mode: *mode,
+            farthest: if farthest > 0.0 && farthest.is_finite() { farthest } else { f64::MAX },
             share,
             across,
             vibrates,

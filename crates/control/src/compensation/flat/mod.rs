@@ -58,6 +58,8 @@ pub(super) struct Flat {
     model: FeedbackModel,
     delay_samples: usize,
     mode: FeedbackMode,
+    /// Largest q.
+    farthest: f64,
     /// Static share of the mode in q.
     share: f64,
     /// p of q.
@@ -229,10 +231,11 @@ impl Flat {
         }
     }
 
-    /// q of the reading `r`.
+    /// q of the reading `r`, no farther than the farthest one; not finite if that is not.
     fn displacement(&self, r: f64) -> f64 {
         let y = r - self.model.dynamics().offset;
-        y / root(self.model.dynamics().curve * y)
+        let q = y / root(self.model.dynamics().curve * y);
+        if q.is_finite() { q.max(-self.farthest).min(self.farthest) } else { q }
     }
 
     /// The distance F - p of the mode for this a.

@@ -87,6 +87,7 @@ impl Flat {
         };
         let own = [
             ("rest", dynamics.offset),
+            ("farthest", self.farthest),
             ("curve", dynamics.curve),
             ("bending", self.bends),
             ("softening", self.mode.softening.abs()),
@@ -153,10 +154,10 @@ fn ff_away(a) {
 const READ: &str = "
 // One sample: requested displacement r to actuator input u.
 fn ff_step(s: ff_state, r) {
-    // What the sensor reads there; if it is not finite, the last displacement stays.
+    // The displacement there; if it is not finite, the last one stays.
     let read = READING;
     let q = s.q[0];
-    if magnitude(read) <= most { q = read; }
+    if magnitude(read) <= most { q = clamp(read, -farthest, farthest); }
     for k in 0..older down { s.q[k + 1] = s.q[k]; }
     s.q[0] = q;
     // The displacement of the mode.
