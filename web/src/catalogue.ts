@@ -327,7 +327,7 @@ export interface CallOptions {
     /** Offset of the model */
     offset?: "kept" | "free" | "drift";
   };
-  /** Compare models on the same records. */
+  /** Compare models, operators and structures on the same records. */
   compare: {
     /** The record whose loops and residuals are drawn; by default the first */
     record?: string;
@@ -335,6 +335,24 @@ export interface CallOptions {
     skip?: number | string;
     /** Offset of the model */
     offset?: "kept" | "free" | "drift";
+    /** Hysteresis operators to identify, separated by commas, a row each (see {list}): all is each operator, auto the one that identify selects. They share one search for the structure */
+    operators?: string;
+    /** Structures to identify, separated by commas: hammerstein (each of the operators), no-creep, order-N (both with the selected operator), linear (no hysteresis), feedback and auto, as in identify */
+    structures?: string;
+    /** Share at the end of each training record that no method is fitted to, and on which all are compared; unless there are other records for this */
+    held_out?: number | string;
+    /** How much the search tries, as in identify */
+    effort?: "quick" | "usual" | "thorough";
+    /** Seed of the search */
+    seed?: number;
+    /** The driver used for the records; give it if its current or slew limit was reached (see {list}) */
+    driver?: string;
+    /** Capacitance of the load, for the driver's current limit [F] */
+    capacitance?: number | string;
+    /** Time constant of the driver, where it is known [s] */
+    driver_lag?: number | string;
+    /** Slew rate of the driver, if known [V/s] */
+    driver_slew?: number | string;
   };
   /** Repeat the paper's experiment from end to end, as tables and a report. */
   study: {

@@ -36,6 +36,35 @@ class ColumnOptions(TypedDict, total=False):
     output_scale: float | str | None
 
 
+class CompareOptions(TypedDict, total=False):
+    """Keywords of `compare`.
+
+    skip: Time at the start of each record that the error figures leave out [s]; default: 0
+    offset: Offset of the model ["kept" or "free" or "drift"]; default: kept
+
+    Identified methods:
+
+    held_out: Share at the end of each training record that no method is fitted to, and on which all are compared;
+        unless there are other records for this; default: 0.25
+    effort: How much the search tries, as in identify ["quick" or "usual" or "thorough"]; default: usual
+    seed: Seed of the search; default: 1
+    driver: The driver used for the records; give it if its current or slew limit was reached (see `pz.drivers`)
+    capacitance: Capacitance of the load, for the driver's current limit [F]
+    driver_lag: Time constant of the driver, where it is known [s]
+    driver_slew: Slew rate of the driver, if known [V/s]
+    """
+
+    skip: float | str
+    offset: Literal["kept", "free", "drift"]
+    held_out: float
+    effort: Literal["quick", "usual", "thorough"]
+    seed: int
+    driver: str | None
+    capacitance: float | str | None
+    driver_lag: float | str | None
+    driver_slew: float | str | None
+
+
 class CompensateOptions(TypedDict, total=False):
     """Keywords of `Model.compensate`.
 
@@ -323,7 +352,7 @@ class SwarmOptions(TypedDict, total=False):
 
 
 class ValidateOptions(TypedDict, total=False):
-    """Keywords of `Model.validate` and `compare`.
+    """Keywords of `Model.validate`.
 
     skip: Time at the start of each record that the error figures leave out [s]; default: 0
     offset: Offset of the model ["kept" or "free" or "drift"]; default: kept
@@ -345,6 +374,17 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "output_unit": None,
         "input_scale": None,
         "output_scale": None,
+    },
+    "CompareOptions": {
+        "skip": 0.0,
+        "offset": "kept",
+        "held_out": 0.25,
+        "effort": "usual",
+        "seed": 1,
+        "driver": None,
+        "capacitance": None,
+        "driver_lag": None,
+        "driver_slew": None,
     },
     "CompensateOptions": {
         "clip": False,
