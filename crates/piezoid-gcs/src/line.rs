@@ -143,7 +143,10 @@ impl<'a> Line<'a> {
             self.check(deadline)?;
             match self.stream.read(&mut piece) {
                 Ok(0) => return Err(self.lost(&"it closed the connection")),
-                Ok(count) => return Ok(self.received.extend_from_slice(&piece[..count])),
+                Ok(count) => {
+                    self.received.extend_from_slice(&piece[..count]);
+                    return Ok(());
+                }
                 Err(e) if waits(&e) => (),
                 Err(e) => return Err(self.lost(&e)),
             }
