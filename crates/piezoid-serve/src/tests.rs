@@ -389,7 +389,7 @@ async fn a_call_that_moves_an_instrument_is_stopped_and_still_answers() {
         let body = [&(head.len() as u32).to_le_bytes()[..], head.as_bytes()].concat();
         let request = Request::post("/api/call").header("host", HOST).header("authorization", "Bearer key");
         let request = request.header("content-type", "application/octet-stream").header("piezoid-call", id);
-        let request = request.header("content-length", body.len()).body(body.into()).unwrap();
+        let request = request.header("content-length", body.len()).body(Body::from(body)).unwrap();
         tokio::spawn(async move { to_bytes(router.oneshot(request).await.unwrap().into_body(), usize::MAX).await })
     };
     let (moving, other) = (send("acquire", "one"), send("inspect", "two"));
