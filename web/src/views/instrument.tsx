@@ -6,6 +6,7 @@ import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
 import { short, si, unit as unitOf } from "../plot/ticks.ts";
 import { Fault, Notes, Section, Table, useKept, useSettings, useShared } from "../ui.tsx";
+import { worded } from "../words.ts";
 import { type Drives, measured } from "./measured.ts";
 
 interface Axis {
@@ -68,7 +69,7 @@ export function Instrument({ drives, files, chosen }: Props) {
           {result.value === 1 ? "1 record is" : `${result.value} records are`} in the project: <a href="#data">Data</a>
         </p>
       )}
-      {left && !busy && <p role="status">{left}</p>}
+      {left && !busy && <p role="status">{worded(left, lists)}</p>}
       <Notes title="Notes" notes={notes} />
     </Section>
   );
