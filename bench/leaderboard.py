@@ -75,7 +75,11 @@ def twins(quick: bool) -> Iterator[Problem]:
     small = plant.measure(pz.excite.prbs(ts=TS, duration=2.0475, amplitude=1, order=12), TS)
     driver = {"driver_lag": 1e-4}
     yield Problem(
-        "`pl140`, a PRBS and rising sines, compared on other signals", rising, unseen, options=driver, small_signal=[small]
+        "`pl140`, a PRBS and rising sines, compared on other signals",
+        rising,
+        unseen,
+        options=driver,
+        small_signal=[small],
     )
 
 
@@ -85,7 +89,7 @@ def benchmark(quick: bool) -> Problem:
     ts, plant = 1 / (fs * faster), pz.plants["bouc-wen-benchmark"]
 
     def record(u: np.ndarray, noise: float = 0.0) -> pz.Record:
-        fine = pz.Record(u, plant.simulate(u, ts=ts, noise=False), ts=ts, units=plant_units).prepare(decimate=faster)
+        fine = pz.Record(u, plant.simulate(u, ts=ts), ts=ts, units=plant_units).prepare(decimate=faster)
         y = fine.y + noise * np.random.default_rng(2).standard_normal(len(fine))
         return pz.Record(fine.u, y, fine.ts, units=fine.units)
 
