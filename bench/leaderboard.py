@@ -1,9 +1,10 @@
 """Operators and structures of piezoid beside other methods, on one split of each record, as docs/leaderboard.md.
 
-    python3 bench/leaderboard.py [--write] [--quick]
+    python3 bench/leaderboard.py [--write] [--quick] [--only TEXT]
 
 It needs the package piezoid with sysidentpy==0.9.0, scikit-learn, scipy and pandas. The measured stack needs the folder
-that PIEZOID_DATA names; without it, its part is skipped. --write writes the page, --quick takes a part of each problem.
+that PIEZOID_DATA names; without it, its part is skipped. --write writes the page, --quick takes a part of each problem, --only takes the problems
+whose names contain a text and leaves the others on the page as they are.
 """
 
 from __future__ import annotations
@@ -157,13 +158,20 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--write", action="store_true", help="write docs/leaderboard.md")
     parser.add_argument("--quick", action="store_true", help="a part of each problem")
+    parser.add_argument("--only", default="", help="problems whose names contain this")
     chosen = parser.parse_args()
     warnings.simplefilter("ignore")
     problems = [*twins(chosen.quick), benchmark(chosen.quick), stack()]
-    boards = [board(problem, chosen.quick) for problem in problems if problem is not None]
-    if chosen.write:
-        page = PAGE.read_text()
-        PAGE.write_text(page[: page.index(BEGIN) + len(BEGIN)] + "\n" + "\n".join(boards) + "\n" + page[page.index(END) :])
+    page = PAGE.read_text()
+    head, rest = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
+    before = [f"### {part.strip()}\n" for part in page[len(head) : page.index(END)].split("### ")[1:]]
+    boards = {text.splitlines()[0]: text for text in before} if chosen.only else {}
+    for problem in problems:
+        if problem is not None and chosen.only in problem.name:
+            text = board(problem, chosen.quick)
+            boards[text.splitlines()[0]] = text
+            if chosen.write:
+                PAGE.write_text(head + "\n" + "\n".join(boards.values()) + "\n" + rest)
 
 
 if __name__ == "__main__":

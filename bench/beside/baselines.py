@@ -96,7 +96,9 @@ class Network:
         step = max(1, len(u) // MOST_STEPS)
         rows = [self._rows((r.u - self.u[0]) / self.u[1], (r.y - self.y[0]) / self.y[1]) for r in train]
         x, target = np.concatenate([x for x, _ in rows])[::step], np.concatenate([t for _, t in rows])[::step]
-        network = MLPRegressor((width,), activation="tanh", solver="lbfgs", alpha=1e-6, max_iter=500, random_state=0)
+        network = MLPRegressor(
+            hidden_layer_sizes=(width,), activation="tanh", solver="lbfgs", alpha=1e-6, max_iter=500, random_state=0
+        )
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             network.fit(x, target)
