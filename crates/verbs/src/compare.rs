@@ -363,6 +363,7 @@ mod tests {
     use super::*;
     use piezoid_models::hysteresis::Proportional;
     use piezoid_models::linear::Arx;
+    use piezoid_numerics::progress::Stage;
     use piezoid_records::formats::ColumnSelection;
     use std::sync::Arc;
 
@@ -411,13 +412,12 @@ mod tests {
         assert!(text.contains("`c.csv`") && text.contains("x/a.csv"), "{text}");
     }
 
-    /// A record of the twin `pl140`: a rising sine.
-    fn rising(seconds: usize) -> (String, Record) {
-        use piezoid_records::excitation::RisingSine;
-        let sine = RisingSine { amplitude: 28.0, frequency: 4.0, ..RisingSine::default() };
-        let u = sine.samples(1e-3, 1000 * seconds).unwrap();
+    /// A record of the twin `pl140`: a modulated sine, which reaches its largest amplitude early.
+    fn twin(seconds: u32) -> (String, Record) {
+        let u = |t: u32| 28.0 * (0.025 * f64::from(t)).sin() * (0.0067 * f64::from(t)).sin();
+        let u: Vec<f64> = (0..1000 * seconds).map(u).collect();
         let y = piezoid_twins::Plant::named("pl140", 1e-3).unwrap().run(&u).y;
-        ("rising".into(), Record::new(1e-3, u, y).unwrap())
+        ("twin".into(), Record::new(1e-3, u, y).unwrap())
     }
 
     fn methods(operators: &str, structures: &str) -> CompareOptions {
@@ -435,13 +435,13 @@ mod tests {
 
     #[test]
     fn each_operator_and_structure_has_a_row_and_the_selected_one_is_what_identify_finds() {
-        let contest = Contest { training: vec![rising(3)], ..Contest::default() };
+        let contest = Contest { training: vec![twin(3)], ..Contest::default() };
         let options = methods("stop,prandtl-ishlinskii,auto", "hammerstein,no-creep,order-1,linear");
         let clock = || 0.0;
-        let run = || options.contest(contest.clone(), Some(&clock), &mut piezoid::progress::Stage::ignore).unwrap();
+        let run = || options.contest(contest.clone(), Some(&clock), &mut Stage::ignore).unwrap();
         let board = run();
         let all = ["auto", "linear", "no-creep", "order-1", "prandtl-ishlinskii", "stop"];
-        assert_eq!((names(&board), &board.failed[..]), (all.into(), &[][..]));
+        assert_eq!(names(&board), all, "{:?}", board.failed);
         assert_eq!(board.to_json().to_string(), run().to_json().to_string(), "the same each time");
         let of = |name: &str| board.models.iter().find(|one| one.name == name).unwrap();
         assert_eq!(of("order-1").model.as_ref().unwrap().linear().a().len(), 1);
@@ -459,7 +459,7 @@ mod tests {
     #[test]
     fn a_method_that_fails_has_the_reason_and_the_others_are_compared() {
         let other = |name: &str, runs| Other { name: name.into(), runs, parameters: Some(3), times: Times::default() };
-        let (name, record) = rising(2);
+        let (name, record) = twin(2);
         let y = record.y().to_vec();
         let others = vec![
             other("true", Ok(vec![y.clone()])),
@@ -468,13 +468,11 @@ mod tests {
             other("none", Err("it raised".into())),
         ];
         let contest = Contest { training: vec![(name, record)], others, ..Contest::default() };
-        let board =
-            methods("proportional", "hammerstein").contest(contest, None, &mut piezoid::progress::Stage::ignore);
+        let board = methods("proportional", "hammerstein").contest(contest, None, &mut Stage::ignore);
         let board = board.unwrap();
         assert_eq!((names(&board), board.best().unwrap().name.as_str()), (vec!["proportional", "true"], "true"));
         let reasons = board.failed.iter().map(|one| format!("{}: {}", one.name, one.reason)).collect::<Vec<_>>();
-        let starts =
-            ["short: rising: the free run has 1999 samples", "diverges: rising: the free run is NaN at sample 0"];
+        let starts = ["short: twin: the free run has 1999 samples", "diverges: twin: the free run is NaN at sample 0"];
         assert!(starts.iter().zip(&reasons).all(|(start, reason)| reason.starts_with(start)), "{reasons:?}");
         assert_eq!(reasons[2], "none: it raised");
         assert_eq!(
@@ -485,10 +483,10 @@ mod tests {
 
     #[test]
     fn a_cancelled_comparison_has_what_was_compared_until_then() {
-        let contest = Contest { training: vec![rising(2)], ..Contest::default() };
+        let contest = Contest { training: vec![twin(2)], ..Contest::default() };
         let options = methods("proportional,stop,prandtl-ishlinskii", "linear,hammerstein");
         let mut has_linear = false;
-        let board = options.contest(contest, None, &mut |stage: piezoid::progress::Stage| {
+        let board = options.contest(contest, None, &mut |stage: Stage| {
             has_linear |= stage.what == "stop";
             if has_linear { std::ops::ControlFlow::Break(()) } else { std::ops::ControlFlow::Continue(()) }
         });
@@ -500,7 +498,7 @@ mod tests {
 
     #[test]
     fn unknown_names_and_methods_of_one_name_are_refused_before_the_work() {
-        let contest = || Contest { training: vec![rising(2)], ..Contest::default() };
+        let contest = || Contest { training: vec![twin(2)], ..Contest::default() };
         let refused = |options: CompareOptions, contest: Contest| {
             options.contest(contest, None, &mut |_| panic!("no work")).unwrap_err().to_string()
         };
@@ -512,7 +510,7 @@ mod tests {
         let others = vec![Other { name: "stop".into(), runs, parameters: None, times: Times::default() }];
         let twice = refused(methods("stop", "hammerstein"), Contest { others, ..contest() });
         assert!(twice.contains("two methods are called stop"), "{twice}");
-        let none = Contest { data: vec![rising(2)], ..Contest::default() };
+        let none = Contest { data: vec![twin(2)], ..Contest::default() };
         assert!(refused(methods("stop", "hammerstein"), none).contains("the list of training records"));
     }
 }
