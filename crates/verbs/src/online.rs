@@ -24,7 +24,7 @@ options! {
         /// Memory of weights and linear block.
         memory: f64 = 5000.0, OptionRow::positive("samples").group(ESTIMATOR);
         /// Number of groups in which the weights of the hysteresis move.
-        groups: usize = 4, OptionRow::new(OptionKind::Integer(2, 6)).group(ESTIMATOR);
+        groups: usize = 4, OptionRow::new(OptionKind::Integer(2, 4)).group(ESTIMATOR);
         /// Rms of the alternating response, relative to the stroke, below which only the offset moves.
         excitation: f64 = 1.0, OptionRow::not_negative("%").group(ESTIMATOR);
         /// Errors up to this, in the unit of the output, move nothing.

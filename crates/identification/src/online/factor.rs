@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! H = U' D U,   U unit upper triangular, D diagonal
-//! H <- keep H + x x' + n prior_i e_i e_i'         i runs from 1 to n, one a sample
+//! H <- keep H + x x' + n prior_i e_i e_i'         i runs from 1 to n, one an update
 //! step = H^-1 (x e - n prior_i e_i away_i)        forward and backward substitution
 //! ```
 //! A row enters by Givens rotations without square roots (Gentleman 1973, DOI 10.1093/imamat/12.3.329). They add to D
@@ -97,26 +97,31 @@ impl Factor {
         FactorState { diagonal, upper, row, step, away, turn: &mut turn[0] }
     }
 
-    /// Forgets, adds the row with the error `e`, and the prior of one parameter; leaves the step.
+    /// Forgets, adds the row with the error `e`, and leaves the step.
     pub(super) fn update(&self, q: &mut FactorState, e: f64) {
         q.diagonal.iter_mut().for_each(|d| *d *= self.keep);
         q.step.iter_mut().zip(&*q.row).for_each(|(step, x)| *step = x * e);
         q.absorb(1.0);
-        let i = *q.turn as usize;
-        q.row.fill(0.0);
-        q.row[i] = 1.0;
         if self.pulls {
+            let i = *q.turn as usize;
             q.step[i] -= self.prior[i] * q.away[i];
         }
-        q.absorb(self.prior[i]);
-        *q.turn = if i + 1 < self.len() { *q.turn + 1.0 } else { 0.0 };
         q.solve();
     }
 
-    /// The same as a program: a block with a function `NAME_update(q: NAME, e)`.
+    /// Adds the prior of one parameter.
+    pub(super) fn recall(&self, q: &mut FactorState) {
+        let i = *q.turn as usize;
+        q.row.fill(0.0);
+        q.row[i] = 1.0;
+        q.absorb(self.prior[i]);
+        *q.turn = if i + 1 < self.len() { *q.turn + 1.0 } else { 0.0 };
+    }
+
+    /// The same as a program: a block with functions `NAME_update(q: NAME, e)` and `NAME_recall(q: NAME)`.
     pub(super) fn block(&self, about: &str) -> Block {
         let n = self.len();
-        let pull = if self.pulls { "    q.step[i] -= prior[i] * q.away[i];\n" } else { "" };
+        let pull = if self.pulls { PULL } else { "" };
         let text = TEXT.replace("NAME", self.name).replace("    PULL\n", pull);
         Block::new(self.name, about)
             .numbers("diagonal", vec![self.first; n])
@@ -177,6 +182,10 @@ impl FactorState<'_> {
     }
 }
 
+const PULL: &str = "    let i = whole(q.turn);
+    q.step[i] -= prior[i] * q.away[i];
+";
+
 const TEXT: &str = "
 // Rotates the row, with this weight, into the factor: Givens rotations without square roots.
 fn NAME_absorb(q: NAME, weight) {
@@ -204,19 +213,23 @@ fn NAME_absorb(q: NAME, weight) {
     }
 }
 
-// Forgets, adds the row with the error e and the prior of one parameter, and solves for the step.
+// Adds the prior of one parameter.
+fn NAME_recall(q: NAME) {
+    let i = whole(q.turn);
+    for k in 0..n { q.row[k] = 0.0; }
+    q.row[i] = 1.0;
+    NAME_absorb(q, prior[i]);
+    if i + 1 < n { q.turn += 1.0; } else { q.turn = 0.0; }
+}
+
+// Forgets, adds the row with the error e, and solves for the step.
 fn NAME_update(q: NAME, e) {
     for i in 0..n {
         q.diagonal[i] = q.diagonal[i] * keep;
         q.step[i] = q.row[i] * e;
     }
     NAME_absorb(q, 1.0);
-    let i = whole(q.turn);
-    for k in 0..n { q.row[k] = 0.0; }
-    q.row[i] = 1.0;
     PULL
-    NAME_absorb(q, prior[i]);
-    if i + 1 < n { q.turn += 1.0; } else { q.turn = 0.0; }
     let at = 0;
     for j in 0..n {
         let f = q.step[j];
@@ -264,15 +277,16 @@ mod tests {
                 q.row.copy_from_slice(&row);
                 q.away.copy_from_slice(&[0.5, -0.25, 2.0]);
                 factor.update(&mut q, e);
+                factor.recall(&mut q);
                 let x = DVector::from_row_slice(&row);
                 h = &h * factor.keep + &x * x.transpose();
-                h[(t % 3, t % 3)] += factor.prior[t % 3];
                 let mut gradient = x * e;
                 if pulls {
                     gradient[t % 3] -= factor.prior[t % 3] * q.away[t % 3];
                 }
                 let step = h.clone().cholesky().unwrap().solve(&gradient);
                 assert_close(q.step, step.as_slice(), 1e-9, 1e-12);
+                h[(t % 3, t % 3)] += factor.prior[t % 3];
             }
         }
     }
@@ -284,6 +298,7 @@ mod tests {
             let text = "fn go(q: fit, a, b, c, e) {
                 q.row[0] = a; q.row[1] = b; q.row[2] = c; q.away[1] = a;
                 fit_update(q, e);
+                fit_recall(q);
                 return q.step[0];
             }";
             let program = Program::new(vec![factor.block("").text(text)]).unwrap();
@@ -296,6 +311,7 @@ mod tests {
                 q.row.copy_from_slice(&[a, b, c]);
                 q.away[1] = a;
                 factor.update(&mut q, e);
+                factor.recall(&mut q);
                 assert_eq!(machine.state(), x);
             }
         }
@@ -309,6 +325,7 @@ mod tests {
             let mut q = factor.state(&mut &mut x[..]);
             q.row.copy_from_slice(&[0.0, 1.0, 0.0]);
             factor.update(&mut q, 1.0);
+            factor.recall(&mut q);
         }
         // The prior times the memory, and one passage of the three priors more or less.
         let q = factor.state(&mut &mut x[..]);

@@ -46,6 +46,8 @@ pub(super) struct State<'x> {
     /// Mean and mean square of the alternating part of the response.
     pub(super) mean: &'x mut f64,
     pub(super) power: &'x mut f64,
+    /// Which of the slow estimators is next.
+    pub(super) phase: &'x mut f64,
     pub(super) fits: &'x mut [f64],
 }
 
@@ -60,7 +62,7 @@ impl Layout {
     pub(super) fn order(&self) -> usize {
         let Layout { hidden, groups, lags, taps, past, filtered, fits } = self;
         let of_a_group = 1 + lags + taps + past;
-        hidden + 6 + groups * of_a_group + past + taps + 1 + filtered.iter().sum::<usize>() + fits.iter().sum::<usize>()
+        hidden + 7 + groups * of_a_group + past + taps + 1 + filtered.iter().sum::<usize>() + fits.iter().sum::<usize>()
     }
 
     pub(super) fn state<'x>(&self, mut x: &'x mut [f64]) -> State<'x> {
@@ -71,7 +73,7 @@ impl Layout {
         let [factor, a, b] = [groups, past, taps + 1].map(|n| take(x, n));
         let [lag, inputs, outputs] = [lags, taps, past].map(|n| take(x, groups * n));
         let [filtered_in, filtered_out] = filtered.map(|n| take(x, n));
-        let [mean, power] = [(); 2].map(|()| &mut take(x, 1)[0]);
+        let [mean, power, phase] = [(); 3].map(|()| &mut take(x, 1)[0]);
         let fits = take(x, fits.iter().sum());
         State {
             hidden,
@@ -89,6 +91,7 @@ impl Layout {
             filtered_out,
             mean,
             power,
+            phase,
             fits,
         }
     }

@@ -7,7 +7,7 @@
 //! ```
 //! C is creep and the thresholds are fixed. The weights move in groups, by a factor f_m each. Three estimators share
 //! the error, each a regularised recursive least squares in factored form ([`factor`]): gain and offset with a short
-//! memory, the factors of the groups and the coefficients a, b with a long one. The error is that of the free run, so
+//! memory, the factors of the groups and the coefficients a, b with a long one, these in turn. The error is that of the free run, so
 //! noise of y leads to no bias (Ljung & Soderstrom 1983, "Theory and Practice of Recursive Identification", MIT Press,
 //! sections 3.6 and 5.6, recursive prediction-error methods; Eskinat, Johnson & Luyben 1991, DOI 10.1002/aic.690370211,
 //! on Hammerstein models).
@@ -20,8 +20,8 @@
 //!   excite them. Below [`OnlineSettings::excitation`] all but the offset stands still.
 //! - Gain and factors stay within [`GAIN_RANGE`] and 0 to [`MAX_FACTOR`]. A step of the linear block that would move a
 //!   pole to the unit circle, or the static gain by half, is not taken.
-//! - An error counts at most as one stroke. An input beyond the range and as much again on each side counts as its end.
-//!   A reading that is no number is skipped, an input that is none is held.
+//! - An error counts at most as one stroke. An input beyond the range and as much again on each side counts as the end
+//!   of that. A reading that is no number is skipped, an input that is none is held.
 //!
 //! It does not do: thresholds and shape parameters, creep, the driver, the delay, mechanics with hysteresis in feedback.
 
@@ -54,13 +54,17 @@ pub const MAX_FACTOR: f64 = 4.0;
 pub const MAX_WEIGHTS: usize = 64;
 
 /// Largest number of groups of weights.
-pub const MAX_GROUPS: usize = 6;
+pub const MAX_GROUPS: usize = 4;
 
-/// Largest number of coefficients of the linear block that move, and of those of its denominator.
-pub const MAX_COEFFICIENTS: usize = 9;
+/// Largest number of coefficients of the linear block that move.
+pub const MAX_COEFFICIENTS: usize = 7;
 
 /// Shortest memory [samples].
-const MIN_MEMORY: f64 = 5.0;
+const MIN_MEMORY: f64 = 10.0;
+
+/// Samples in which each slow estimator has its turn: the weights, the linear block, and the prior of the latter. So no
+/// sample takes the time of all.
+const PHASES: f64 = 3.0;
 
 /// The rms of a row that the prior of a parameter counts as, in strokes.
 const PRIOR: f64 = 0.01;
@@ -128,7 +132,7 @@ impl Default for OnlineSettings {
 
 /// A model whose parameters move with the samples.
 ///
-/// It is immutable; the state is a plain vector, with the parameters in it. A copy of the state is a copy of everything.
+/// It is immutable; the state is a plain vector with the parameters in it, and a copy of it is a copy of everything.
 ///
 /// ```
 /// use piezoid::{Model, System, hysteresis::Operator, linear::Arx};
@@ -182,7 +186,7 @@ impl Online {
         };
         let scales = Scales::new(model, settled, settings)?;
         let prior = PRIOR * PRIOR;
-        let slow = |name, n: usize| Factor::new(name, settings.memory, START, &vec![prior; n], true);
+        let slow = |name, n: usize| Factor::new(name, settings.memory / PHASES, START, &vec![prior; n], true);
         let gain = Factor::new("gain_fit", settings.gain_memory, 1.0, &[prior, OFFSET_PRIOR], false);
         let weights = moves.weights.then(|| slow("weights_fit", groups.len()));
         let linear = moves.linear.then(|| slow("linear_fit", moving_coefficients(model)));

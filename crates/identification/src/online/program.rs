@@ -52,6 +52,7 @@ impl Online {
             .numbers("filtered_out", s.filtered_out.to_vec())
             .number("mean", *s.mean)
             .number("power", *s.power)
+            .number("phase", *s.phase)
     }
 
     fn constants(&self, block: Block) -> Block {
@@ -123,7 +124,8 @@ impl Online {
             (linear, "    online_filter(s, crept, response);\n".into()),
             (true, MEASURE.into()),
             (weights, WEIGHTS.into()),
-            (linear, "                linear_fit_update(s.linear_fit, e);\n                online_linear(s);\n".into()),
+            (linear, LINEAR.into()),
+            (weights || linear, TURN.into()),
             (self.moves.gain || self.moves.offset, self.gain_text()),
             (self.moves.offset, "            } else {\n                s.offset += drift * e;\n".into()),
             (true, CLOSE.into()),
@@ -300,17 +302,33 @@ const MEASURE: &str = "    let expected = s.offset + s.gain * response;
             if s.power >= least_power {
 ";
 
-const WEIGHTS: &str = "                let scale = s.gain * of_gain;
-                for m in 0..groups {
-                    s.weights_fit.row[m] = clamp(s.weights_fit.row[m] * scale, -most_row, most_row);
+const WEIGHTS: &str = "                // The slow estimators take turns.
+                if s.phase == 0.0 {
+                    let scale = s.gain * of_gain;
+                    for m in 0..groups {
+                        s.weights_fit.row[m] = clamp(s.weights_fit.row[m] * scale, -most_row, most_row);
+                    }
+                    weights_fit_update(s.weights_fit, e);
+                    weights_fit_recall(s.weights_fit);
+                    online_factors(s);
                 }
-                weights_fit_update(s.weights_fit, e);
-                online_factors(s);
+";
+
+const LINEAR: &str = "                if s.phase == 1.0 {
+                    linear_fit_update(s.linear_fit, e);
+                    online_linear(s);
+                } else if s.phase == 2.0 {
+                    linear_fit_recall(s.linear_fit);
+                }
+";
+
+const TURN: &str = "                if s.phase < 2.0 { s.phase += 1.0; } else { s.phase = 0.0; }
 ";
 
 const GAIN: &str = "                s.gain_fit.row[0] = GAIN;
                 s.gain_fit.row[1] = OFFSET;
                 gain_fit_update(s.gain_fit, e);
+                gain_fit_recall(s.gain_fit);
                 s.gain += s.gain_fit.step[0] * of_gain;
                 s.offset += s.gain_fit.step[1];
 ";

@@ -3,7 +3,7 @@
 use super::factor::FactorState;
 use super::layout::{Layout, State};
 use super::{
-    GAIN_RANGE, MAX_COEFFICIENTS, MAX_FACTOR, MAX_GROUPS, MAX_RATIO, MAX_REFLECTION, MAX_ROW, Online, parts_of,
+    GAIN_RANGE, MAX_COEFFICIENTS, MAX_FACTOR, MAX_GROUPS, MAX_RATIO, MAX_REFLECTION, MAX_ROW, Online, PHASES, parts_of,
 };
 
 impl Online {
@@ -92,23 +92,33 @@ impl Online {
         }
     }
 
-    /// The steps of all estimators for the error `e`.
+    /// The steps for the error `e`: of gain and offset in every sample, of the slow estimators in turn.
     fn move_all(&self, s: &mut State, fits: &mut Fits, response: f64, e: f64) {
-        if let (Some(factor), Some(q)) = (&self.weights, &mut fits.weights) {
+        let phase = *s.phase;
+        if let (Some(factor), Some(q), true) = (&self.weights, &mut fits.weights, phase == 0.0) {
             let scale = *s.gain * self.scales.of_gain;
             q.row.iter_mut().for_each(|row| *row = clamp(*row * scale, -MAX_ROW, MAX_ROW));
             factor.update(q, e);
+            factor.recall(q);
             self.move_factors(s, q);
         }
         if let (Some(factor), Some(q)) = (&self.linear, &mut fits.linear) {
-            factor.update(q, e);
-            self.move_coefficients(s, q);
+            if phase == 1.0 {
+                factor.update(q, e);
+                self.move_coefficients(s, q);
+            } else if phase == 2.0 {
+                factor.recall(q);
+            }
+        }
+        if self.moves.weights || self.moves.linear {
+            *s.phase = if phase < PHASES - 1.0 { phase + 1.0 } else { 0.0 };
         }
         if self.moves.gain || self.moves.offset {
             let q = &mut fits.gain;
             q.row[0] = if self.moves.gain { clamp(response * self.scales.of_gain, -MAX_ROW, MAX_ROW) } else { 0.0 };
             q.row[1] = if self.moves.offset { 1.0 } else { 0.0 };
             self.gain.update(q, e);
+            self.gain.recall(q);
             *s.gain += q.step[0] * self.scales.of_gain;
             *s.offset += q.step[1];
         }
@@ -184,8 +194,8 @@ fn shift(past: &mut [f64], newest: f64) {
     }
 }
 
-/// True if all poles of 1 / (1 - c1 q^-1 - c2 q^-2 - ...) are within the unit circle: the reflection coefficients of the
-/// step-down recursion (Jury's criterion), which uses `c` up.
+/// True if all poles of 1 / (1 - c1 q^-1 - c2 q^-2 - ...) are within the unit circle: so are then the reflection
+/// coefficients of the step-down recursion (Jury's criterion), which uses `c` up.
 pub(super) fn is_stable(c: &mut [f64]) -> bool {
     for j in (0..c.len()).rev() {
         let k = c[j];

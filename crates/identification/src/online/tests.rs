@@ -240,13 +240,13 @@ fn what_cannot_move_is_an_error_and_states_why() {
     let bounded = |model: Model| model.with_identified(Domain::of_input(&[-30.0, 30.0], TS));
     assert!(refused(&bounded(of(vec![], vec![2.0])), named("linear")).contains("it is a gain"));
     let high = bounded(of(vec![0.1; 8], vec![1.0, 1.0]));
-    assert!(refused(&high, named("linear")).contains("10 of them, and at most 9 move"));
+    assert!(refused(&high, named("linear")).contains("10 of them, and at most 7 move"));
     assert!(refused(&bounded(of(vec![1.1], vec![1.0])), named("gain")).contains("unstable"));
     assert!(refused(&bounded(of(vec![0.5], vec![1.0, -1.0])), named("gain")).contains("static response"));
     for (settings, why) in [
-        (OnlineSettings { memory: 2.0, ..OnlineSettings::default() }, "memory = 2: must be at least 5 samples"),
+        (OnlineSettings { memory: 2.0, ..OnlineSettings::default() }, "memory = 2: must be at least 10 samples"),
         (OnlineSettings { gain_memory: f64::NAN, ..OnlineSettings::default() }, "gain_memory"),
-        (OnlineSettings { groups: 7, ..OnlineSettings::default() }, "groups = 7: must be from 2 to 6"),
+        (OnlineSettings { groups: 7, ..OnlineSettings::default() }, "groups = 7: must be from 2 to 4"),
         (OnlineSettings { dead_zone: -1.0, ..OnlineSettings::default() }, "dead_zone = -1"),
     ] {
         let message = refused(&high, settings);

@@ -39,7 +39,6 @@ static ON_THE_BOARD: LazyLock<Vec<Taken>> = LazyLock::new(|| {
     let files = together(folder.path(), &names, |name| {
         let mut expected = ExportRequest::new(&models[name], name).single(true);
         expected.options.online = name.starts_with("online_");
-        expected.options.estimator.groups = if name == "online_largest" { 6 } else { 4 };
         exported("c", &expected, folder.path());
         counting(name, &ExportedProgram::new(&expected).unwrap())
     });

@@ -55,8 +55,9 @@ fn model(name: &str, driver: Option<DriverModel>) -> Result<Model, Error> {
 fn online_models() -> Vec<(String, Model)> {
     let driver = DriverModel::new(1e-4, Some(2e4)).unwrap();
     let largest = |model: Model| {
-        let block = Arx::new(TS, vec![1.9, -1.4, 0.7, -0.25], vec![0.0, 1.0, 1.5, 0.5, 0.2, 0.1]).unwrap();
-        model.with_linear(block).unwrap()
+        let block = Arx::new(TS, vec![1.6, -0.9, 0.2], vec![0.0, 1.0, 1.5, 0.5, 0.2]).unwrap();
+        let lags = Creep::logarithmic(TS, 0.01, 0.1, 1.0).unwrap();
+        model.with_linear(block).unwrap().with_creep(lags).unwrap()
     };
     [
         ("plays", model("prandtl-ishlinskii", None).unwrap()),
