@@ -193,7 +193,9 @@ fn poor_excitation_leads_nowhere() {
 fn a_run_in_parts_that_is_saved_between_them_equals_one_run() {
     let online = Online::new(&model("stop"), &OnlineSettings::default()).unwrap();
     let run = |x: &mut Vec<f64>, from: usize, to: usize| {
-        (from..to).for_each(|t| drop(online.step(x, drive(t), 30.0 * drive(t))));
+        (from..to).for_each(|t| {
+            online.step(x, drive(t), 30.0 * drive(t));
+        });
     };
     let (mut whole, mut parts) = (online.initial(), online.initial());
     run(&mut whole, 0, 700);
@@ -218,7 +220,9 @@ fn what_is_excited_is_found_and_the_model_of_the_end_has_it() {
     let (y, mut noise) = (truth.simulate(&u), Noise(2));
     let online = Online::new(&start, &OnlineSettings::default()).unwrap();
     let mut x = online.initial();
-    u.iter().zip(&y).for_each(|(u, y)| drop(online.step(&mut x, *u, y + 8.0 * noise.next())));
+    u.iter().zip(&y).for_each(|(u, y)| {
+        online.step(&mut x, *u, y + 8.0 * noise.next());
+    });
     let found = online.model(&x).unwrap();
     let rms = |model: &Model| {
         let run = model.simulate(&u);
