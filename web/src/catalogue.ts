@@ -46,6 +46,7 @@ export interface Lists {
     needs_minor_loops: boolean;
     rate_independent: boolean;
     wipes_out: boolean;
+    learned: boolean;
   }[];
   excitations: {
     name: string;
@@ -210,7 +211,7 @@ export interface CallOptions {
   identify: {
     /** Method of identification */
     method?: "joint" | "paper";
-    /** The hysteresis operator (see {list}), or several separated by commas; auto tries all, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With the paper's method, auto selects two-branch or rate-scheduled */
+    /** The hysteresis operator (see {list}), or several separated by commas; auto tries all laws, all also the learned operators, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With the paper's method, auto selects two-branch or rate-scheduled */
     operator?: string;
     /** Where hysteresis is */
     structure?: "hammerstein" | "feedback" | "auto";

@@ -4,11 +4,8 @@
 //! and linear block of the candidate, and is fitted in all parameters to its minimum. Its own blocks in the search stay
 //! if they predict held-out parts better.
 
-use super::fit::{
-    Estimate, Fitted, FreeParameters, Smoothness, StepCallback, refine, refine_from, refine_to_minimum,
-    with_selected_terms,
-};
-use super::operators::{refined, shapes, trial_of};
+use super::fit::{Estimate, Fitted, FreeParameters, Smoothness, StepCallback, refine_from, refine_to_minimum};
+use super::operators::{refined, shapes, trial_of, with_own_shape};
 use super::structure::with_other_blocks;
 use super::trials::Trial;
 use super::{Candidate, OperatorTrial, Search};
@@ -40,10 +37,9 @@ impl Search<'_> {
         };
         let new = |row: &'static Operator, watch: StepCallback| -> Result<Fitted, Error> {
             let (blocks, runs) = (&best.fitted.estimate, &mut runs.to_vec());
-            let start = with_selected_terms(blocks.with_basis((row.basis)(&design)?), runs);
-            let own = refine(start, runs, FreeParameters::Creep, watch)?;
+            let own = with_own_shape(row, &design, blocks, runs, watch)?;
             let shapes = match settings.effort {
-                Effort::Quick => vec![own],
+                Effort::Quick => own,
                 _ => shapes(own, &design, blocks, settings, runs, watch)?,
             };
             Ok(refined(row, shapes, (f64::INFINITY, f64::INFINITY), runs, design.range, watch)?.1)

@@ -18,6 +18,7 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
 use piezoid_numerics::progress::Stage;
 use piezoid_numerics::series::mean;
+use std::cmp::Ordering;
 use std::slice::from_ref;
 use tracing::trace_span;
 
@@ -150,11 +151,7 @@ fn with_block_held(
     runs: &[TrainingRecord],
     reporter: &mut Reporter,
 ) -> Result<Held, Error> {
-    let own = |row: &'static Operator, watch: StepCallback| -> Shapes {
-        watch(0)?;
-        let start = with_selected_terms(blocks.with_basis((row.basis)(design)?), runs);
-        Ok(vec![refine(start, &mut runs.to_vec(), FreeParameters::Creep, watch)?])
-    };
+    let own = |row: &'static Operator, watch: StepCallback| with_own_shape(row, design, blocks, runs, watch);
     let mut report = |phase: usize, k: usize, fits: Option<&Shapes>| {
         let best = fits.and_then(|fits| fits.as_ref().ok()?.first());
         let figures: Vec<_> = best.map(|fit| ("held_out_percent", 100.0 * fit.held_out.rms_pp())).into_iter().collect();
@@ -166,8 +163,8 @@ fn with_block_held(
     let held = paired(side_by_side(operators.to_vec(), own, |k, fits| report(0, k, fits))?);
     let most = POLICY.searched_shape_ratio * least(&held);
     let with_others = |(row, fits): (&'static Operator, Shapes), watch: StepCallback| match fits {
-        Ok(mut own) if settings.effort != Effort::Quick && counted_error(row, &own[0]) <= most => {
-            shapes(own.swap_remove(0), design, blocks, settings, &mut runs.to_vec(), watch)
+        Ok(own) if settings.effort != Effort::Quick && counted_error(row, &own[0]) <= most => {
+            shapes(own, design, blocks, settings, &mut runs.to_vec(), watch)
         }
         fits => fits,
     };
@@ -269,24 +266,45 @@ fn refit_closest(
     Ok(is_any)
 }
 
-/// Fits with the linear block held, the best first: the one with the operator's own shape, one with the best shape that
+/// The fits of an operator with its own shape, the best first: of one that selects terms there are two.
+pub(super) fn with_own_shape(
+    row: &Operator,
+    design: &BasisDesign,
+    blocks: &Estimate,
+    runs: &[TrainingRecord],
+    watch: StepCallback,
+) -> Shapes {
+    watch(0)?;
+    let starts = with_selected_terms(blocks.with_basis((row.basis)(design)?), runs, watch)?;
+    let fit = |start: Estimate| refine(start, &mut runs.to_vec(), FreeParameters::Creep, &mut *watch);
+    let mut fits = starts.into_iter().map(fit).collect::<Result<Vec<_>, _>>()?;
+    fits.sort_by(by_error);
+    Ok(fits)
+}
+
+/// The order of fits by their held-out errors.
+fn by_error(p: &Fitted, q: &Fitted) -> Ordering {
+    p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp())
+}
+
+/// Fits with the linear block held, the best first: those with the operator's own shape, one with the best shape that
 /// is found, and the better of these with other initial conditions, if that is clearly better. Not all initial
 /// conditions suit every operator.
 pub(super) fn shapes(
-    own: Fitted,
+    mut fits: Vec<Fitted>,
     design: &BasisDesign,
     blocks: &Estimate,
     settings: &JointOptions,
     runs: &mut [TrainingRecord],
     watch: StepCallback,
 ) -> Result<Vec<Fitted>, Error> {
-    let start = blocks.with_basis(own.estimate.basis.reshaped(&own.estimate.shape())?);
-    let mut fits = vec![own];
+    let own = &fits[0].estimate;
+    let start = blocks.with_basis(own.basis.reshaped(&own.shape())?);
     let stage = trace_span!(target: "stage", "shapes");
     if let Some(reshaped) = stage.in_scope(|| best_shape(&start, runs, settings, watch))? {
         fits.push(refine(reshaped, runs, FreeParameters::Creep, watch)?);
     }
-    fits.sort_by(|p, q| p.held_out.rms_pp().total_cmp(&q.held_out.rms_pp()));
+    fits.sort_by(by_error);
     if let Some(other) = fit_with_other_initial_conditions(&fits[0], runs, design.range, watch)? {
         fits.insert(0, other);
     }
@@ -365,7 +383,8 @@ mod tests {
             runs[0].start_from(initial, design.range);
             let start = blocks.with_basis((row.basis)(&design).unwrap());
             let own = refine(start, &mut runs, FreeParameters::Creep, &mut |_| Ok(())).unwrap();
-            let fits = shapes(own, &design, &blocks, &JointOptions::default(), &mut runs, &mut |_| Ok(())).unwrap();
+            let fits =
+                shapes(vec![own], &design, &blocks, &JointOptions::default(), &mut runs, &mut |_| Ok(())).unwrap();
             assert_ne!(fits[0].initial_conditions, [InitialCondition::FromBelow], "{initial:?}");
             assert_eq!(runs[0].initial, initial);
         }

@@ -73,12 +73,9 @@ pub(super) static OPERATOR: Operator = Operator {
     load: Weighted::<Neural>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Neural::even(design)),
     example: |ts| {
-        let law = Neural {
-            thresholds: thresholds::example(),
-            slopes: vec![2.8, 3.2, 2.9],
-            inputs: vec![0.1, -0.1, 0.05],
-            biases: vec![2.1, 0.1, -1.9],
-        };
+        // The input weights of the start: from others a fit ends at some millionths of the displacement.
+        let design = BasisDesign { ts, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
+        let law = Neural { thresholds: thresholds::example(), ..Neural::even(&design) };
         let units = (0..27).map(|k| 0.02 * (1.0 + 0.5 * f64::from(k % 3)) * if k < 9 { -1.0 } else { 1.0 });
         let weights = thresholds::example_weights(0.7).into_iter().chain(units).collect();
         Weighted::example(ts, law, weights)

@@ -181,9 +181,9 @@ class IdentifyOptions(TypedDict, total=False):
     """Keywords of `identify`.
 
     method: Method of identification ["joint" or "paper"]; default: joint
-    operator: The hysteresis operator (see `pz.operators`), or several separated by commas; auto tries all, and
-        auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With the
-        paper's method, auto selects two-branch or rate-scheduled; default: auto
+    operator: The hysteresis operator (see `pz.operators`), or several separated by commas; auto tries all laws, all
+        also the learned operators, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as
+        the best is selected. With the paper's method, auto selects two-branch or rate-scheduled; default: auto
     order: Order of the linear block; default: chosen; 2 by the paper's method
     seed: Seed of the swarm; default: 1
 
