@@ -82,7 +82,7 @@ pub(super) static OPERATOR: Operator = Operator {
         let design = BasisDesign { ts, range: (-30.0, 30.0), elements: None, frequencies: Vec::new() };
         let mut law = GaussianProcess { thresholds: thresholds::example(), ..GaussianProcess::even(&design) };
         law.points.truncate(10);
-        let of_points = (0..10).map(|m| 0.06 * (1.9 * f64::from(m)).sin());
+        let of_points = (0..10).map(|m| 0.06 * libm::sin(1.9 * f64::from(m)));
         Weighted::example(ts, law, thresholds::example_weights(0.7).into_iter().chain(of_points).collect())
     },
 };
