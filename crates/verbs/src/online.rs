@@ -187,7 +187,7 @@ impl OnlineRun {
             self.readings += 1;
         }
         self.samples += 1;
-        if self.samples % self.between != 0 {
+        if !self.samples.is_multiple_of(self.between) {
             return None;
         }
         let row = self.row();
@@ -276,8 +276,8 @@ impl OnlineRun {
             [u, y] => (u, y),
             [t, u, y] => {
                 let ts = self.model.ts();
-                if let Some(step) = last.map(|last| t - last).filter(|step| !((step - ts).abs() <= MAX_STEP_ERROR * ts))
-                {
+                let is_period = |step: f64| (step - ts).abs() <= MAX_STEP_ERROR * ts;
+                if let Some(step) = last.map(|last| t - last).filter(|step| !is_period(*step)) {
                     let why = format!(
                         "the time {t} s comes {} s after the last one, and the sampling period of the model is {ts} s: \
                          resample the stream, write missing readings as empty fields, or leave the times out",

@@ -44,7 +44,7 @@ pub struct Causal {
 #[derive(Debug, Clone)]
 pub(super) enum Law {
     Series,
-    Feedback(Flat),
+    Feedback(Box<Flat>),
 }
 
 /// Length of the state before that of the law.
@@ -106,7 +106,7 @@ impl Causal {
             Error::Unsuited { what: "inverse sample by sample".into(), because }
         };
         let flat = Flat::new(feedback, inverse.ends, delay_samples).ok_or_else(none)?;
-        Ok(Causal { inverse, law: Law::Feedback(flat) })
+        Ok(Causal { inverse, law: Law::Feedback(Box::new(flat)) })
     }
 
     /// Delay from the reference to the displacement [samples].

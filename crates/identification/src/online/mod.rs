@@ -370,7 +370,9 @@ fn moving_coefficients(model: &Model) -> usize {
 
 /// The groups of weights: that of the input, then the thresholds in equal parts. One group if the weights do not move.
 fn groups(model: &Model, moves: Moves, most: usize) -> Vec<Range<usize>> {
-    let Some(linear) = model.hysteresis().linear_weights().filter(|_| moves.weights) else { return vec![0..1] };
+    let Some(linear) = model.hysteresis().linear_weights().filter(|_| moves.weights) else {
+        return std::iter::once(0..1).collect();
+    };
     let thresholds = linear.weights.len() - 1;
     let parts = thresholds.min(most - 1);
     let end = |part: usize| 1 + part * thresholds / parts;

@@ -11,7 +11,7 @@ impl Online {
     /// parameters before this sample [output unit]. A reading that is no number is skipped, an input that is none held.
     pub fn step(&self, x: &mut [f64], u: f64, y: f64) -> f64 {
         let (mut s, mut fits) = self.split(x);
-        if u - u == 0.0 {
+        if u.is_finite() {
             *s.input = clamp(u, self.scales.inputs.0, self.scales.inputs.1);
         }
         let mut parts = [0.0; MAX_GROUPS];
@@ -25,7 +25,7 @@ impl Online {
         *s.mean += self.scales.fresh * (response - *s.mean);
         let off = response - *s.mean;
         *s.power += self.scales.fresh * (off * off - *s.power);
-        if y - y == 0.0 {
+        if y.is_finite() {
             *s.error = y - expected;
             if *s.error > self.dead_zone || *s.error < -self.dead_zone {
                 let e = clamp(*s.error, -self.scales.stroke, self.scales.stroke);
