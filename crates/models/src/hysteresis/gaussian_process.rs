@@ -17,8 +17,8 @@
 //! It is near zero at the inducing points, and s far from them. The uncertainty of a, which the noise of the records
 //! leaves, is not in it.
 //!
-//! References: C. E. Rasmussen & C. K. I. Williams, "Gaussian Processes for Machine Learning", MIT Press (2006), section
-//! 8.3; J. Quinonero-Candela & C. E. Rasmussen, J. Mach. Learn. Res. 6, 1939 (2005). It does not do: rate.
+//! References: C. E. Rasmussen & C. K. I. Williams, "Gaussian Processes for Machine Learning", MIT Press (2006),
+//! section 8.3; J. Quinonero-Candela & C. E. Rasmussen, J. Mach. Learn. Res. 6, 1939 (2005). It does not do: rate.
 //!
 //! Inverse: Newton's method on the step. Where z decreases, one of several inputs is found. Far outside the range the
 //! correction is constant, and z is that of the plays.
@@ -68,8 +68,8 @@ const NUGGET: f64 = 1e-9;
 pub(super) static OPERATOR: Operator = Operator {
     name: "gaussian-process",
     aliases: &["GP"],
-    summary: "a sparse Gaussian process over the input and some plays, which corrects Prandtl-Ishlinskii, with a standard \
-              deviation",
+    summary: "a sparse Gaussian process over the input and some plays, which corrects Prandtl-Ishlinskii, with a \
+              standard deviation",
     reference: "Rasmussen & Williams 2006, section 8.3; Quinonero-Candela & Rasmussen 2005, J. Mach. Learn. Res. 6",
     minor_loops: true,
     needs_minor_loops: true,

@@ -10,9 +10,9 @@
 //! h_j' = -b |u'| h_j + u' v^j,      d_j' = -b |u'| d_j + |u'| v^j
 //! b = rate (1 + r_1 v + r_2 v^2 + way (q_0 + q_1 v + q_2 v^2)), at least a twentieth of the rate
 //! ```
-//! A sample is one exponential step, with v in the middle of its path: e^(-x) h + (1 - e^(-x)) / b v^j, x = b |du|, is a
-//! mean of h and v^j / b. Therefore |h_j| and |d_j| never exceed 20 / rate: a free run cannot diverge. The division of a
-//! path into samples has an effect of second order in their length. Held inputs change nothing.
+//! A sample is one exponential step, with v in the middle of its path: e^(-x) h + (1 - e^(-x)) / b v^j, x = b |du|, is
+//! a mean of h and v^j / b. Therefore |h_j| and |d_j| never exceed 20 / rate: a free run cannot diverge. The division
+//! of a path into samples has an effect of second order in their length. Held inputs change nothing.
 //!
 //! The terms f, k and g are selected from the records, forwards, by their error reduction ratios. Duhem's equation in
 //! Coleman & Hodgdon's form is the case of a constant b and no g.

@@ -1,4 +1,5 @@
-//! A neural network whose memory is a ladder of plays: one hidden layer of smooth units, one unit of each kind per play.
+//! A neural network whose memory is a ladder of plays: one hidden layer of smooth units, one unit of each kind per
+//! play.
 //!
 //! ```text
 //! p_0 = u,    p_k <- max(u - r_k, min(u + r_k, p_k))
@@ -19,8 +20,8 @@
 //! approximation by one hidden layer: G. Cybenko, Math. Control Signals Syst. 2, 303 (1989), DOI 10.1007/BF02551274. It
 //! does not do: rate; units that see several plays.
 //!
-//! Inverse: Newton's method on the step. Output weights of units may have either sign; where z decreases, one of several
-//! inputs is found. Far outside the range all units are constant, and z is that of the plays alone.
+//! Inverse: Newton's method on the step. Output weights of units may have either sign; where z decreases, one of
+//! several inputs is found. Far outside the range all units are constant, and z is that of the plays alone.
 
 use super::Operator;
 use super::basis::{BasisDesign, ShapeParameter, counted, counted_within, curvature};

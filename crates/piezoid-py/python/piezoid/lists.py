@@ -41,8 +41,8 @@ class Row:
     summary: str
     reference: str
     properties: Mapping[str, bool] = field(default_factory=dict, repr=False)
-    """For operators: `minor_loops`, `rate_independent`, `wipes_out` (it has the wiping-out property), and `learned` (records
-    determine its form; `auto` leaves it out)."""
+    """For operators: `minor_loops`, `rate_independent`, `wipes_out` (it has the wiping-out property), and `learned`
+    (records determine its form; `auto` leaves it out)."""
     figures: Mapping[str, Any] = field(default_factory=dict, repr=False)
     """For drivers and actuators: the figures of the data sheet in SI units, `None` where it is not known."""
     operators: Mapping[str, list[str]] = field(default_factory=dict, repr=False)
