@@ -61,12 +61,13 @@ type Compared = (Py<PyAny>, String, Option<String>, Vec<(String, Option<f64>, Op
 pub(crate) fn contest(
     py: Python<'_>,
     models: Vec<(String, Bound<'_, Model>)>,
-    (training, small_signal, data): (Named<'_>, Named<'_>, Named<'_>),
+    records: (Named<'_>, Named<'_>, Named<'_>),
     settings: &Bound<'_, PyDict>,
     others: Vec<Simulator<'_>>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Compared> {
     let options: CompareOptions = options(settings)?;
+    let (training, small_signal, data) = records;
     let runs = |runs: Vec<Bound<'_, PyAny>>| -> PyResult<Vec<Vec<f64>>> {
         runs.iter().map(|y| samples("y", y).and_then(|y| Ok(slice(&y)?.to_vec()))).collect()
     };
