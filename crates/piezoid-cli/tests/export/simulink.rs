@@ -23,7 +23,7 @@ fn direct() -> (String, Model) {
     ("direct".into(), Model::new(plays, block, 2.0).unwrap())
 }
 
-/// A model with a resonance and creep, a model with a driver, one with feed-through, and one with hysteresis in feedback,
+/// A model with a resonance and creep, one with a driver, one with feed-through, and one with hysteresis in feedback,
 /// each in both precisions.
 fn kinds() -> Vec<(String, Model, bool)> {
     let kinds = ["bouc_wen", "driven_plays", "direct", "bender"];

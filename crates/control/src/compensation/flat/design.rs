@@ -13,8 +13,8 @@ const BEYOND: f64 = 0.1;
 /// What is held, of a smooth input at the end of its sample.
 const AT_END: [f64; REACH] = [0.0, 1.0, 0.0, 0.0];
 
-/// Farthest displacement that a reference may request, over that which the limits hold: a resonance of a damping ratio of
-/// 0.01 has 50 times as much. Any other would only spoil creep and hysteresis.
+/// Farthest displacement that a reference may request, over that which the limits hold: a resonance of a damping ratio
+/// of 0.01 has 50 times as much. Any other would only spoil creep and hysteresis.
 const FARTHEST: f64 = 50.0;
 
 impl Flat {

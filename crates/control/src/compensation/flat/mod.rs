@@ -50,9 +50,9 @@ const ROOT_STEPS: usize = 6;
 
 /// The inverse of a feedback model.
 ///
-/// State: the displacements q, newest first, of which the last five count; p, newest first; samples of what is
-/// known with p (z, or the vibration of the other modes); what is held (v, or F); v at the end of the last sample, behind
-/// a driver; creep; hysteresis.
+/// State: the displacements q, newest first, of which the last five count; p, newest first; samples of what is known
+/// with p (z, or the vibration of the other modes); what is held (v, or F); v at the end of the last sample, behind a
+/// driver; creep; hysteresis.
 #[derive(Debug, Clone)]
 pub(super) struct Flat {
     model: FeedbackModel,

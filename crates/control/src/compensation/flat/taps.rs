@@ -5,12 +5,13 @@
 //! x'' = (c1 (x_1 - 2 x_0 + x_-1) + c2 (x_2 - 2 x_0 + x_-2)) / h^2                      the same
 //! u   = sum_j t_j v_k+j,   j = 1, 0, -1, -2                                            the same
 //! ```
-//! At the resonance a mode multiplies an error of its force: there the formulas have none. For theta = 0 the derivatives
-//! are the central differences of fourth order.
+//! At the resonance a mode multiplies an error of its force: there the formulas have none. For theta = 0 the
+//! derivatives are the central differences of fourth order.
 //!
-//! A converter holds u from the end of sample k - 1 to that of sample k. What acts on modes is a smooth voltage, lag v' +
-//! v = w, with the response sin(theta/2) / (theta/2) of the hold and its delay of half a sample. The voltage itself is a
-//! staircase behind the lag; along a ramp both are equal at one instant of each sample, without a lag in its middle.
+//! A converter holds u from the end of sample k - 1 to that of sample k. What acts on modes is a smooth voltage, lag v'
+//! + v = w, with the response sin(theta/2) / (theta/2) of the hold and its delay of half a sample. The voltage itself
+//! is a staircase behind the lag; along a ramp both are equal at one instant of each sample, without a lag in its
+//! middle.
 //!
 //! Reference: B. Fornberg, Math. Comput. 51 (1988), DOI 10.1090/S0025-5718-1988-0935077-0 (differences); L. G. Ixaru,
 //! Comput. Phys. Commun. 105 (1997), DOI 10.1016/S0010-4655(97)00067-2 (formulas exact for one frequency).
@@ -27,7 +28,8 @@ pub(super) const REACH: usize = 4;
 /// Steps of the bisection for an instant: then its ends are neighbours.
 const BISECTIONS: usize = 52;
 
-/// Angles per sample between which a formula is exact at one frequency: below, its coefficients would be rounding errors.
+/// Angles per sample between which a formula is exact at one frequency: below, its coefficients would be rounding
+/// errors.
 const ANGLES: (f64, f64) = (0.05, 1.0);
 
 /// The differences for a sampling period.
