@@ -366,7 +366,7 @@ mod tests {
     #[test]
     fn lines_that_are_no_samples_are_named() {
         let run = OnlineOptions::default().start(&file()).unwrap();
-        let mut read = |text: &str| run.line(text, &mut Some(0.5)).map_err(|e| e.to_string());
+        let read = |text: &str| run.line(text, &mut Some(0.5)).map_err(|e| e.to_string());
         for nothing in ["", "  ", "# a comment", "t_s,u_V,y_um"] {
             assert_eq!(read(nothing), Ok(None), "{nothing}");
         }

@@ -169,7 +169,8 @@ fn poorly_excited(input: fn(usize) -> f64, settings: OnlineSettings, samples: us
 #[test]
 fn poor_excitation_leads_nowhere() {
     let samples = std::env::var("PIEZOID_SAMPLES").map_or(400_000, |n| n.parse().unwrap());
-    let inputs: [(&str, fn(usize) -> f64); 4] = [
+    type Input = fn(usize) -> f64;
+    let inputs: [(&str, Input); 4] = [
         ("constant", |_| 12.0),
         ("tiny sine", |t| 1e-3 * (0.0628 * (t % 100_000) as f64).sin()),
         ("one sine", |t| 20.0 * (0.062_831_853_071_795_86 * (t % 100) as f64).sin()),

@@ -35,7 +35,6 @@ mod tests {
     use crate::driver::DriverModel;
     use crate::hysteresis::Operator;
     use crate::linear::Arx;
-    use piezoid_numerics::system::System;
 
     #[test]
     fn the_hidden_variable_is_the_input_of_the_linear_block_and_settles() {

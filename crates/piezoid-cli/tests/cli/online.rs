@@ -53,7 +53,9 @@ fn ctrl_c_ends_a_silent_stream_and_the_model_is_written() {
     // The head and two rows: both samples have arrived, and signals are handled.
     let mut out = std::io::BufReader::new(child.stdout.take().unwrap());
     let mut text = String::new();
-    (0..3).for_each(|_| drop(std::io::BufRead::read_line(&mut out, &mut text).unwrap()));
+    for _ in 0..3 {
+        std::io::BufRead::read_line(&mut out, &mut text).unwrap();
+    }
     assert!(text.contains("time [s]"), "{text}");
     assert!(std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
     assert_eq!(child.wait().unwrap().code(), Some(130));
