@@ -211,7 +211,7 @@ export interface CallOptions {
   identify: {
     /** Method of identification */
     method?: "joint" | "paper";
-    /** The hysteresis operator (see {list}), or several separated by commas; auto tries all laws, all also the learned operators, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as the best is selected. With the paper's method, auto selects two-branch or rate-scheduled */
+    /** The hysteresis operator (see {list}), or several separated by commas; auto tries all laws, all also the learned operators, and auto,-NAME all laws but one. The simplest one that predicts held-out parts as well as the best is selected. With the paper's method, auto selects two-branch or rate-scheduled */
     operator?: string;
     /** Where hysteresis is */
     structure?: "hammerstein" | "feedback" | "auto";
@@ -225,6 +225,8 @@ export interface CallOptions {
     elements?: number;
     /** Identify creep */
     creep?: boolean;
+    /** Creep that grows as a power of time: its order is fitted, in place of a gain for each of its lags */
+    fractional_creep?: boolean;
     /** The driver used for the records; give it if its current or slew limit was reached (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the driver's current limit [F] */
@@ -279,6 +281,25 @@ export interface CallOptions {
     notch?: boolean;
     /** Shape the reference (ZVD) so that the resonance is not excited */
     zvd?: boolean;
+  };
+  /** Follow gain, hysteresis weights and linear block of a model along a stream or a record. */
+  online: {
+    /** State of the actuator before the first sample: at rest, or settled at the first input */
+    begin?: "rest" | "settled";
+    /** Time between two rows of parameters [s] */
+    every?: number | string;
+    /** What moves: a list of gain, offset, weights and linear, or auto for all that the model allows */
+    moves?: string;
+    /** Memory of the gain; the offset has ten times as much [samples] */
+    gain_memory?: number | string;
+    /** Memory of weights and linear block [samples] */
+    memory?: number | string;
+    /** Number of groups in which the weights of the hysteresis move */
+    groups?: number;
+    /** Rms of the alternating response, relative to the stroke, below which only the offset moves [%] */
+    excitation?: number | string;
+    /** Errors up to this, in the unit of the output, move nothing */
+    dead_zone?: number | string;
   };
   /** Close the loop on a simulated actuator and compare controllers. */
   control: {
@@ -374,6 +395,8 @@ export interface CallOptions {
     preview?: number;
     /** A feedback controller to export with the model, tuned to it: any feedback of {list} except predictive */
     controller?: string;
+    /** Export the estimator of `online` too, which follows gain, weights and linear block on the target */
+    online?: boolean;
     /** Clip the voltage to the limits, instead of refusing a reference that exceeds them */
     clip?: boolean;
     /** Servo cycle of the GCS controller [s] */
@@ -398,6 +421,18 @@ export interface CallOptions {
     gain_margin?: number | string;
     /** Phase margin that controllers are tuned to [degrees] */
     phase_margin?: number | string;
+    /** What moves: a list of gain, offset, weights and linear, or auto for all that the model allows */
+    moves?: string;
+    /** Memory of the gain; the offset has ten times as much [samples] */
+    gain_memory?: number | string;
+    /** Memory of weights and linear block [samples] */
+    memory?: number | string;
+    /** Number of groups in which the weights of the hysteresis move */
+    groups?: number;
+    /** Rms of the alternating response, relative to the stroke, below which only the offset moves [%] */
+    excitation?: number | string;
+    /** Errors up to this, in the unit of the output, move nothing */
+    dead_zone?: number | string;
   };
   /** Show the identity of a controller, and the limits it reports; nothing moves. */
   controller: {

@@ -8,8 +8,8 @@ const TS: f64 = 5e-4;
 /// Names and model files. Their first resonance is at 160 Hz, and +-40 V hold about +-40 um:
 ///
 /// - `guided`: Bouc-Wen friction that the displacement drives, a held input;
-/// - `bender`: a Preisach operator that vibration drives too, behind a driver; a mode that softens, a second one, creep,
-///   a curved sensor with a delay;
+/// - `bender`: a Preisach operator that vibration drives too, behind a driver; a mode that softens, a second one,
+///   creep, a curved sensor with a delay;
 /// - `loaded`: plays that input and displacement drive, creep, a curved sensor, a second mode, a direct path;
 /// - `stiffened`: plays that vibration drives too, a mode that stiffens;
 /// - `filtered`: Bouc-Wen hysteresis that the displacement drives too, a band-limited input.

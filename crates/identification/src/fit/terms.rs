@@ -25,8 +25,8 @@ const LEAST_SHARE: f64 = 0.01;
 /// Share of its sum of squares that a term must have beside those selected: less is rounding.
 const INDEPENDENT: f64 = 1e-11;
 
-/// The estimate with the terms of its operator that these runs show, with its own shape, and with that of a fit; the same
-/// alone if the operator selects none.
+/// The estimate with the terms of its operator that these runs show, with its own shape, and with that of a fit; the
+/// same alone if the operator selects none.
 ///
 /// # Errors
 /// The errors of `watch`.
@@ -52,8 +52,8 @@ pub(crate) fn with_selected_terms(
     Ok([with_terms(&own, n), with_terms(&fitted, end)].into_iter().flatten().collect())
 }
 
-/// The numbers of the terms that are selected among the first `n` columns after the others are eliminated, ascending; at
-/// least one.
+/// The numbers of the terms that are selected among the first `n` columns after the others are eliminated, ascending;
+/// at least one.
 fn selected(mut h: DMatrix<f64>, mut g: DVector<f64>, mut left: f64, n: usize) -> Vec<usize> {
     let whole = h.diagonal();
     let is_independent = |h: &DMatrix<f64>, k: usize| h[(k, k)] > INDEPENDENT * whole[k];

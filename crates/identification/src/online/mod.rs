@@ -6,24 +6,24 @@
 //! dy/dg = v,  dy/dc = 1,  dy/df_m = g B/A C s_m,  dy/da_i = g q^-i v / A,  dy/db_j = g q^-j (sum_m f_m C s_m) / A
 //! ```
 //! C is creep and the thresholds are fixed. The weights move in groups, by a factor f_m each. Three estimators share
-//! the error, each a regularised recursive least squares in factored form ([`factor`]): gain and offset with a short
-//! memory, the factors of the groups and the coefficients a, b with a long one, these in turn. The error is that of the free run, so
-//! noise of y leads to no bias (Ljung & Soderstrom 1983, "Theory and Practice of Recursive Identification", MIT Press,
-//! sections 3.6 and 5.6, recursive prediction-error methods; Eskinat, Johnson & Luyben 1991, DOI 10.1002/aic.690370211,
-//! on Hammerstein models).
+//! the error, each a regularised recursive least squares in factored form (`factor`): gain and offset with a short
+//! memory, the factors of the groups and the coefficients a, b with a long one, these in turn. The error is that of the
+//! free run, so noise of y leads to no bias (Ljung & Soderstrom 1983, "Theory and Practice of Recursive Identification",
+//! MIT Press, sections 3.6 and 5.6, recursive prediction-error methods; Eskinat, Johnson & Luyben 1991, DOI
+//! 10.1002/aic.690370211, on Hammerstein models).
 //!
 //! The product of gain, weights and b is known only as a whole. After every step the factors have the mean 1 that the
 //! stroke of their groups weighs, and b the static gain of the start; the ratios go to the gain.
 //!
 //! What bounds it, whatever the samples:
-//! - Steps are damped by the prior of [`factor`]; factors and linear block return to the start where the input does not
+//! - Steps are damped by the prior of `factor`; factors and linear block return to the start where the input does not
 //!   excite them. Below [`OnlineSettings::excitation`] all but the offset stands still.
 //! - Gain and factors stay within [`GAIN_RANGE`] and 0 to [`MAX_FACTOR`]. A step of the linear block that would move a
 //!   pole to the unit circle, or the static gain by half, is not taken.
 //! - An error counts at most as one stroke. An input beyond the range and as much again on each side counts as the end
 //!   of that. A reading that is no number is skipped, an input that is none is held.
 //!
-//! It does not do: thresholds and shape parameters, creep, the driver, the delay, mechanics with hysteresis in feedback.
+//! It does not do: thresholds and shape parameters, creep, the driver, the delay, hysteresis in feedback.
 
 mod factor;
 mod layout;

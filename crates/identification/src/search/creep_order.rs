@@ -1,5 +1,5 @@
 //! The order of creep that is a power of time: the gains of the lags are a power of their time constants (see
-//! [`piezoid_models::creep::power_law`]).
+//! [`Creep::fractional`]).
 //!
 //! For a fixed order the fit is that of any creep, with one gain. The order is where the minimum of this fit is least:
 //! by parabolas through three of them, after a coarse search. Their curvature gives its standard error,
@@ -11,7 +11,7 @@
 use super::fit::{CreepOrder, Estimate, Fitted, FreeParameters, Smoothness, refine_from, refine_to_minimum};
 use super::{Candidate, Search, creep_lags};
 use libm::{fabs, pow, sqrt};
-use piezoid_models::creep::{Creep, power_law};
+use piezoid_models::creep::{Creep, Lag};
 use piezoid_numerics::error::Error;
 
 /// The orders of the coarse search, and the number of parabolas after it.
@@ -39,8 +39,9 @@ pub(super) fn fit_order(candidate: &Candidate, search: &mut Search) -> Result<Op
     let mut fits: Vec<(f64, Fitted)> = Vec::new();
     let fit = |order: f64, from_fit: &Fitted, search: &mut Search| -> Result<(f64, Fitted), Error> {
         let watch = &mut search.reporter.last_stage(candidate.operator.name);
-        let relative = Creep::new(estimate.ts(), power_law(1.0, order, from, to))?.after(duration);
-        let lags = power_law(crept / relative, order, from, to);
+        let relative = Creep::fractional(estimate.ts(), 1.0, order, (from, to))?;
+        let scale = crept / relative.after(duration);
+        let lags = relative.lags().iter().map(|lag| Lag { gain: scale * lag.gain, ..*lag }).collect();
         let creep_order = Some(CreepOrder { value: order, error: f64::NAN });
         let start = Estimate { lags, creep_order, ..from_fit.estimate.clone() };
         let smoothness = Smoothness::Fixed(from_fit.held_out.lambda);

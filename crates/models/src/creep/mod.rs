@@ -12,8 +12,6 @@
 
 mod fractional;
 
-pub use fractional::power_law;
-
 use crate::program::Block;
 use libm::{expm1, log10};
 use piezoid_numerics::error::{Error, positive};

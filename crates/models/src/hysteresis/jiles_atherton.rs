@@ -8,7 +8,7 @@
 //! `a` is the width of the anhysteretic curve, `k` the path of the input over which h follows it, and alpha the field
 //! that h adds to the input. In the literature w_1 = c M_s / S and w_2 = (1 - c) M_s / S; w_0 is added, because a piezo
 //! actuator also moves where no domain turns. Only h acts back on the input here, not all of z, so that z is linear in
-//! its weights. The first limit of h' is the usual one: h never moves against the input. The second one keeps h' finite.
+//! its weights. The first limit of h' is the usual one: h never moves against the input. The second keeps h' finite.
 //!
 //! The integration rule is part of the definition. A path is divided into equal steps of at most an eighth of a and of
 //! k, at most 256 of them, by the fourth-order method of Runge and Kutta; before the last 32 k a path has no effect.

@@ -84,8 +84,8 @@ pub(super) trait Law: Debug + Clone + PartialEq + Send + Sync + Serialize + Dese
         thresholds::check(self.thresholds())
     }
 
-    /// The response phi_k of threshold k after a step, as a program, of a law whose phi_0 is the input: an expression of
-    /// the state `x`, the input `u` and `k`, which counts from 0. Empty if the responses are others.
+    /// The response phi_k of threshold k after a step, as a program, of a law whose phi_0 is the input: an expression
+    /// of the state `x`, the input `u` and `k`, which counts from 0. Empty if the responses are others.
     const RESPONSE: &'static str = "";
 
     /// Thresholds of a law of plays or stops; the defaults below are for such a law.

@@ -139,6 +139,7 @@ class ExportOptions(TypedDict, total=False):
     preview: Samples of the reference that the feed-forward knows in advance; 0: as few as it needs; default: 0
     controller: A feedback controller to export with the model, tuned to it: any feedback of `pz.controllers` except
         predictive
+    online: Export the estimator of `online` too, which follows gain, weights and linear block on the target
     delay_samples: Sensor delay in samples; controllers are tuned for it; default: 0
     gain_margin: Gain margin that controllers are tuned to [dB]; default: 6
     phase_margin: Phase margin that controllers are tuned to [degrees]; default: 45
@@ -157,12 +158,23 @@ class ExportOptions(TypedDict, total=False):
     high: Highest voltage [V]
     slew: Largest slew rate of the voltage [V/s]
     current: Largest current, in both directions; needs capacitance [A]
+
+    Estimator:
+
+    moves: What moves: a list of gain, offset, weights and linear, or auto for all that the model allows; default: auto
+    gain_memory: Memory of the gain; the offset has ten times as much [samples]; default: 50
+    memory: Memory of weights and linear block [samples]; default: 5000
+    groups: Number of groups in which the weights of the hysteresis move; default: 4
+    excitation: Rms of the alternating response, relative to the stroke, below which only the offset moves [%]; default:
+        1
+    dead_zone: Errors up to this, in the unit of the output, move nothing; default: 0
     """
 
     name: str
     float: bool
     preview: int
     controller: str | None
+    online: bool
     clip: bool
     servo_cycle: float | str
     range: Sequence[float] | None
@@ -175,6 +187,12 @@ class ExportOptions(TypedDict, total=False):
     delay_samples: int
     gain_margin: float | str
     phase_margin: float | str
+    moves: str
+    gain_memory: float | str
+    memory: float | str
+    groups: int
+    excitation: float | str
+    dead_zone: float
 
 
 class IdentifyOptions(TypedDict, total=False):
@@ -182,8 +200,8 @@ class IdentifyOptions(TypedDict, total=False):
 
     method: Method of identification ["joint" or "paper"]; default: joint
     operator: The hysteresis operator (see `pz.operators`), or several separated by commas; auto tries all laws, all
-        also the learned operators, and auto,-NAME all but one. The simplest one that predicts held-out parts as well as
-        the best is selected. With the paper's method, auto selects two-branch or rate-scheduled; default: auto
+        also the learned operators, and auto,-NAME all laws but one. The simplest one that predicts held-out parts as
+        well as the best is selected. With the paper's method, auto selects two-branch or rate-scheduled; default: auto
     order: Order of the linear block; default: chosen; 2 by the paper's method
     seed: Seed of the swarm; default: 1
 
@@ -193,6 +211,7 @@ class IdentifyOptions(TypedDict, total=False):
     effort: How much the search tries ["quick" or "usual" or "thorough"]; default: usual
     elements: Number of thresholds, levels or knots of the operator; default: default of the operator
     creep: Identify creep; default: true
+    fractional_creep: Creep that grows as a power of time: its order is fitted, in place of a gain for each of its lags
     driver: The driver used for the records; give it if its current or slew limit was reached (see `pz.drivers`)
     capacitance: Capacitance of the load, for the driver's current limit [F]
     driver_lag: Time constant of the driver, where it is known [s]
@@ -219,6 +238,7 @@ class IdentifyOptions(TypedDict, total=False):
     seed: int
     elements: int | None
     creep: bool
+    fractional_creep: bool
     driver: str | None
     capacitance: float | str | None
     driver_lag: float | str | None
@@ -418,6 +438,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "float": False,
         "preview": 0,
         "controller": None,
+        "online": False,
         "clip": False,
         "servo_cycle": 0.00005,
         "range": None,
@@ -430,6 +451,12 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "delay_samples": 0,
         "gain_margin": 6.0,
         "phase_margin": 45.0,
+        "moves": "auto",
+        "gain_memory": 50.0,
+        "memory": 5000.0,
+        "groups": 4,
+        "excitation": 1.0,
+        "dead_zone": 0.0,
     },
     "IdentifyOptions": {
         "method": "joint",
@@ -440,6 +467,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "seed": 1,
         "elements": None,
         "creep": True,
+        "fractional_creep": False,
         "driver": None,
         "capacitance": None,
         "driver_lag": None,

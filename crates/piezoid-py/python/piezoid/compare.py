@@ -151,7 +151,7 @@ def compare(
     ['mine', 'double', 'three']
     """
     settings = {"record": record, **known(compare, options)}
-    is_contest = any(given is not None for given in (records, methods, operators, structures)) or _has_methods(data)
+    is_contest = any(one is not None for one in (records, methods, operators, structures)) or _has_methods(data)
     if not is_contest:
         one = [models] if isinstance(models, (Model, str, os.PathLike)) else models
         cores = _named("models", () if one is None else one, as_model, lambda model, _: as_model(model).operator)
@@ -167,15 +167,15 @@ def compare(
     parts, compared = _piezoid.split(training, tests, settings)
     train = [Record._of(core) for core in [*parts, *(core for _, core in small)]]
     inputs = [core.u for core, _ in compared]
-    given, others = [], []
+    known_models, others = [], []
     for name, method in _called(methods):
         if isinstance(method, (Model, str, os.PathLike)):
-            given.append((name, as_model(method)._core))
+            known_models.append((name, as_model(method)._core))
         else:
             others.append((name, *_simulated(method, train, inputs)))
     with watched(progress) as watch:
         try:
-            return _shown(_piezoid.contest(given, (training, small, tests), settings, others, watch))
+            return _shown(_piezoid.contest(known_models, (training, small, tests), settings, others, watch))
         except BaseException as stopped:
             until_then = getattr(stopped, "compared", None)
             if isinstance(until_then, tuple):
