@@ -59,7 +59,7 @@ fn value(value: &Value, how: usize) -> Value {
         (1, Value::Array(items)) => items.iter().chain(items).cloned().collect(),
         (2, Value::Array(items)) => items.iter().take(1).cloned().collect(),
         (3, Value::Array(items)) => items.iter().map(|_| items[0].clone()).collect(),
-        (4, Value::Array(items)) => (0..400).map(|k| items[k % items.len()].clone()).collect(),
+        (4, Value::Array(items)) if !items.is_empty() => (0..400).map(|k| items[k % items.len()].clone()).collect(),
         (5, Value::Array(items)) => items
             .iter()
             .enumerate()

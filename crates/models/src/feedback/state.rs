@@ -53,7 +53,7 @@ impl FeedbackModel {
         let mut slow = Coefficients { steps: modes.iter().map(damped).collect(), ..self.coefficients.clone() };
         slow.lags.iter_mut().for_each(|(stays, _)| *stays = 0.0);
         let slowest = modes.iter().map(|mode| mode.hz).fold(f64::INFINITY, f64::min);
-        let settling = (SETTLED / (TAU * slowest) / self.ts).ceil() as usize + self.dynamics.delay + 1;
+        let settling = ((SETTLED / (TAU * slowest) / self.ts).ceil() as usize).saturating_add(self.dynamics.delay + 1);
         let last = u.last().copied().unwrap_or_default();
         let mut inputs: Vec<f64> = u.to_vec();
         inputs.resize(u.len() + settling.min(MAX_SETTLING), last);
