@@ -33,23 +33,18 @@ pub(crate) fn compare(
     Ok((object(py, &figures)?, page))
 }
 
-/// The split of training records: the parts to fit, and the whole records of the comparison, each with the first sample
-/// that counts.
+/// The parts to fit; the whole records of the comparison, each with the first sample that counts.
+type Parts = (Vec<Record>, Vec<(Record, usize)>);
+
+/// The split of training records.
 #[pyfunction]
-pub(crate) fn split(
-    training: Named<'_>,
-    data: Named<'_>,
-    settings: &Bound<'_, PyDict>,
-) -> PyResult<(Vec<Record>, Vec<Test>)> {
+pub(crate) fn split(training: Named<'_>, data: Named<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Parts> {
     let options: CompareOptions = options(settings)?;
     let contest = Contest { training: owned(training), data: owned(data), ..Contest::default() };
     let split = options.split(&contest).map_err(raised)?;
     let parts = split.training.into_iter().map(|(_, record)| record.into()).collect();
     Ok((parts, split.tests.into_iter().map(|test| (test.record.into(), test.from)).collect()))
 }
-
-/// A record to compare on, and its first sample that counts.
-type Test = (Record, usize);
 
 /// A method of Python: its name, its free runs or the reason why there are none, the number of its parameters, and the
 /// times of its fit [s] and of a step [ns].

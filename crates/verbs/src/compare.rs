@@ -192,6 +192,10 @@ impl CompareOptions {
         if let Some(twice) = names.iter().find(|name| names.iter().filter(|other| other == name).count() > 1) {
             return Err(Error::Content(format!("two methods are called {twice}: give one of them another name")));
         }
+        if !identified.is_empty() && split.training.is_empty() && small_signal.is_empty() {
+            let remedy = "give records to identify from; those of `data` are only compared".into();
+            return Err(Error::TooShort { what: "the list of training records".into(), have: 0, need: 1, remedy });
+        }
         let mut board =
             ModelComparison { models: Vec::new(), record, failed: Vec::new(), split: None, cancelled: None };
         for (name, model) in models {
@@ -500,7 +504,7 @@ mod tests {
     fn unknown_names_and_methods_of_one_name_are_refused_before_the_work() {
         let contest = || Contest { training: vec![twin(2)], ..Contest::default() };
         let refused = |options: CompareOptions, contest: Contest| {
-            options.contest(contest, None, &mut |_| panic!("no work")).unwrap_err().to_string()
+            options.contest(contest, None, &mut |_| panic!("no work")).map(|_| ()).unwrap_err().to_string()
         };
         assert!(refused(methods("preisac", "hammerstein"), contest()).contains("did you mean `preisach`"));
         assert!(refused(methods("stop", "hammerstien"), contest()).contains("did you mean `hammerstein`"));
