@@ -50,14 +50,19 @@ def driven(hz: float, amplitude: float, duration: float) -> np.ndarray:
     return np.asarray(amplitude * np.sin(2 * np.pi * hz / 11 * t) * np.sin(2 * np.pi * hz * t))
 
 
+def band(duration: float, high: float) -> np.ndarray:
+    """A multisine from 1 Hz on that begins at rest: a jump, or the resonance, would reach limits of driver and sensor."""
+    u = pz.excite.multisine(ts=TS, duration=duration, amplitude=25, frequency_low=1, frequency_high=high, seed=1)
+    return u * np.minimum(1.0, np.arange(len(u)) * TS / 0.05)
+
+
 def twins(quick: bool) -> Iterator[Problem]:
     """Simulated benders, from one record of 10 s, and from several records."""
-    multisine = pz.excite.multisine(ts=TS, duration=10, amplitude=25, frequency_low=1, frequency_high=200, seed=1)
-    u = multisine * np.minimum(1.0, np.arange(len(multisine)) * TS / 0.05)
+    multisine = band(10, 60)
     for plant in ("pl140", "paper"):
-        record = pz.plants[plant].measure(u, TS, seed=1)
+        record = pz.plants[plant].measure(multisine, TS, seed=1)
         part = record.part(0, 4) if quick else record
-        yield Problem(f"`{plant}`, a multisine of 1 to 200 Hz, its last quarter held out", {"multisine": part})
+        yield Problem(f"`{plant}`, a multisine of 1 to 60 Hz, its last quarter held out", {"multisine": part})
     if quick:
         return
     plant = pz.plants["pl140"]
@@ -68,8 +73,8 @@ def twins(quick: bool) -> Iterator[Problem]:
         for hz in (1, 5, 20, 80)
     }
     drives = {
-        "staircase, 10 Hz": pz.excite.staircase(ts=TS, duration=2, amplitude=25, frequency=10),
-        "multisine, 3 to 40 Hz": u[:4000],
+        "modulated sine, 10 Hz": driven(10, 25, 2),
+        "multisine, 1 to 40 Hz": band(2, 40),
         "modulated sine, 30 Hz": driven(30, 25, 2),
     }
     unseen = {name: plant.measure(u, TS, seed=99) for name, u in drives.items()}
@@ -127,6 +132,7 @@ def stack() -> Problem | None:
 
 def board(problem: Problem, quick: bool) -> str:
     """The table of a problem."""
+    warnings.simplefilter("ignore")
     start = time.perf_counter()
     data = {} if problem.data is None else {"data": problem.data}
     found = pz.compare(
@@ -160,12 +166,13 @@ def main() -> None:
     parser.add_argument("--quick", action="store_true", help="a part of each problem")
     parser.add_argument("--only", default="", help="problems whose names contain this")
     chosen = parser.parse_args()
-    warnings.simplefilter("ignore")
+    # A plant warns if its record reaches a limit: such a record would test that limit.
+    warnings.filterwarnings("error", module="piezoid", category=UserWarning)
     problems = [*twins(chosen.quick), benchmark(chosen.quick), stack()]
     page = PAGE.read_text()
     head, rest = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
     before = [f"### {part.strip()}\n" for part in page[len(head) : page.index(END)].split("### ")[1:]]
-    boards = {text.splitlines()[0]: text for text in before} if chosen.only else {}
+    boards = {text.splitlines()[0]: text for text in before}
     for problem in problems:
         if problem is not None and chosen.only in problem.name:
             text = board(problem, chosen.quick)
