@@ -3,8 +3,8 @@
     python3 bench/leaderboard.py [--write] [--quick] [--only TEXT]
 
 It needs the package piezoid with sysidentpy==0.9.0, scikit-learn, scipy and pandas. The measured stack needs the folder
-that PIEZOID_DATA names; without it, its part is skipped. --write writes the page, --quick takes a part of each problem, --only takes the problems
-whose names contain a text and leaves the others on the page as they are.
+that PIEZOID_DATA names; without it, its part is skipped. --write writes the page, --quick takes a part of each problem, --only
+takes the problems whose names contain a text and leaves the others on the page as they are.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def driven(hz: float, amplitude: float, duration: float) -> np.ndarray:
 
 
 def band(duration: float, high: float) -> np.ndarray:
-    """A multisine from 1 Hz on that begins at rest: a jump, or the resonance, would reach limits of driver and sensor."""
+    """A multisine from 1 Hz on that begins at rest: a jump or the resonance would reach limits."""
     u = pz.excite.multisine(ts=TS, duration=duration, amplitude=25, frequency_low=1, frequency_high=high, seed=1)
     return u * np.minimum(1.0, np.arange(len(u)) * TS / 0.05)
 
@@ -68,14 +68,14 @@ def twins(quick: bool) -> Iterator[Problem]:
     plant = pz.plants["pl140"]
     rising = {
         f"rising sine, {hz} Hz": plant.measure(
-            pz.excite.rising_sine(ts=TS, duration=3, amplitude=28, frequency=hz), TS, seed=hz
+            pz.excite.rising_sine(ts=TS, duration=3, amplitude=20, frequency=hz), TS, seed=hz
         )
         for hz in (1, 5, 20, 80)
     }
     drives = {
-        "modulated sine, 10 Hz": driven(10, 25, 2),
-        "multisine, 1 to 40 Hz": band(2, 40),
-        "modulated sine, 30 Hz": driven(30, 25, 2),
+        "modulated sine, 10 Hz": driven(10, 18, 2),
+        "multisine, 1 to 40 Hz": 0.7 * band(2, 40),
+        "modulated sine, 30 Hz": driven(30, 18, 2),
     }
     unseen = {name: plant.measure(u, TS, seed=99) for name, u in drives.items()}
     small = plant.measure(pz.excite.prbs(ts=TS, duration=2.0475, amplitude=1, order=12), TS)
