@@ -115,11 +115,6 @@ impl Narx {
             ("rise_bend", self.rise_bend),
         ]
     }
-
-    /// The largest power.
-    fn degree(&self) -> usize {
-        [&self.reversible, &self.moved, &self.travelled].into_iter().flatten().copied().max().unwrap_or(0)
-    }
 }
 
 impl Law for Narx {
@@ -233,9 +228,12 @@ fn powers<R: Real>(v: R) -> [R; MAX_DEGREE + 1] {
 impl Narx {
     /// [`Law::step`], weighted, with each term written out.
     fn text(&self) -> String {
-        let powers = |of: &str| -> String {
+        // Up to the highest power of which a term needs more than the variable: unused variables are warnings in C.
+        let powers = |of: &str, highest: Option<usize>| -> String {
             let next = |i: usize| format!("let {of}_{i} = {of}_{} * {of}; ", i - 1);
-            format!("let {of}_0 = 1.0; {}", (1..=self.degree()).map(next).collect::<String>())
+            highest.map_or(String::new(), |highest| {
+                format!("let {of}_0 = 1.0; {}", (1..=highest).map(next).collect::<String>())
+            })
         };
         let (n, moved) = (self.reversible.len(), self.moved.len());
         let term = |(k, path, j): (usize, &str, usize)| {
@@ -257,16 +255,25 @@ impl Narx {
             })
             .collect();
         let (low, high) = FACTOR;
-        format!(
-            "
-fn hysteresis(x: hysteresis, u) {{
-    let v = clamp(u / scale, -1.0, 1.0);
+        let highest = self.reversible.iter().copied().max().filter(|i| *i > 1);
+        let bend = match highest {
+            Some(_) => format!("    let v = clamp(u / scale, -1.0, 1.0);\n    {}\n", powers("v", highest)),
+            None => String::new(),
+        };
+        let path = if self.moved.is_empty() { "" } else { "let path = share * moved;" };
+        let length = if self.travelled.is_empty() { "" } else { "let length = share * distance;" };
+        let highest = self.moved.iter().chain(&self.travelled).copied().max();
+        let decays = match highest {
+            None => String::new(),
+            Some(_) => format!(
+                "
     let before = clamp(x.last / scale, -1.0, 1.0);
+    let after = clamp(u / scale, -1.0, 1.0);
     let moved = u - x.last;
     let points = way(moved);
     if points != 0.0 {{
         // In the middle of the path: the rate of decay, and the powers of the input.
-        let m = 0.5 * (before + v);
+        let m = 0.5 * (before + after);
         let alike = rate_slope * m + rate_bend * m * m;
         let by_way = rise + rise_slope * m + rise_bend * m * m;
         let factor = clamp(1.0 + alike + points * by_way, {low:?}, {high:?});
@@ -274,17 +281,21 @@ fn hysteresis(x: hysteresis, u) {{
         let decay = rate * factor * distance;
         let share = growth(-decay);
         let kept = 1.0 - decay * share;
-        let path = share * moved;
-        let length = share * distance;
+        {path}
+        {length}
         {}
 {moves}    }}
-    {}
-{sum}    x.last = u;
+",
+                powers("m", highest)
+            ),
+        };
+        format!(
+            "
+fn hysteresis(x: hysteresis, u) {{{decays}
+{bend}{sum}    x.last = u;
     return z;
 }}
-",
-            powers("m"),
-            powers("v")
+"
         )
     }
 }

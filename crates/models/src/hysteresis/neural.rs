@@ -211,15 +211,16 @@ impl Neural {
     /// [`Law::step`], weighted, with each kind of unit written out.
     fn text(&self) -> String {
         let kind = |j: usize| {
-            let (first, name) = (j + 1, j + 1);
+            let name = j + 1;
+            let first = if j == 0 { "n".into() } else { format!("{name} * n") };
             format!(
                 "    // The units of kind {name}.
     let shared_{name} = input_{name} * now + bias_{name};
     let resting_{name} = unit(slope_{name} * rest + (input_{name} * rest + bias_{name}));
-    z += w[{first} * n] * (half * (unit(slope_{name} * now + shared_{name}) - resting_{name}));
+    z += w[{first}] * (half * (unit(slope_{name} * now + shared_{name}) - resting_{name}));
     for k in 1..n {{
         let a_{name} = slope_{name} * ((x.play[k - 1] - middle) / half) + shared_{name};
-        z += w[{first} * n + k] * (half * (unit(a_{name}) - resting_{name}));
+        z += w[{first} + k] * (half * (unit(a_{name}) - resting_{name}));
     }}
 "
             )

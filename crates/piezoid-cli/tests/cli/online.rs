@@ -71,7 +71,10 @@ fn what_cannot_be_followed_is_named() {
     bench.run(&format!("{line} --moves weights")).exits(1).says(&["preisach.json", "for each weight of preisach"]);
     bench.run(line).ok().says(&["the weights keep their proportions"]);
     bench.run("online sine5.csv --model pi.json --moves slope").exits(2).says(&["slope", "gain"]);
-    bench.run("online sine5.csv --model pi.json --memory 1").exits(2).says(&["--memory 1: must be at least", "at least 10"]);
+    bench
+        .run("online sine5.csv --model pi.json --memory 1")
+        .exits(2)
+        .says(&["--memory 1: must be at least", "at least 10"]);
     bench.run("online none.csv --model pi.json").exits(1).says(&["none.csv"]);
     bench.run("online - --model pi.json --fs 1000").exits(1).says(&["lines u,y or t,u,y"]);
     bench.run("online sine5.csv").exits(2).says(&["--model"]);
