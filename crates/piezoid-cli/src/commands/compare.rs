@@ -29,7 +29,7 @@ With --operators or --structures, files that do not end in .json are training re
 #[command(
     after_help = EXAMPLES,
     override_usage = "piezoid compare <MODEL>... --data <FILE>... [OPTIONS]\n       \
-                      piezoid compare <RECORD or MODEL>... --operators <NAMES> [--data <FILE>...] [OPTIONS]"
+                      piezoid compare <FILE>... --operators <NAMES> [--data <FILE>...]"
 )]
 pub(crate) struct Compare {
     /// The model files; with --operators or --structures also training records.

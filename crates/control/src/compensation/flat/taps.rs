@@ -10,8 +10,8 @@
 //!
 //! A converter holds u from the end of sample k - 1 to that of sample k. Modes respond to a smooth voltage v with
 //! `lag v' + v = w`, the response sin(theta/2) / (theta/2) of the hold and its delay of half a sample. The voltage
-//! itself is a staircase behind the lag; along a ramp both are equal at one instant of each sample, without a lag in its
-//! middle.
+//! itself is a staircase behind the lag; along a ramp both are equal at one instant of each sample, without a lag in
+//! its middle.
 //!
 //! Reference: B. Fornberg, Math. Comput. 51 (1988), DOI 10.1090/S0025-5718-1988-0935077-0 (differences); L. G. Ixaru,
 //! Comput. Phys. Commun. 105 (1997), DOI 10.1016/S0010-4655(97)00067-2 (formulas exact for one frequency).
