@@ -9,8 +9,8 @@
 //! the error, each a regularised recursive least squares in factored form (`factor`): gain and offset with a short
 //! memory, the factors of the groups and the coefficients a, b with a long one, these in turn. The error is that of the
 //! free run, so noise of y leads to no bias (Ljung & Soderstrom 1983, "Theory and Practice of Recursive
-//! Identification", MIT Press, sections 3.6 and 5.6, recursive prediction-error methods; Eskinat, Johnson & Luyben 1991, DOI
-//! 10.1002/aic.690370211, on Hammerstein models).
+//! Identification", MIT Press, sections 3.6 and 5.6, recursive prediction-error methods; Eskinat, Johnson & Luyben
+//! 1991, DOI 10.1002/aic.690370211, on Hammerstein models).
 //!
 //! The product of gain, weights and b is known only as a whole. After every step the factors have the mean 1 that the
 //! stroke of their groups weighs, and b the static gain of the start; the ratios go to the gain.
