@@ -18,6 +18,14 @@ pub fn largest<'a>(x: impl IntoIterator<Item = &'a f64>) -> f64 {
     x.into_iter().fold(0.0, |largest: f64, x| largest.max(x.abs()))
 }
 
+/// Shifts `newest` into the past values of a series, newest first; the oldest leaves.
+pub fn shift_in(past: &mut [f64], newest: f64) {
+    if let Some(oldest) = past.len().checked_sub(1) {
+        past.copy_within(..oldest, 1);
+        past[0] = newest;
+    }
+}
+
 /// The mean; NaN for an empty series.
 pub fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64

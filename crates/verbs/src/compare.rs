@@ -180,9 +180,9 @@ impl CompareOptions {
         progress: &mut Progress,
     ) -> Result<ModelComparison, Error> {
         self.methods.check()?;
-        let split = self.split(&contest)?;
+        let Contest { training, small_signal, data, models, others } = contest;
+        let split = Split::of(training, data, self.methods.held_out)?;
         let record = self.drawn(split.tests.iter().map(|test| &*test.name))?;
-        let Contest { small_signal, models, others, .. } = contest;
         let identified = self.methods.names()?;
         let names = models.iter().map(|(name, _)| name).chain(others.iter().map(|other| &other.name));
         let names: Vec<&String> = names.chain(&identified).collect();
@@ -224,8 +224,7 @@ impl CompareOptions {
             let reason = cancelled.to_string();
             board.failed.extend(missing.map(|name| Failed { name, reason: reason.clone() }).collect::<Vec<_>>());
         }
-        let error = |one: &ComparedModel| one.validated.total().rms_pp_percent;
-        board.models.sort_by(|a, b| error(a).total_cmp(&error(b)));
+        board.models.sort_by(|a, b| a.error().total_cmp(&b.error()));
         Ok(ModelComparison { split: Some(split), ..board })
     }
 
@@ -279,6 +278,11 @@ impl ComparedModel {
         ComparedModel { name, model: Some(model), all_parameters: Some(all), validated, times: Times::default() }
     }
 
+    /// Rms error of the free runs on all records [% of peak-to-peak].
+    pub fn error(&self) -> f64 {
+        self.validated.total().rms_pp_percent
+    }
+
     /// Numbers that describe its hysteresis block; `None` without a model.
     pub fn parameters(&self) -> Option<usize> {
         self.model.as_ref().map(parameters)
@@ -318,15 +322,14 @@ impl ModelComparison {
 
     /// The model with the smallest error over all records; `None` if all errors are undefined.
     pub fn best(&self) -> Option<&ComparedModel> {
-        let error = |one: &ComparedModel| one.validated.total().rms_pp_percent;
-        let finite = self.models.iter().filter(|one| error(one).is_finite());
-        finite.min_by(|a, b| error(a).total_cmp(&error(b)))
+        let finite = self.models.iter().filter(|one| one.error().is_finite());
+        finite.min_by(|a, b| a.error().total_cmp(&b.error()))
     }
 
     /// The comparison in one sentence; `None` if all errors are undefined.
     pub fn summary(&self) -> Option<String> {
         let best = self.best()?;
-        let error = |one: &ComparedModel| piezoid_validation::rough(one.validated.total().rms_pp_percent);
+        let error = |one: &ComparedModel| piezoid_validation::rough(one.error());
         let others = self.models.iter().filter(|one| one.name != best.name);
         let others: Vec<String> = others.map(|one| format!("{} {} %", one.name, error(one))).collect();
         let than = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };

@@ -62,9 +62,9 @@ impl Split {
         let mut split = Split { training: Vec::new(), tests: Vec::new(), held_out };
         for named in training {
             let (name, record) = &named;
-            let (n, have) = (record.len(), record.len());
-            let from = ((1.0 - share) * n as f64).round() as usize;
-            if from < LEAST || n - from.min(n) < LEAST {
+            let have = record.len();
+            let from = ((1.0 - share) * have as f64).round() as usize;
+            if from < LEAST || have - from.min(have) < LEAST {
                 let what = format!("{name}, of which {} % are held out,", round(100.0 * share));
                 let remedy = "give a longer record, hold out another share, or give other records to compare on".into();
                 return Err(Error::TooShort { what, have, need: 2 * LEAST, remedy });

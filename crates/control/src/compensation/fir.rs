@@ -10,6 +10,7 @@ use piezoid_models::linear::Response;
 use piezoid_models::program::Block;
 use piezoid_numerics::complex::{argument, modulus, polar};
 use piezoid_numerics::error::{Error, finite, positive};
+use piezoid_numerics::series::shift_in;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use std::f64::consts::TAU;
@@ -137,10 +138,7 @@ impl System for Fir {
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
         let y = self.taps[0] * u + self.taps[1..].iter().zip(&*x).map(|(f, x)| f * x).sum::<f64>();
-        if let Some(oldest) = x.len().checked_sub(1) {
-            x.copy_within(..oldest, 1);
-            x[0] = u;
-        }
+        shift_in(x, u);
         y
     }
 }

@@ -31,6 +31,7 @@ pub(crate) use preview::{FirDesign, Preview};
 pub use sample::Causal;
 
 use piezoid_models::hammerstein::Model;
+use piezoid_models::hysteresis::Real;
 use piezoid_numerics::error::{Error, finite};
 use piezoid_numerics::number::{round, short};
 use piezoid_numerics::system::System;
@@ -354,14 +355,7 @@ impl FeedForward {
 
     /// The nearest of these inputs to `u`, or to `before` if `u` is not finite.
     fn nearest(&self, u: f64, (low, high): (f64, f64), before: f64) -> f64 {
-        let u = if u.is_finite() { u } else { before };
-        if u > high {
-            high
-        } else if u < low {
-            low
-        } else {
-            u
-        }
+        Real::clamp(if u.is_finite() { u } else { before }, low, high)
     }
 
     /// True if this input is at a limit of those allowed after `before`.

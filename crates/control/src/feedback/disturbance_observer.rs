@@ -18,6 +18,7 @@ use super::{ControlLoop, Controller, ControllerInput, ControllerKind, check, pro
 use piezoid_models::linear::Arx;
 use piezoid_models::program::Block;
 use piezoid_numerics::error::{Error, positive};
+use piezoid_numerics::series::shift_in;
 use piezoid_numerics::system::System;
 use std::sync::Arc;
 
@@ -65,8 +66,7 @@ impl Controller for DisturbanceObserver {
         let feed_forward = input.limited_feed_forward(self.limits);
         let unexplained = self.inverse.step(inverse, input.error()) + past[self.delay - 1];
         let u = (feed_forward + self.q.step(q, unexplained)).clamp(low, high);
-        past.rotate_right(1);
-        past[0] = u - feed_forward;
+        shift_in(past, u - feed_forward);
         u
     }
 

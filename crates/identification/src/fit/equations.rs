@@ -30,8 +30,8 @@ const DETECTED_DRIFT: f64 = 1.0;
 /// Expected distance of G from its state at the start, over the peak-to-peak of y.
 const EXPECTED_RINGING: f64 = 0.03;
 
-/// Independent errors in a record: those of a model are alike from sample to sample.
-const SAMPLES_PER_ERROR: f64 = 100.0;
+/// Samples for one independent error of a record: those of a model are alike from sample to sample.
+pub(crate) const SAMPLES_PER_ERROR: f64 = 100.0;
 
 /// The weight that draws each of a run's own coefficients to zero: what is expected of them. `own` are their products.
 fn expected(

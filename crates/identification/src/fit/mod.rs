@@ -38,6 +38,7 @@ pub(super) use dynamics::{
     MAX_MODE_DAMPING, MIN_MODE_DAMPING, creep_pole, is_lag, slowest_observable, slowest_pole, with_slow_lags_limited,
     without_factor,
 };
+pub(super) use equations::SAMPLES_PER_ERROR;
 pub(super) use estimate::{CreepOrder, Estimate};
 pub(super) use fitted::Fitted;
 pub(super) use free_run::{free_run_residual, free_run_squares};

@@ -5,8 +5,9 @@
 //! rows: v / S for the gain, 1 for the offset, g v_m / S for factors, A(1) / S for a, A(1) / Z for b
 //! ```
 
-use super::{EXCITATION_MEMORIES, MAX_B, MAX_OFFSET, OFFSET_PRIOR, OnlineSettings};
+use super::{EXCITATION_MEMORIES, MAX_B, MAX_OFFSET, MAX_REFLECTION, OFFSET_PRIOR, OnlineSettings};
 use piezoid_models::hammerstein::Model;
+use piezoid_models::linear::decays_within;
 use piezoid_numerics::error::Error;
 
 /// The constants.
@@ -57,7 +58,7 @@ impl Scales {
             return Err(unsuited(why.into()));
         };
         let linear = model.linear();
-        if !super::step::is_stable(&mut linear.a().to_vec()) {
+        if !decays_within(&mut linear.a().to_vec(), MAX_REFLECTION) {
             return Err(unsuited("the linear block of the model is unstable".into()));
         }
         let (rest, still) = (1.0 - linear.a().iter().sum::<f64>(), linear.dc_gain());

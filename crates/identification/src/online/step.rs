@@ -5,6 +5,9 @@ use super::layout::{Layout, State};
 use super::{
     GAIN_RANGE, MAX_COEFFICIENTS, MAX_FACTOR, MAX_GROUPS, MAX_RATIO, MAX_REFLECTION, MAX_ROW, Online, PHASES, parts_of,
 };
+use piezoid_models::hysteresis::Real;
+use piezoid_models::linear::decays_within;
+use piezoid_numerics::series::shift_in;
 
 impl Online {
     /// One sample: the input and the reading. Advances the state and returns the response that was expected with the
@@ -12,7 +15,7 @@ impl Online {
     pub fn step(&self, x: &mut [f64], u: f64, y: f64) -> f64 {
         let (mut s, mut fits) = self.split(x);
         if u.is_finite() {
-            *s.input = clamp(u, self.scales.inputs.0, self.scales.inputs.1);
+            *s.input = Real::clamp(u, self.scales.inputs.0, self.scales.inputs.1);
         }
         let mut parts = [0.0; MAX_GROUPS];
         let parts = &mut parts[..self.groups.len()];
@@ -28,14 +31,14 @@ impl Online {
         if y.is_finite() {
             *s.error = y - expected;
             if *s.error > self.dead_zone || *s.error < -self.dead_zone {
-                let e = clamp(*s.error, -self.scales.stroke, self.scales.stroke);
+                let e = Real::clamp(*s.error, -self.scales.stroke, self.scales.stroke);
                 if *s.power >= self.scales.least_power {
                     self.move_all(&mut s, &mut fits, response, e);
                 } else if self.moves.offset {
                     *s.offset += self.scales.drift * e;
                 }
-                *s.gain = clamp(*s.gain, GAIN_RANGE.0, GAIN_RANGE.1);
-                *s.offset = clamp(*s.offset, self.scales.offsets.0, self.scales.offsets.1);
+                *s.gain = Real::clamp(*s.gain, GAIN_RANGE.0, GAIN_RANGE.1);
+                *s.offset = Real::clamp(*s.offset, self.scales.offsets.0, self.scales.offsets.1);
             }
         }
         expected
@@ -64,8 +67,8 @@ impl Online {
             let outputs = &mut s.outputs[m * past..(m + 1) * past];
             let sum = inputs.iter().zip(&s.b[1..]).fold(s.b[0] * z, |sum, (z, b)| sum + b * z);
             let sum = outputs.iter().zip(&*s.a).fold(sum, |sum, (y, a)| sum + a * y);
-            shift(inputs, z);
-            shift(outputs, sum);
+            shift_in(inputs, z);
+            shift_in(outputs, sum);
             if let Some(q) = &mut q {
                 q.row[m] = sum;
             }
@@ -81,14 +84,14 @@ impl Online {
         let mut v = response;
         for (i, (a, before)) in s.a.iter().zip(&*s.filtered_out).enumerate() {
             v += a * before;
-            q.row[i] = clamp(before * by_a, -MAX_ROW, MAX_ROW);
+            q.row[i] = Real::clamp(before * by_a, -MAX_ROW, MAX_ROW);
         }
-        shift(s.filtered_out, v);
+        shift_in(s.filtered_out, v);
         let v = s.a.iter().zip(&*s.filtered_in).fold(crept, |v, (a, before)| v + a * before);
-        shift(s.filtered_in, v);
+        shift_in(s.filtered_in, v);
         let na = s.a.len();
         for (k, past) in s.filtered_in[self.delay..s.b.len()].iter().enumerate() {
-            q.row[na + k] = clamp(past * by_b, -MAX_ROW, MAX_ROW);
+            q.row[na + k] = Real::clamp(past * by_b, -MAX_ROW, MAX_ROW);
         }
     }
 
@@ -97,7 +100,7 @@ impl Online {
         let phase = *s.phase;
         if let (Some(factor), Some(q), true) = (&self.weights, &mut fits.weights, phase == 0.0) {
             let scale = *s.gain * self.scales.of_gain;
-            q.row.iter_mut().for_each(|row| *row = clamp(*row * scale, -MAX_ROW, MAX_ROW));
+            q.row.iter_mut().for_each(|row| *row = Real::clamp(*row * scale, -MAX_ROW, MAX_ROW));
             factor.update(q, e);
             factor.recall(q);
             self.move_factors(s, q);
@@ -115,7 +118,8 @@ impl Online {
         }
         if self.moves.gain || self.moves.offset {
             let q = &mut fits.gain;
-            q.row[0] = if self.moves.gain { clamp(response * self.scales.of_gain, -MAX_ROW, MAX_ROW) } else { 0.0 };
+            q.row[0] =
+                if self.moves.gain { Real::clamp(response * self.scales.of_gain, -MAX_ROW, MAX_ROW) } else { 0.0 };
             q.row[1] = if self.moves.offset { 1.0 } else { 0.0 };
             self.gain.update(q, e);
             self.gain.recall(q);
@@ -128,13 +132,13 @@ impl Online {
     fn move_factors(&self, s: &mut State, q: &mut FactorState) {
         let (mut moved, mut mean) = ([0.0; MAX_GROUPS], 0.0);
         for (m, factor) in s.factor.iter().enumerate() {
-            moved[m] = clamp(factor + q.step[m] * self.scales.of_gain, 0.0, MAX_FACTOR);
+            moved[m] = Real::clamp(factor + q.step[m] * self.scales.of_gain, 0.0, MAX_FACTOR);
             mean += self.scales.share[m] * moved[m];
         }
         if mean * MAX_RATIO > 1.0 && mean < MAX_RATIO {
             let ratio = if self.moves.gain { mean } else { 1.0 };
             for (m, factor) in s.factor.iter_mut().enumerate() {
-                *factor = clamp(moved[m] / ratio, 0.0, MAX_FACTOR);
+                *factor = Real::clamp(moved[m] / ratio, 0.0, MAX_FACTOR);
                 q.away[m] = (*factor - 1.0) / self.scales.of_gain;
             }
             *s.gain *= ratio;
@@ -152,13 +156,13 @@ impl Online {
             rest -= q.row[i];
         }
         for (k, old) in moving.iter().enumerate() {
-            q.row[na + k] = clamp(old + q.step[na + k] * scales.of_b, -scales.most_b, scales.most_b);
+            q.row[na + k] = Real::clamp(old + q.step[na + k] * scales.of_b, -scales.most_b, scales.most_b);
             sum += q.row[na + k];
         }
         let mean = sum / (rest * scales.still);
         let mut c = [0.0; MAX_COEFFICIENTS];
         c[..na].copy_from_slice(&q.row[..na]);
-        if mean * MAX_RATIO > 1.0 && mean < MAX_RATIO && is_stable(&mut c[..na]) {
+        if mean * MAX_RATIO > 1.0 && mean < MAX_RATIO && decays_within(&mut c[..na], MAX_REFLECTION) {
             let ratio = if self.moves.gain { mean } else { 1.0 };
             for (i, a) in s.a.iter_mut().enumerate() {
                 *a = q.row[i];
@@ -178,36 +182,4 @@ pub(super) struct Fits<'x> {
     weights: Option<FactorState<'x>>,
     linear: Option<FactorState<'x>>,
     gain: FactorState<'x>,
-}
-
-/// `value` within bounds, NaN for NaN, by the comparisons of programs.
-fn clamp(value: f64, low: f64, high: f64) -> f64 {
-    let held = if value > high { high } else { value };
-    if held < low { low } else { held }
-}
-
-/// Shifts `newest` into `past`, newest first.
-fn shift(past: &mut [f64], newest: f64) {
-    if let Some(oldest) = past.len().checked_sub(1) {
-        past.copy_within(..oldest, 1);
-        past[0] = newest;
-    }
-}
-
-/// True if all poles of 1 / (1 - c1 q^-1 - c2 q^-2 - ...) are within the unit circle: so are then the reflection
-/// coefficients of the step-down recursion (Jury's criterion), which uses `c` up.
-pub(super) fn is_stable(c: &mut [f64]) -> bool {
-    for j in (0..c.len()).rev() {
-        let k = c[j];
-        if !(k > -MAX_REFLECTION && k < MAX_REFLECTION) {
-            return false;
-        }
-        let scale = 1.0 / (1.0 - k * k);
-        for i in 0..j.div_ceil(2) {
-            let (front, back) = (c[i], c[j - 1 - i]);
-            c[i] = (front + k * back) * scale;
-            c[j - 1 - i] = (back + k * front) * scale;
-        }
-    }
-    true
 }

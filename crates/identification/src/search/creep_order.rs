@@ -8,7 +8,9 @@
 //! ```
 //! because the errors of a model are alike from sample to sample.
 
-use super::fit::{CreepOrder, Estimate, Fitted, FreeParameters, Smoothness, refine_from, refine_to_minimum};
+use super::fit::{
+    CreepOrder, Estimate, Fitted, FreeParameters, SAMPLES_PER_ERROR, Smoothness, refine_from, refine_to_minimum,
+};
 use super::{Candidate, Search, creep_lags};
 use libm::{fabs, pow, sqrt};
 use piezoid_models::creep::{Creep, Lag};
@@ -23,9 +25,6 @@ const SAME: f64 = 1e-4;
 
 /// Slower lags than those of other creep [decades]: they add to the drift within a record.
 const SLOWER_DECADES: f64 = 1.0;
-
-/// Samples for one independent error.
-const SAMPLES_PER_ERROR: f64 = 100.0;
 
 /// The move: the same candidate with creep of one order.
 pub(super) fn fit_order(candidate: &Candidate, search: &mut Search) -> Result<Option<Candidate>, Error> {

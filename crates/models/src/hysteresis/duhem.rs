@@ -81,7 +81,7 @@ impl Law for Duhem {
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
-        let scale = scale(&input);
+        let scale = input.largest();
         let v = input.u / scale.into();
         if input.direction() != 0.0 {
             let length = shape[0] * input.length();
@@ -109,7 +109,7 @@ impl Law for Duhem {
 
     fn block(&self, block: Block, input: Input) -> Block {
         let block = block.numbers("psi", vec![0.0; self.degree]).count("n", self.degree);
-        let block = block.constant("scale", scale(&input)).constant("long_path", MAX_DEGREE as f64);
+        let block = block.constant("scale", input.largest()).constant("long_path", MAX_DEGREE as f64);
         block.table("reciprocal", &RECIPROCALS).count("terms", RECIPROCALS.len()).text(STEP)
     }
 
@@ -122,11 +122,6 @@ impl Law for Duhem {
         let (low, high) = bends(half);
         vec![ShapeParameter { name: "alpha", value: self.alpha, low, high }]
     }
-}
-
-/// S: the largest |u| of the range [input unit].
-fn scale<R>(input: &Input<R>) -> f64 {
-    input.range.0.abs().max(input.range.1.abs())
 }
 
 /// m_i = int_0^1 e^(-x r) r^i dr for i = 0..n, given e^-x, x >= 0. By parts (i + 1) m_i = e^-x + x m_(i+1). The

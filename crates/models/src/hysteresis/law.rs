@@ -63,6 +63,11 @@ impl<R: Real> Input<R> {
         0.5 * (self.range.1 - self.range.0)
     }
 
+    /// The largest |u| of the range [input unit].
+    pub(super) fn largest(&self) -> f64 {
+        self.range.0.abs().max(self.range.1.abs())
+    }
+
     /// The middle of the range [input unit].
     pub(super) fn middle(&self) -> f64 {
         0.5 * (self.range.0 + self.range.1)

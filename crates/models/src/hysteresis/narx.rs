@@ -150,7 +150,7 @@ impl Law for Narx {
     }
 
     fn step<R: Real>(&self, shape: &[R], x: &mut [R], input: Input<R>, mut phi: impl FnMut(usize, R)) {
-        let scale = scale(&input);
+        let scale = input.largest();
         let (one, size) = (R::from(1.0), R::from(scale));
         let (v, before) = ((input.u / size).clamp(-one, one), (input.before / size).clamp(-one, one));
         let way = input.direction();
@@ -184,7 +184,7 @@ impl Law for Narx {
     }
 
     fn block(&self, block: Block, input: Input) -> Block {
-        let block = block.numbers("part", vec![0.0; Law::order(self)]).constant("scale", scale(&input));
+        let block = block.numbers("part", vec![0.0; Law::order(self)]).constant("scale", input.largest());
         block.text(&self.text())
     }
 
@@ -211,11 +211,6 @@ impl Law for Narx {
     }
 }
 
-/// S: the largest |u| of the range [input unit].
-fn scale<R>(input: &Input<R>) -> f64 {
-    input.range.0.abs().max(input.range.1.abs())
-}
-
 /// 1, v, v^2, ...
 fn powers<R: Real>(v: R) -> [R; MAX_DEGREE + 1] {
     let mut powers = [R::from(1.0); MAX_DEGREE + 1];
@@ -228,12 +223,10 @@ fn powers<R: Real>(v: R) -> [R; MAX_DEGREE + 1] {
 impl Narx {
     /// [`Law::step`], weighted, with each term written out.
     fn text(&self) -> String {
-        // Up to the highest power of which a term needs more than the variable: unused variables are warnings in C.
-        let powers = |of: &str, highest: Option<usize>| -> String {
+        // Only powers and paths that a term has: unused variables are warnings in C.
+        let powers = |of: &str, highest: usize| -> String {
             let next = |i: usize| format!("let {of}_{i} = {of}_{} * {of}; ", i - 1);
-            highest.map_or(String::new(), |highest| {
-                format!("let {of}_0 = 1.0; {}", (1..=highest).map(next).collect::<String>())
-            })
+            format!("let {of}_0 = 1.0; {}", (1..=highest).map(next).collect::<String>())
         };
         let (n, moved) = (self.reversible.len(), self.moved.len());
         let term = |(k, path, j): (usize, &str, usize)| {
@@ -241,7 +234,7 @@ impl Narx {
         };
         let of_moved = self.moved.iter().enumerate().map(|(k, &j)| (k, "path", j));
         let of_travelled = self.travelled.iter().enumerate().map(|(k, &j)| (moved + k, "length", j));
-        let moves: String = of_moved.chain(of_travelled).map(term).collect();
+        let decays: String = of_moved.chain(of_travelled).map(term).collect();
         let of_power = |(k, &i): (usize, &usize)| {
             format!("w[{k}] * {}", if i == 1 { "u".into() } else { format!("(scale * v_{i})") })
         };
@@ -254,51 +247,43 @@ impl Narx {
                 _ => format!("    z += {term};\n"),
             })
             .collect();
-        let (low, high) = FACTOR;
-        let highest = self.reversible.iter().copied().max().filter(|i| *i > 1);
-        let bend = match highest {
-            Some(_) => format!("    let v = clamp(u / scale, -1.0, 1.0);\n    {}\n", powers("v", highest)),
-            None => String::new(),
-        };
-        let path = if self.moved.is_empty() { "" } else { "let path = share * moved;" };
-        let length = if self.travelled.is_empty() { "" } else { "let length = share * distance;" };
-        let highest = self.moved.iter().chain(&self.travelled).copied().max();
-        let decays = match highest {
-            None => String::new(),
-            Some(_) => format!(
-                "
-    let before = clamp(x.last / scale, -1.0, 1.0);
+        let bends = self.reversible.iter().copied().max().filter(|i| *i > 1);
+        let bent = bends.map_or(String::new(), |highest| {
+            format!("    let v = clamp(u / scale, -1.0, 1.0);\n    {}\n", powers("v", highest))
+        });
+        let decay = self.moved.iter().chain(&self.travelled).max().map_or(String::new(), |&highest| {
+            DECAY
+                .replace("PATH", if self.moved.is_empty() { "" } else { "let path = share * moved;" })
+                .replace("LENGTH", if self.travelled.is_empty() { "" } else { "let length = share * distance;" })
+                .replace("POWERS", &powers("m", highest))
+                .replace("LOWEST", &format!("{:?}", FACTOR.0))
+                .replace("HIGHEST", &format!("{:?}", FACTOR.1))
+                .replace("DECAYS", &decays)
+        });
+        format!("\nfn hysteresis(x: hysteresis, u) {{\n{decay}{bent}{sum}    x.last = u;\n    return z;\n}}\n")
+    }
+}
+
+/// What decays along the path, in a [`Law::step`] that has such parts.
+const DECAY: &str = "    let before = clamp(x.last / scale, -1.0, 1.0);
     let after = clamp(u / scale, -1.0, 1.0);
     let moved = u - x.last;
     let points = way(moved);
-    if points != 0.0 {{
+    if points != 0.0 {
         // In the middle of the path: the rate of decay, and the powers of the input.
         let m = 0.5 * (before + after);
         let alike = rate_slope * m + rate_bend * m * m;
         let by_way = rise + rise_slope * m + rise_bend * m * m;
-        let factor = clamp(1.0 + alike + points * by_way, {low:?}, {high:?});
+        let factor = clamp(1.0 + alike + points * by_way, LOWEST, HIGHEST);
         let distance = moved * points;
         let decay = rate * factor * distance;
         let share = growth(-decay);
         let kept = 1.0 - decay * share;
-        {path}
-        {length}
-        {}
-{moves}    }}
-",
-                powers("m", highest)
-            ),
-        };
-        format!(
-            "
-fn hysteresis(x: hysteresis, u) {{{decays}
-{bend}{sum}    x.last = u;
-    return z;
-}}
-"
-        )
-    }
-}
+        PATH
+        LENGTH
+        POWERS
+DECAYS    }
+";
 
 #[cfg(test)]
 mod tests {

@@ -229,14 +229,6 @@ fn sum<'a>(v: f64, c: &[f64], oldest_first: impl Iterator<Item = &'a f64>) -> f6
     c.iter().rev().zip(oldest_first).fold(v, |sum, (c, p)| sum + c * p)
 }
 
-/// Shifts `newest` into `past`, newest first.
-pub(super) fn shift_in(past: &mut [f64], newest: f64) {
-    if let Some(oldest) = past.len().checked_sub(1) {
-        past.copy_within(..oldest, 1);
-        past[0] = newest;
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

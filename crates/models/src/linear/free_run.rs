@@ -293,17 +293,26 @@ fn impulse_response(a: &[f64], n: usize) -> Vec<f64> {
     values
 }
 
-/// True if 1 - a1 q^-1 - ... has all poles inside the unit circle: all reflection coefficients are below 1
-/// (Schur-Cohn). False for NaN.
+/// True if 1 - a1 q^-1 - ... has all poles inside the unit circle. False for NaN.
 pub(super) fn decays(a: &[f64]) -> bool {
-    let mut c = a.to_vec();
-    while let Some(k) = c.pop() {
-        if k.is_nan() || k.abs() >= 1.0 {
+    decays_within(&mut a.to_vec(), 1.0)
+}
+
+/// The same for reflection coefficients below `most` (Schur-Cohn, by the step-down recursion, which uses `c` up): with
+/// less than 1, poles keep a distance from the unit circle.
+pub fn decays_within(c: &mut [f64], most: f64) -> bool {
+    for j in (0..c.len()).rev() {
+        let k = c[j];
+        if !(k > -most && k < most) {
             return false;
         }
         // Reduces the order by one.
-        let reversed: Vec<f64> = c.iter().rev().copied().collect();
-        c.iter_mut().zip(&reversed).for_each(|(c, r)| *c = (*c + k * r) / (1.0 - k * k));
+        let scale = 1.0 / (1.0 - k * k);
+        for i in 0..j.div_ceil(2) {
+            let (front, back) = (c[i], c[j - 1 - i]);
+            c[i] = (front + k * back) * scale;
+            c[j - 1 - i] = (back + k * front) * scale;
+        }
     }
     true
 }

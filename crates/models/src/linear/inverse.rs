@@ -10,10 +10,11 @@
 //! is not visible in the output.
 
 use super::analysis::Root;
-use super::arx::{Arx, shift_in};
+use super::arx::Arx;
 use libm::log;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::join;
+use piezoid_numerics::series::shift_in;
 use piezoid_numerics::system::System;
 
 /// Zeros closer to the unit circle than this count as on it.

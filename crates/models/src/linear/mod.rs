@@ -25,6 +25,8 @@ pub use arx::Arx;
 pub use fit::{ESTIMATORS, Estimator, Fit, Residuals};
 pub use fit_modes::{FittedMode, ModalFit};
 pub use free_decay::free_decay_modes;
+#[doc(hidden)]
+pub use free_run::decays_within;
 pub use modes::{ModalForm, PoleShare};
 pub use output_error::refine;
 pub use output_error::{OutputError, Refinement};

@@ -119,7 +119,7 @@ fn ranking(compared: &ModelComparison, console: &Console) -> String {
         let size = one.all_parameters.map_or_else(none, |n| n.to_string());
         let [fit, step] =
             [one.times.fit_s, one.times.step_ns].map(|time| time.map_or_else(none, |t| format!("{t:.1}")));
-        vec![one.name.clone(), number(one.validated.total().rms_pp_percent), noise, operator, size, fit, step]
+        vec![one.name.clone(), number(one.error()), noise, operator, size, fit, step]
     };
     let failed = compared.failed.iter().map(|one| {
         [one.name.clone(), "failed".into()].into_iter().chain(std::iter::repeat_with(none).take(5)).collect()

@@ -77,7 +77,7 @@ fn described(split: &Split) -> String {
 /// Error against number of parameters: the methods for which no smaller one has a smaller error are joined and named.
 /// `None` if no error and number are known. It holds no times: they differ from run to run.
 pub fn leaderboard(compared: &ModelComparison) -> Option<Figure> {
-    let point = |one: &ComparedModel| Some((one.all_parameters? as f64, one.validated.total().rms_pp_percent));
+    let point = |one: &ComparedModel| Some((one.all_parameters? as f64, one.error()));
     let points = compared.models.iter().filter_map(|one| Some((one.name.as_str(), point(one)?)));
     let mut points: Vec<(&str, (f64, f64))> =
         points.filter(|(_, (n, e))| *n > 0.0 && *e > 0.0 && e.is_finite()).collect();
@@ -118,7 +118,7 @@ fn blocks(models: &[ComparedModel]) -> PageTable {
     let table = PageTable::new("Models").text("model").text("operator").number("rms / peak-to-peak [%]");
     let table = table.number("NRMSE [%]").number("fit [%]").number("noise [%]").number("hysteresis");
     let table = table.number("parameters").number("order").number("creep [%]");
-    let least = least(models.iter().map(|one| one.validated.total().rms_pp_percent));
+    let least = least(models.iter().map(ComparedModel::error));
     let row = |one: &ComparedModel| {
         let (model, total) = (one.model.as_ref(), one.validated.total());
         let creep = |model: &Model| short(100.0 * model.creep().lags().iter().map(|lag| lag.gain).sum::<f64>());
@@ -147,7 +147,7 @@ fn by_record(models: &[ComparedModel], records: &[Compared]) -> PageTable {
         [Cell::from(name)].into_iter().chain(errors.into_iter().map(cell)).collect::<Vec<_>>()
     };
     let of = |k: usize| models.iter().map(|one| one.validated.files[k].validation.metrics.rms_pp_percent).collect();
-    let total = || models.iter().map(|one| one.validated.total().rms_pp_percent).collect();
+    let total = || models.iter().map(ComparedModel::error).collect();
     PageTable::new("Errors by record [% rms of peak-to-peak]")
         .text("record")
         .each(models, |table, one| table.number(one.name.as_str()))

@@ -32,6 +32,7 @@ mod taps;
 mod whole;
 
 use piezoid_models::feedback::{FeedbackMode, FeedbackModel};
+use piezoid_numerics::series::shift_in;
 use taps::{REACH, TAPS, dot};
 
 /// Samples of the reference that the inverse knows in advance, besides the delay of the sensor.
@@ -176,7 +177,7 @@ impl Flat {
         let Parts { q, p, beside, held, v, crept, hysteresis } = self.parts(x);
         let operator = self.model.hysteresis();
         let read = self.displacement(r);
-        push(q, if read.is_finite() { read } else { q[0] });
+        shift_in(q, if read.is_finite() { read } else { q[0] });
         let q = &q[waits..];
         let mut newest = dot(&self.across, q);
         if self.bends != 0.0 {
@@ -195,24 +196,24 @@ impl Flat {
                 z = crept.iter().fold(self.creeps * inner, |z, c| z + c);
                 self.creep_on(crept, inner);
             }
-            push(beside, z);
+            shift_in(beside, z);
         }
-        push(p, newest);
+        shift_in(p, newest);
         let force = p[FORCE] + self.away(dot(&self.vibrates, p));
         match &self.drive {
             Drive::Displacement { .. } => {
-                push(held, (force - self.mode.hysteretic * beside[FORCE]) / self.mode.input);
+                shift_in(held, (force - self.mode.hysteretic * beside[FORCE]) / self.mode.input);
                 dot(&self.held, held)
             }
             Drive::Input { displacement, force: of_force, z: of_z, between, vibration, ends, left } => {
-                push(held, force);
+                shift_in(held, force);
                 let z = dot(&self.held, held) / self.mode.hysteretic;
                 let mut back = displacement * dot(between, &p[FORCE..]) + of_z * z;
                 if *of_force != 0.0 {
                     back += of_force * dot(between, held);
                 }
                 if !beside.is_empty() {
-                    push(beside, dot(vibration, q));
+                    shift_in(beside, dot(vibration, q));
                     back -= beside[WITHIN];
                 }
                 let inner = crept.iter().fold(z, |z, c| z - c) / self.creeps;
@@ -259,13 +260,6 @@ fn root(v: f64) -> f64 {
     let v = if v < LEAST_BEND { LEAST_BEND } else { v };
     let start = if v > 0.0 { 1.0 + v } else { 1.0 };
     (0..ROOT_STEPS).fold(start, |h, _| (h * h + v) / (2.0 * h - 1.0))
-}
-
-/// Puts a value at the front; the last one leaves.
-fn push(x: &mut [f64], newest: f64) {
-    let last = x.len() - 1;
-    x.copy_within(..last, 1);
-    x[0] = newest;
 }
 
 #[cfg(test)]
