@@ -197,6 +197,8 @@ export interface CallOptions {
     begin?: "rest" | "settled" | "from-above" | "from-below" | "motion";
     /** Seed of the plant's noise */
     seed?: number;
+    /** Add the standard deviation of a model's response, which the operator gaussian-process states */
+    deviation?: boolean;
   };
   /** Show the hysteresis loop of a record: its reversals, separating line and branches. */
   loops: {

@@ -13,6 +13,7 @@ mod json;
 mod linear;
 mod lists;
 mod model;
+mod online;
 mod plant;
 mod record;
 mod samples;
@@ -33,6 +34,7 @@ mod _piezoid {
         linear::{Arx, fit},
         lists::{excite, lists, plan},
         model::Model,
+        online::Online,
         plant::Plant,
         record::{Columns, Record},
         study::study,

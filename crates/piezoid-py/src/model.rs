@@ -116,19 +116,24 @@ impl Model {
     fn simulate(&self, py: Python<'_>, u: &Bound<'_, PyAny>, begin: &str) -> PyResult<Array> {
         let settings = samples("u", u)?;
         let u = finite("u", slice(&settings)?)?;
-        let initial_condition = match begin {
-            "likely" => InitialCondition::of(u)[0],
-            name => serde_json::from_value(json!(name)).map_err(|_| {
-                let rule = "must be rest, settled, from-above, from-below, motion or likely";
-                refused(&format!("begin = {begin}: {rule}"))
-            })?,
-        };
+        let initial_condition = initial_condition(begin, u)?;
         let mut x = py.detach(|| self.model.before(u, initial_condition));
         let y = match self.model.interpolates() {
             true => py.detach(|| self.model.follow(&mut x, u)),
             false => in_pieces(py, u, |u| self.model.resume(&mut x, u))?,
         };
         Ok(array(py, y))
+    }
+
+    /// The standard deviation of the free run.
+    fn deviation(&self, py: Python<'_>, u: &Bound<'_, PyAny>, begin: &str) -> PyResult<Array> {
+        let settings = samples("u", u)?;
+        let u = finite("u", slice(&settings)?)?;
+        let initial_condition = initial_condition(begin, u)?;
+        let found = py.detach(|| self.model.deviation(&self.model.before(u, initial_condition), u));
+        let none = "needs a model whose operator states one, in series with its mechanics: identify it with \
+                    operator=\"gaussian-process\"";
+        found.map(|found| array(py, found)).ok_or_else(|| refused(&format!("deviation {none}")))
     }
 
     /// Prediction one step ahead, from measured outputs.
@@ -186,6 +191,17 @@ impl Model {
         let document: Value = serde_json::from_str(&self.model.to_json())
             .map_err(|e| refused(&format!("the model cannot be converted to a dict: {e}")))?;
         object(py, &document)
+    }
+}
+
+/// The initial condition of this name, for the input `u`.
+fn initial_condition(begin: &str, u: &[f64]) -> PyResult<InitialCondition> {
+    match begin {
+        "likely" => Ok(InitialCondition::of(u)[0]),
+        name => serde_json::from_value(json!(name)).map_err(|_| {
+            let rule = "must be rest, settled, from-above, from-below, motion or likely";
+            refused(&format!("begin = {begin}: {rule}"))
+        }),
     }
 }
 

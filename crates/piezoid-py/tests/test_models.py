@@ -150,3 +150,28 @@ def test_a_failing_input_tells_where(model: pz.Model) -> None:
         model.simulate([0.0, 1.0, 2.0, float("inf")])
     assert isinstance(pz.PiezoidError("x"), ValueError)
     assert len(model.simulate([])) == 0
+
+
+def test_a_gaussian_process_states_its_standard_deviation_and_others_refuse(model: pz.Model) -> None:
+    text = next(file for file in VECTORS if file.stem == "gaussian-process").read_text()
+    process = pz.Model.from_dict(json.loads(text)["model"])
+    u = 20 * np.sin(0.1 * np.arange(500))
+    within, beyond = process.deviation(u), process.deviation(5 * u, begin="settled")
+    assert within.shape == u.shape and 0 < within.max() < beyond.max()
+    with pytest.raises(pz.PiezoidError, match="gaussian-process"):
+        model.deviation(u)
+
+
+def test_a_model_follows_a_gain_sample_by_sample_and_along_a_record(model: pz.Model) -> None:
+    u = 25 * np.sin(0.05 * np.arange(4000))
+    y = 1.1 * model.simulate(u, begin="settled")
+    by_sample, by_record = pz.Online(model, every=0.5), pz.Online(model, every=0.5)
+    rows = [row for row in map(by_sample.step, u, y) if row is not None]
+    table = by_record.follow(pz.Record(u, y, model.ts, units=model.units))
+    assert list(table["gain"]) == [row["gain"] for row in rows] and len(rows) == 4
+    assert by_record.model == by_sample.model and by_record.samples == len(u)
+    assert by_record.parameters["gain"] == pytest.approx(1.1, abs=0.02)
+    with pytest.raises(pz.PiezoidError, match="sampl"):
+        by_record.follow(pz.Record(u, y, 2 * model.ts, units=model.units))
+    with pytest.raises(TypeError, match="gain_memory"):
+        pz.Online(model, gain_memry=20)

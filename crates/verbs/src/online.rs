@@ -117,15 +117,18 @@ impl OnlineOptions {
     /// # Errors
     /// The errors of [`Online::new`].
     pub fn start(&self, file: &File) -> Result<OnlineRun, Error> {
-        let model = file.model()?;
-        let online = Online::new(&model, &self.estimator.settings()?).map_err(|error| blamed(error, file))?;
-        let between = self.samples(self.every.unwrap_or(1.0), model.ts());
-        let options = self.clone();
-        Ok(OnlineRun { online, model, options, state: None, samples: 0, between, squares: 0.0, readings: 0 })
+        self.start_at(file.model()?).map_err(|error| blamed(error, file))
     }
 
-    fn samples(&self, seconds: f64, ts: f64) -> usize {
-        (seconds / ts).round().clamp(1.0, 1e15) as usize
+    /// A run that starts at this model.
+    ///
+    /// # Errors
+    /// The errors of [`Online::new`].
+    pub fn start_at(&self, model: Model) -> Result<OnlineRun, Error> {
+        let online = Online::new(&model, &self.estimator.settings()?)?;
+        let between = samples(self.every.unwrap_or(1.0), model.ts());
+        let options = self.clone();
+        Ok(OnlineRun { online, model, options, state: None, samples: 0, between, squares: 0.0, readings: 0 })
     }
 
     /// Replays a record; `take` gets each row as it comes. A cancelled replay ends where it is.
@@ -142,37 +145,45 @@ impl OnlineOptions {
         progress: &mut Progress,
     ) -> Result<Replayed, Error> {
         let mut run = self.start(file)?;
-        let record = run.record(data, columns)?;
-        if self.every.is_none() {
-            run.between = self.samples(record.duration() / ROWS, record.ts());
-        }
-        let (n, mut rows) = (record.u().len(), Vec::new());
-        for (t, (u, y)) in record.u().iter().zip(record.y()).enumerate() {
-            if t % PIECE == 0 && progress(Stage::new("recursive identification", t, n)).is_break() {
-                break;
-            }
-            if let Some(row) = run.step(*u, *y) {
-                take(&row)?;
-                rows.push(row);
-            }
-        }
+        let record = data.record(columns)?;
+        let rows = run.follow(&record, take, progress).map_err(|error| error.about(&data.name))?;
         let source = json!({"file": short(&data.name), "sha256": data.sha256()?});
         Ok(Replayed { rows, model: run.finished(source)?, remarks: run.remarks().to_vec() })
     }
 }
 
 impl OnlineRun {
-    /// The record in a file, in the units of the model.
-    fn record(&self, data: &DataFile, columns: &ColumnSelection) -> Result<Record, Error> {
-        let of = |error: Error| error.about(&data.name);
-        let record = data.record(columns)?;
-        Record::same_sampling("the model", self.model.ts(), "the record", record.ts()).map_err(of)?;
+    /// Follows a record from here on; `take` gets each row as it comes. A cancelled run ends where it is.
+    ///
+    /// # Errors
+    /// Errors for another sampling period and for units that cannot be converted; those of `take`.
+    pub fn follow(
+        &mut self,
+        record: &Record,
+        take: &mut dyn FnMut(&OnlineRow) -> Result<(), Error>,
+        progress: &mut Progress,
+    ) -> Result<Vec<OnlineRow>, Error> {
+        Record::same_sampling("the model", self.model.ts(), "the record", record.ts())?;
         let units = self.model.units();
         if record.units().u != units.u {
             let rule = format!("must be that of the model, {}: convert it with input_unit or input_scale", units.u);
-            return Err(of(Error::parameter("unit of the input", &record.units().u, rule)));
+            return Err(Error::parameter("unit of the input", &record.units().u, rule));
         }
-        record.output_in(&units.y).map_err(of)
+        let record = record.output_in(&units.y)?;
+        if self.options.every.is_none() {
+            self.between = samples(record.duration() / ROWS, record.ts());
+        }
+        let (n, mut rows) = (record.len(), Vec::new());
+        for (t, (u, y)) in record.u().iter().zip(record.y()).enumerate() {
+            if t % PIECE == 0 && progress(Stage::new("recursive identification", t, n)).is_break() {
+                break;
+            }
+            if let Some(row) = self.step(*u, *y) {
+                take(&row)?;
+                rows.push(row);
+            }
+        }
+        Ok(rows)
     }
 
     /// One sample. Returns the parameters whenever a row is due. A reading that is no number is skipped.
@@ -295,6 +306,11 @@ impl OnlineRun {
         };
         Ok(Some((u, y)))
     }
+}
+
+/// The number of samples in a time, at least one.
+fn samples(seconds: f64, ts: f64) -> usize {
+    (seconds / ts).round().clamp(1.0, 1e15) as usize
 }
 
 impl Replayed {

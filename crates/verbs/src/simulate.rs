@@ -29,6 +29,8 @@ options! {
         begin: InitialCondition = InitialCondition::Rest, OptionRow::new(INITIAL_CONDITIONS);
         /// Seed of the plant's noise.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
+        /// Add the standard deviation of a model's response, which the operator gaussian-process states.
+        deviation: bool = false, OptionRow::new(OptionKind::Switch);
     }
 }
 
@@ -41,6 +43,8 @@ pub struct Simulated {
     pub u: Vec<f64>,
     /// The response.
     pub y: Vec<f64>,
+    /// Its standard deviation [output unit]; empty unless it is asked for.
+    pub deviation: Vec<f64>,
     /// Their units.
     pub units: Units,
     /// The limits that were reached, as text; empty if there were none.
@@ -78,12 +82,19 @@ impl SimulateOptions {
     /// Returns an error for a file without an input, for an input with another unit or, of a model, another sampling
     /// period, and for a response that overflows. The errors of [`Plant::new`].
     pub fn run(&self, subject: &Subject, input: &DataFile, columns: &ColumnSelection) -> Result<Simulated, Error> {
-        let units = subject.units();
-        let mut result = Simulated { ts: 0.0, u: Vec::new(), y: Vec::new(), units, reached: String::new() };
-        result.reached = self.in_pieces(subject, input, columns, &mut |ts, u, y| {
-            result.ts = ts;
-            result.u.extend(u);
-            result.y.extend(y);
+        let mut result = Simulated {
+            ts: 0.0,
+            u: Vec::new(),
+            y: Vec::new(),
+            deviation: Vec::new(),
+            units: subject.units(),
+            reached: String::new(),
+        };
+        result.reached = self.in_pieces(subject, input, columns, &mut |piece| {
+            result.ts = piece.ts;
+            result.u.extend(piece.u);
+            result.y.extend(piece.y);
+            result.deviation.extend(piece.deviation);
             Ok(())
         })?;
         Ok(result)
@@ -100,27 +111,27 @@ impl SimulateOptions {
         (input, columns): (&DataFile, &ColumnSelection),
         (name, to): (&str, &mut dyn Write),
     ) -> Result<String, Error> {
-        let Units { u, y } = subject.units();
         let (mut to, mut writer) = (Some(to), None);
-        self.in_pieces(subject, input, columns, &mut |ts, inputs, response| {
+        self.in_pieces(subject, input, columns, &mut |piece| {
+            let (names, columns): (Vec<_>, Vec<_>) = piece.columns().into_iter().unzip();
             let mut write = || {
                 if let Some(to) = to.take() {
-                    writer = Some(TextWriter::new(to, ts, &[&format!("u_{u}"), &format!("y_{y}")])?);
+                    writer =
+                        Some(TextWriter::new(to, piece.ts, &names.iter().map(String::as_str).collect::<Vec<_>>())?);
                 }
-                writer.as_mut().map_or(Ok(()), |writer| writer.rows(&[&inputs, &response]))
+                writer.as_mut().map_or(Ok(()), |writer| writer.rows(&columns))
             };
             write().map_err(|error| error.of(name))
         })
     }
 
-    /// Simulates piece by piece: `take` gets the sampling period, the inputs and the responses of each. Returns the
-    /// limits that were reached.
+    /// Simulates piece by piece, which `take` gets. Returns the limits that were reached.
     fn in_pieces(
         &self,
         subject: &Subject,
         input: &DataFile,
         columns: &ColumnSelection,
-        take: &mut dyn FnMut(f64, Vec<f64>, Vec<f64>) -> Result<(), Error>,
+        take: &mut dyn FnMut(Simulated) -> Result<(), Error>,
     ) -> Result<String, Error> {
         let mut run = None;
         // All other initial conditions depend on the whole input, and so does an interpolation.
@@ -139,8 +150,9 @@ impl SimulateOptions {
                 Some(run) => run,
                 none => none.insert(self.begin(subject, ts, &u).map_err(|error| error.about(&input.name))?),
             };
+            let deviation = if self.deviation { run.deviation(&u)? } else { Vec::new() };
             let y = run.respond(&u)?;
-            take(ts, u, y)?;
+            take(Simulated { ts, u, y, deviation, units: subject.units(), reached: String::new() })?;
         }
         Ok(run.map(Run::reached).unwrap_or_default())
     }
@@ -214,6 +226,19 @@ impl Run<'_> {
         Ok(y)
     }
 
+    /// The standard deviation of the response to the next inputs.
+    fn deviation(&self, u: &[f64]) -> Result<Vec<f64>, Error> {
+        let found = match &self.system {
+            Simulator::Model(model) => model.deviation(&self.state, u),
+            Simulator::Plant(..) => None,
+        };
+        found.ok_or_else(|| {
+            let rule = "needs a model whose operator states one, in series with its mechanics: identify it with \
+                        --operator gaussian-process";
+            Error::parameter("deviation", true, rule)
+        })
+    }
+
     /// The limits that a plant has reached, as text.
     fn reached(self) -> String {
         let Simulator::Plant(plant, spec, jumps) = &self.system else { return String::new() };
@@ -267,8 +292,16 @@ impl Simulated {
     /// # Errors
     /// The errors of [`Table::write`].
     pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
-        let (u, y) = (format!("u_{}", self.units.u), format!("y_{}", self.units.y));
-        Table::write(name, self.ts, &[(&u, &self.u), (&y, &self.y)])
+        let columns = self.columns();
+        let columns: Vec<_> = columns.iter().map(|(name, column)| (name.as_str(), *column)).collect();
+        Table::write(name, self.ts, &columns)
+    }
+
+    /// Its columns by name.
+    fn columns(&self) -> Vec<(String, &[f64])> {
+        let Units { u, y } = &self.units;
+        let columns = [(format!("u_{u}"), &self.u), (format!("y_{y}"), &self.y), (format!("sd_{y}"), &self.deviation)];
+        columns.into_iter().map(|(name, column)| (name, &column[..])).filter(|(_, column)| !column.is_empty()).collect()
     }
 }
 
@@ -293,5 +326,29 @@ mod tests {
         assert!(slow.contains("is at most 70.95 mA of 500 mA"), "{slow}");
         assert!(fast.ends_with("samples limited by the driver's current"), "{fast}");
         assert_eq!(reached(10.0, 1e-3), "");
+    }
+
+    #[test]
+    fn a_gaussian_process_states_its_deviation_in_a_third_column() {
+        use piezoid_models::hysteresis::Operator;
+        use piezoid_models::linear::Arx;
+        let model = |operator: &str| {
+            let hysteresis = (Operator::find(operator).unwrap().example)(1e-3).unwrap();
+            Subject::Model(Model::new(hysteresis, Arx::new(1e-3, vec![0.5], vec![1.0]).unwrap(), 0.0).unwrap())
+        };
+        let u: Vec<f64> = (0..300).map(|t| (0.15 * f64::from(t) + 10.0) * (0.2 * f64::from(t)).sin()).collect();
+        let input: DataFile = File::new("u.csv", Table::write("u.csv", 1e-3, &[("u_V", &u)]).unwrap()).into();
+        let options = SimulateOptions { deviation: true, ..SimulateOptions::default() };
+        let columns = &ColumnSelection::default();
+        let found = options.run(&model("gaussian-process"), &input, columns).unwrap();
+        let mut written = Vec::new();
+        options.write(&model("gaussian-process"), (&input, columns), ("y.csv", &mut written)).unwrap();
+        assert_eq!(found.written("y.csv").unwrap(), written);
+        assert!(String::from_utf8(written).unwrap().starts_with("t_s,u_V,y_um,sd_um\n"));
+        let most = |samples: &[f64]| samples.iter().copied().fold(0.0, f64::max);
+        let (within, beyond) = found.deviation.split_at(60);
+        assert!(0.0 < most(within) && 2.0 * most(within) < most(beyond), "{} {}", most(within), most(beyond));
+        let refused = options.run(&model("preisach"), &input, columns).unwrap_err().to_string();
+        assert!(refused.contains("--operator gaussian-process"), "{refused}");
     }
 }

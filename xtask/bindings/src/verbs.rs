@@ -6,14 +6,14 @@ use piezoid::{IdentifyOptions, PrepareOptions};
 use piezoid_export::ExportOptions;
 use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::study::StudyOptions;
-use piezoid_verbs::{CompareOptions, CompensateOptions, ControlOptions, PlanOptions, SimulateOptions};
+use piezoid_verbs::{CompareOptions, CompensateOptions, ControlOptions, OnlineOptions, PlanOptions, SimulateOptions};
 
 /// The rows of a table.
 pub(crate) type Rows = fn() -> Vec<OptionRow>;
 
 /// The classes of keywords in Python. Left out are options that its functions take in another form: references as
 /// arrays, tolerances as fractions, `from` and `to`, of which one is a word of the language, as `start` and `stop`.
-pub(crate) const KEYWORDS: [(&str, &str, Rows); 13] = [
+pub(crate) const KEYWORDS: [(&str, &str, Rows); 14] = [
     ("ColumnOptions", "`read` and `inspect`", || without(ColumnSelection::rows(), &["from", "to"])),
     ("CompareOptions", "`compare`", || without(CompareOptions::rows(), &["record", "operators", "structures"])),
     ("CompensateOptions", "`Model.compensate`", CompensateOptions::rows),
@@ -26,9 +26,10 @@ pub(crate) const KEYWORDS: [(&str, &str, Rows); 13] = [
     ("InverseOptions", "`Model.inverse`", || {
         without(CompensateOptions::rows(), &["iterations", "smooth", "notch", "zvd"])
     }),
+    ("OnlineOptions", "`Online`", OnlineOptions::rows),
     ("PlanOptions", "`plan`", PlanOptions::rows),
     ("PrepareOptions", "`Record.prepare`", PrepareOptions::rows),
-    ("SimulateOptions", "`Plant.simulate`", SimulateOptions::rows),
+    ("SimulateOptions", "`Plant.simulate`", || without(SimulateOptions::rows(), &["deviation"])),
     ("StudyOptions", "`study`", || without(StudyOptions::rows(), &["plant"])),
     ("SwarmOptions", "`linear.fit`", || {
         let swarm = ["particles", "iterations", "global_best", "seed"];

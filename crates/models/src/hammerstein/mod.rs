@@ -314,6 +314,21 @@ impl Model {
         }
     }
 
+    /// Standard deviation of the response to the input `u` from the state `x`, after each sample [output unit]; `None`
+    /// if the operator states none, and with mechanics in feedback. It is that of z times the static gain: the errors of
+    /// a hysteresis change as slowly as its input.
+    pub fn deviation(&self, x: &[f64], u: &[f64]) -> Option<Vec<f64>> {
+        let mut x = x.to_vec();
+        let creep: f64 = self.creep.lags().iter().map(|lag| lag.gain).sum();
+        let gain = (self.linear.dc_gain() * (1.0 + creep)).abs();
+        let [hysteresis, _, _, driver] = self.feedback.is_none().then(|| self.parts(&mut x))?;
+        let after = |&u: &f64| {
+            self.hidden(hysteresis, driver, &mut [u]);
+            Some(gain * self.hysteresis.deviation(hysteresis)?)
+        };
+        u.iter().map(after).collect()
+    }
+
     /// The place of creep in the state, and its lags.
     pub fn creep_of_state(&self) -> (usize, &[Lag]) {
         match self.feedback() {

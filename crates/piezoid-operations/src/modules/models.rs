@@ -81,7 +81,8 @@ fn simulate(inputs: &Inputs) -> Result<Output, Error> {
     let outcome = options.simulation.run(&subject, &input, &columns)?;
     let result = json!({"ts": outcome.ts, "units": outcome.units, "reached": outcome.reached});
     let file = File::new("simulated.csv", outcome.written("simulated.csv")?);
-    Ok(Output { result, series: named([("u", &outcome.u), ("y", &outcome.y)]), files: vec![file] })
+    let series = [("u", &outcome.u[..]), ("y", &outcome.y), ("deviation", &outcome.deviation)];
+    Ok(Output { result, series: named(series), files: vec![file] })
 }
 
 /// Number of points on which a branch is drawn, less one.

@@ -25,6 +25,7 @@ from .identify import identify
 from .inspect import Inspection, inspect
 from .lists import actuators, controllers, drivers, estimators, excitations, operators, references, targets
 from .model import Compensation, FeedForward, Model, Validation, Verdict, load
+from .online import Online
 from .plan import Plan, plan
 from .plants import Plant, plants
 from .records import Record, read, read_reference
@@ -42,6 +43,7 @@ __all__ = [
     "Inspection",
     "Model",
     "ModelComparison",
+    "Online",
     "PiezoidError",
     "Plan",
     "Plant",

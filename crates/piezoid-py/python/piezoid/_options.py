@@ -276,6 +276,34 @@ class InverseOptions(TypedDict, total=False):
     current: float | str | None
 
 
+class OnlineOptions(TypedDict, total=False):
+    """Keywords of `Online`.
+
+    begin: State of the actuator before the first sample: at rest, or settled at the first input ["rest" or "settled"];
+        default: settled
+    every: Time between two rows of parameters [s]; default: a twentieth of a record, 1 s of a stream
+
+    Estimator:
+
+    moves: What moves: a list of gain, offset, weights and linear, or auto for all that the model allows; default: auto
+    gain_memory: Memory of the gain; the offset has ten times as much [samples]; default: 50
+    memory: Memory of weights and linear block [samples]; default: 5000
+    groups: Number of groups in which the weights of the hysteresis move; default: 4
+    excitation: Rms of the alternating response, relative to the stroke, below which only the offset moves [%]; default:
+        1
+    dead_zone: Errors up to this, in the unit of the output, move nothing; default: 0
+    """
+
+    begin: Literal["rest", "settled"]
+    every: float | str | None
+    moves: str
+    gain_memory: float | str
+    memory: float | str
+    groups: int
+    excitation: float | str
+    dead_zone: float
+
+
 class PlanOptions(TypedDict, total=False):
     """Keywords of `plan`.
 
@@ -488,6 +516,16 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "high": None,
         "slew": None,
         "current": None,
+    },
+    "OnlineOptions": {
+        "begin": "settled",
+        "every": None,
+        "moves": "auto",
+        "gain_memory": 50.0,
+        "memory": 5000.0,
+        "groups": 4,
+        "excitation": 1.0,
+        "dead_zone": 0.0,
     },
     "PlanOptions": {
         "range": None,

@@ -208,6 +208,16 @@ class Model:
         y = self._core.simulate(read_input(u, self, input_col=input_col), begin)
         return pd.DataFrame({f"y_{self.units[1]}": y}, index=getattr(u, "index", None))
 
+    def deviation(self, u: Samples, *, begin: Begin = "rest") -> Array:
+        """The standard deviation of the free run with `u` [output unit], both of shape (n,).
+
+        Only models with the operator gaussian-process state one: what its inducing points leave open. It does not
+        contain noise, nor what the records leave open. An input beyond the training data has a larger one.
+
+        begin: as in `simulate`
+        """
+        return self._core.deviation(u, begin)
+
     def predict(self, u: Samples, y: Samples) -> Array:
         """One-step prediction of y[t] from u up to t and measured y up to t-1; all of shape (n,)."""
         return self._core.predict(u, y)
