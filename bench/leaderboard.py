@@ -172,13 +172,14 @@ def main() -> None:
     page = PAGE.read_text()
     head, rest = page[: page.index(BEGIN) + len(BEGIN)], page[page.index(END) :]
     before = [f"### {part.strip()}\n" for part in page[len(head) : page.index(END)].split("### ")[1:]]
+    known = [f"### {problem.name}" for problem in problems if problem is not None]
     boards = {text.splitlines()[0]: text for text in before}
     for problem in problems:
         if problem is not None and chosen.only in problem.name:
             text = board(problem, chosen.quick)
             boards[text.splitlines()[0]] = text
             if chosen.write:
-                PAGE.write_text(head + "\n" + "\n".join(boards.values()) + "\n" + rest)
+                PAGE.write_text(head + "\n" + "\n".join(boards[name] for name in known if name in boards) + "\n" + rest)
 
 
 if __name__ == "__main__":

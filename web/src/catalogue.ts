@@ -298,7 +298,7 @@ export interface CallOptions {
     memory?: number | string;
     /** Number of groups in which the weights of the hysteresis move */
     groups?: number;
-    /** Rms of the alternating response, relative to the stroke, below which only the offset moves [%] */
+    /** Rms of the alternating response, relative to half the stroke, below which only the offset moves [%] */
     excitation?: number | string;
     /** Errors up to this, in the unit of the output, move nothing */
     dead_zone?: number | string;
@@ -431,7 +431,7 @@ export interface CallOptions {
     memory?: number | string;
     /** Number of groups in which the weights of the hysteresis move */
     groups?: number;
-    /** Rms of the alternating response, relative to the stroke, below which only the offset moves [%] */
+    /** Rms of the alternating response, relative to half the stroke, below which only the offset moves [%] */
     excitation?: number | string;
     /** Errors up to this, in the unit of the output, move nothing */
     dead_zone?: number | string;

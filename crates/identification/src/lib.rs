@@ -118,6 +118,9 @@ impl JointOptions {
             _ if self.fractional_creep && !self.creep => {
                 Err(Error::parameter("fractional_creep", true, "needs creep, which is switched off: identify it"))
             }
+            _ if self.fractional_creep && self.effort == Effort::Quick => {
+                Err(Error::parameter("fractional_creep", true, "needs more effort than quick: leave one of both out"))
+            }
             _ => Ok(()),
         }
     }

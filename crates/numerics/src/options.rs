@@ -161,6 +161,7 @@ impl OptionRow {
             OptionKind::Integer(least, most) => format!("must be a whole number from {least} to {most}"),
             OptionKind::Number { least, open, below } => {
                 let number = match (least, open) {
+                    (_, true) if below.is_finite() => format!("a number above {least} and below {below}"),
                     _ if below.is_finite() => format!("a number from {least} to below {below}"),
                     (f64::NEG_INFINITY, _) => "a number".into(),
                     (0.0, true) => "a positive number".into(),

@@ -36,11 +36,20 @@ pub(crate) fn compare(
 /// The parts to fit; the whole records of the comparison, each with the first sample that counts.
 type Parts = (Vec<Record>, Vec<(Record, usize)>);
 
-/// The split of training records.
+/// The split of records, for methods of these names beside those of the options.
 #[pyfunction]
-pub(crate) fn split(training: Named<'_>, data: Named<'_>, settings: &Bound<'_, PyDict>) -> PyResult<Parts> {
+pub(crate) fn split(
+    records: (Named<'_>, Named<'_>, Named<'_>),
+    methods: Vec<String>,
+    settings: &Bound<'_, PyDict>,
+) -> PyResult<Parts> {
     let options: CompareOptions = options(settings)?;
-    let contest = Contest { training: owned(training), data: owned(data), ..Contest::default() };
+    let others = methods
+        .into_iter()
+        .map(|name| Other { name, runs: Ok(Vec::new()), parameters: None, times: Times::default() })
+        .collect();
+    let (training, small_signal, data) = (owned(records.0), owned(records.1), owned(records.2));
+    let contest = Contest { training, small_signal, data, others, ..Contest::default() };
     let split = options.split(&contest).map_err(raised)?;
     let parts = split.training.into_iter().map(|(_, record)| record.into()).collect();
     Ok((parts, split.tests.into_iter().map(|test| (test.record.into(), test.from)).collect()))

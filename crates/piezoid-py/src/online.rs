@@ -46,7 +46,8 @@ impl Online {
 
     /// Follows a record; the parameters each time they were due.
     fn follow(&self, py: Python<'_>, record: &Record, progress: Option<Py<PyAny>>) -> PyResult<Vec<Py<PyAny>>> {
-        let mut run = self.run(py);
+        let mut guard = self.run(py);
+        let run: &mut OnlineRun = &mut guard;
         let rows = watched(py, progress, |progress| run.follow(&record.record, &mut |_| Ok(()), progress))?;
         rows.iter().map(|row| by_name(py, row)).collect()
     }
@@ -63,7 +64,7 @@ impl Online {
     }
 
     fn remarks(&self, py: Python<'_>) -> Vec<String> {
-        self.run(py).remarks().to_vec()
+        self.run(py).remarks()
     }
 
     fn samples(&self, py: Python<'_>) -> usize {

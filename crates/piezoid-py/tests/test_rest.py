@@ -144,13 +144,19 @@ def test_functions_are_compared_with_operators_on_one_split(rich: pz.Record, mod
     other = pz.compare(records=[rich], methods=line, data=held)
     assert list(other.ranking.index) == ["line"] and other.figures["split"]["held_out"] is None
     assert trained[-1][0] == rich
+    assert list(pz.compare(records=[rich], methods={"class": Line}, data=held).ranking.index) == ["class"]
+    trained.clear()
     for message, call in {
-        "did you mean": lambda: pz.compare(rich, operators="stopp"),
+        "did you mean": lambda: pz.compare(rich, line, operators="stopp"),
+        "two methods are called": lambda: pz.compare(rich, [line, line]),
+        "no-creep": lambda: pz.compare(rich, line, structures="order-99,no-crep"),
+        "skip": lambda: pz.compare(rich, line, skip=1e6),
         "there are no names": lambda: pz.compare(rich, operators=[]),
         "held_out = 1": lambda: pz.compare(rich, operators="stop", held_out=1),
     }.items():
         with pytest.raises(pz.PiezoidError, match=message):
             call()
+    assert not trained, "what is wrong is found before the work"
 
 
 def test_errors_call_settings_by_their_names_here(model: pz.Model, rich: pz.Record) -> None:

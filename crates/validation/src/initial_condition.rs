@@ -14,8 +14,14 @@ const FIRST_PART_SHARE: f64 = 0.1;
 const MAX_ERROR_RATIO: f64 = 0.8;
 
 /// The free run from the initial condition with the smallest error in the first part of the record, in its unit: the
-/// input alone does not determine it.
-pub(super) fn free_run_from(model: &Model, record: &Record, k: f64, free_offset: bool) -> (Vec<f64>, InitialCondition) {
+/// input alone does not determine it. Only the first `known` outputs count.
+pub(super) fn free_run_from(
+    model: &Model,
+    record: &Record,
+    known: usize,
+    k: f64,
+    free_offset: bool,
+) -> (Vec<f64>, InitialCondition) {
     let u = record.u();
     let moves = || u.windows(2).map(|w| (w[1] - w[0]).abs());
     let enough = FIRST_PART_SHARE * moves().sum::<f64>();
@@ -24,7 +30,8 @@ pub(super) fn free_run_from(model: &Model, record: &Record, k: f64, free_offset:
         path += step;
         path < enough
     });
-    let part = (before_enough.count() + 2).max((u.len() as f64 * FIRST_PART_SHARE).ceil() as usize).min(u.len());
+    let part = (before_enough.count() + 2).max((u.len() as f64 * FIRST_PART_SHARE).ceil() as usize);
+    let part = part.min(known).min(u.len());
     let error = |initial_condition: InitialCondition| {
         let simulated = model.follow(&mut model.before(u, initial_condition), &u[..part]);
         let e: Vec<f64> = record.y().iter().zip(&simulated).map(|(y, s)| y - k * s).collect();

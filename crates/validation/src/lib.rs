@@ -129,11 +129,19 @@ pub trait Validate {
     /// # Errors
     /// Returns an error if the sampling period differs, the units cannot be converted, or the record is shorter than
     /// `skip`.
-    fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error>;
+    fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
+        self.validate_end(record, record.len(), options)
+    }
+
+    /// The same if the outputs from sample `from` on are held out: the initial condition follows from those before.
+    ///
+    /// # Errors
+    /// The same.
+    fn validate_end(&self, record: &Record, from: usize, options: &ValidateOptions) -> Result<Validation, Error>;
 }
 
 impl Validate for Model {
-    fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
+    fn validate_end(&self, record: &Record, from: usize, options: &ValidateOptions) -> Result<Validation, Error> {
         Record::same_sampling("the model", self.ts(), "the record", record.ts())?;
         let (own, units) = (self.units(), record.units());
         if units.u != own.u {
@@ -142,7 +150,7 @@ impl Validate for Model {
         let unknown = || Error::units("the output of the record", &units.y, &own.y);
         let k = Units::factor(&own.y, &units.y).ok_or_else(unknown)?;
         let (simulated, initial_condition) =
-            initial_condition::free_run_from(self, record, k, options.offset != Offset::Kept);
+            initial_condition::free_run_from(self, record, from, k, options.offset != Offset::Kept);
         Validation::compared(Some(self), record, (simulated, initial_condition), options)
     }
 }

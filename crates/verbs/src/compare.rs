@@ -159,12 +159,35 @@ impl CompareOptions {
         names.clone().position(|name| name == expected || short(name) == expected).ok_or_else(known)
     }
 
-    /// The split of the records of a contest.
+    /// The split of the records of a contest. All that can be refused before the work is refused here.
     ///
     /// # Errors
-    /// The errors of [`Split::of`].
+    /// The errors of [`CompareOptions::contest`].
     pub fn split(&self, contest: &Contest) -> Result<Split, Error> {
-        Split::of(contest.training.clone(), contest.data.clone(), self.methods.held_out)
+        Ok(self.begin(contest)?.0)
+    }
+
+    /// The split, the number of the record that is drawn, and the names of the methods to identify.
+    fn begin(&self, contest: &Contest) -> Result<(Split, usize, Vec<String>), Error> {
+        self.methods.check()?;
+        let split = Split::of(contest.training.clone(), contest.data.clone(), self.methods.held_out)?;
+        split.check(&self.validation)?;
+        let record = self.drawn(split.tests.iter().map(|test| &*test.name))?;
+        let identified = self.methods.names()?;
+        let models = contest.models.iter().map(|(name, _)| name);
+        let names = models.chain(contest.others.iter().map(|other| &other.name));
+        let names: Vec<&String> = names.chain(&identified).collect();
+        if names.is_empty() {
+            return Err(Error::Content("there is nothing to compare: give operators, structures or models".into()));
+        }
+        if let Some(twice) = names.iter().find(|name| names.iter().filter(|other| other == name).count() > 1) {
+            return Err(Error::Content(format!("two methods are called {twice}: give one of them another name")));
+        }
+        if !identified.is_empty() && split.training.is_empty() && contest.small_signal.is_empty() {
+            let remedy = "give records to identify from; those of `data` are only compared".into();
+            return Err(Error::TooShort { what: "the list of training records".into(), have: 0, need: 1, remedy });
+        }
+        Ok((split, record, identified))
     }
 
     /// Identifies the methods of the options on one split, and compares them with models and free runs that exist. A
@@ -179,23 +202,8 @@ impl CompareOptions {
         clock: Option<Clock>,
         progress: &mut Progress,
     ) -> Result<ModelComparison, Error> {
-        self.methods.check()?;
-        let Contest { training, small_signal, data, models, others } = contest;
-        let split = Split::of(training, data, self.methods.held_out)?;
-        let record = self.drawn(split.tests.iter().map(|test| &*test.name))?;
-        let identified = self.methods.names()?;
-        let names = models.iter().map(|(name, _)| name).chain(others.iter().map(|other| &other.name));
-        let names: Vec<&String> = names.chain(&identified).collect();
-        if names.is_empty() {
-            return Err(Error::Content("there is nothing to compare: give operators, structures or models".into()));
-        }
-        if let Some(twice) = names.iter().find(|name| names.iter().filter(|other| other == name).count() > 1) {
-            return Err(Error::Content(format!("two methods are called {twice}: give one of them another name")));
-        }
-        if !identified.is_empty() && split.training.is_empty() && small_signal.is_empty() {
-            let remedy = "give records to identify from; those of `data` are only compared".into();
-            return Err(Error::TooShort { what: "the list of training records".into(), have: 0, need: 1, remedy });
-        }
+        let (split, record, identified) = self.begin(&contest)?;
+        let Contest { small_signal, models, others, .. } = contest;
         let mut board =
             ModelComparison { models: Vec::new(), record, failed: Vec::new(), split: None, cancelled: None };
         for (name, model) in models {
@@ -224,7 +232,11 @@ impl CompareOptions {
             let reason = cancelled.to_string();
             board.failed.extend(missing.map(|name| Failed { name, reason: reason.clone() }).collect::<Vec<_>>());
         }
-        board.models.sort_by(|a, b| a.error().total_cmp(&b.error()));
+        let rank = |one: &ComparedModel| (one.error().is_nan(), one.error().abs());
+        board.models.sort_by(|a, b| {
+            let (a, b) = (rank(a), rank(b));
+            a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
         Ok(ModelComparison { split: Some(split), ..board })
     }
 

@@ -1,7 +1,7 @@
 //! Recursive identification along a record or a stream: rows of the parameters that move, and the model at the end.
 
-use super::{DataFile, File, blamed, short};
-use piezoid_identification::online::{Moves, Online, OnlineParameters, OnlineSettings};
+use super::{DataFile, File, Origin, blamed, short};
+use piezoid_identification::online::{GAIN_RANGE, MAX_FACTOR, Moves, Online, OnlineParameters, OnlineSettings};
 use piezoid_models::hammerstein::Model;
 use piezoid_models::linear::Arx;
 use piezoid_numerics::error::Error;
@@ -25,8 +25,8 @@ options! {
         memory: f64 = 5000.0, OptionRow::positive("samples").group(ESTIMATOR);
         /// Number of groups in which the weights of the hysteresis move.
         groups: usize = 4, OptionRow::new(OptionKind::Integer(2, 4)).group(ESTIMATOR);
-        /// Rms of the alternating response, relative to the stroke, below which only the offset moves.
-        excitation: f64 = 1.0, OptionRow::not_negative("%").group(ESTIMATOR);
+        /// Rms of the alternating response, relative to half the stroke, below which only the offset moves.
+        excitation: f64 = 1.0, OptionRow { unit: "%", ..OptionRow::new(BELOW_ALL) }.group(ESTIMATOR);
         /// Errors up to this, in the unit of the output, move nothing.
         dead_zone: f64 = 0.0, OptionRow::not_negative("").group(ESTIMATOR);
     }
@@ -47,8 +47,13 @@ options! {
 
 const ESTIMATOR: &str = "Estimator";
 
+const BELOW_ALL: OptionKind = OptionKind::Number { least: 0.0, open: false, below: 100.0 };
+
 /// Rows of a record, unless the time between them is given.
 const ROWS: f64 = 20.0;
+
+/// The command in the files of models.
+const COMMAND: &str = "piezoid online";
 
 /// Samples between two reports of progress.
 const PIECE: usize = 4096;
@@ -147,8 +152,9 @@ impl OnlineOptions {
         let mut run = self.start(file)?;
         let record = data.record(columns)?;
         let rows = run.follow(&record, take, progress).map_err(|error| error.about(&data.name))?;
-        let source = json!({"file": short(&data.name), "sha256": data.sha256()?});
-        Ok(Replayed { rows, model: run.finished(source)?, remarks: run.remarks().to_vec() })
+        let (file, sha256, columns) = (short(&data.name).into(), data.sha256()?, columns.clone());
+        let source = json!(Origin { file, sha256, columns, preparation: Vec::new() });
+        Ok(Replayed { rows, model: run.finished(source)?, remarks: run.remarks() })
     }
 }
 
@@ -227,26 +233,46 @@ impl OnlineRun {
         self.online.parameters(self.state.as_ref().unwrap_or(&self.online.initial()))
     }
 
-    /// The model with the parameters as they are. Its provenance states the start, the options and `source`, where the
-    /// samples come from.
+    /// The model with the parameters as they are. Its provenance states the identification that it started from, how
+    /// many runs were between, the options and `source`, where the samples come from.
     ///
     /// # Errors
     /// The errors of [`Online::model`].
     pub fn finished(&self, source: Value) -> Result<Model, Error> {
         let model = self.online.model(self.state.as_ref().unwrap_or(&self.online.initial()))?;
+        // Of a chain of runs, the identification stays: a file that holds all of them grows without end.
+        let before = self.model.provenance();
+        let (runs, start) = match before["command"] == COMMAND {
+            true => (before["runs_before"].as_u64().unwrap_or_default() + 1, &before["start"]),
+            false => (0, before),
+        };
         Ok(model.with_provenance(json!({
-            "command": "piezoid online",
+            "command": COMMAND,
             "version": env!("CARGO_PKG_VERSION"),
             "options": self.options.to_json(),
             "samples": self.samples,
             "source": source,
-            "start": self.model.provenance(),
+            "runs_before": runs,
+            "start": start,
         })))
     }
 
-    /// What does not move, and why, one sentence each.
-    pub fn remarks(&self) -> &[String] {
-        self.online.remarks()
+    /// What does not move, and why, and what is at an end of its range, one sentence each.
+    pub fn remarks(&self) -> Vec<String> {
+        let OnlineParameters { gain, factors, .. } = self.parameters();
+        let (low, high) = GAIN_RANGE;
+        let ends = [low, high].into_iter().filter(|end| *end == gain).map(|end| {
+            format!(
+                "the gain is at the end of its range, {end} times that of the start: sign, unit or role of a column may \
+                 be wrong, or the model that of another actuator"
+            )
+        });
+        let is_end = |factor: &&f64| **factor <= 0.0 || **factor >= MAX_FACTOR;
+        let stuck = factors.iter().filter(is_end).count();
+        let stuck = (stuck > 0).then(|| {
+            format!("factors of weights at an end of their range, 0 to {MAX_FACTOR}: {stuck}; identify the model again")
+        });
+        self.online.remarks().iter().cloned().chain(ends).chain(stuck).collect()
     }
 
     /// Number of samples so far.
@@ -405,7 +431,7 @@ mod tests {
         let estimator = |moves: &str| EstimatorOptions { moves: moves.into(), ..EstimatorOptions::default() };
         let start = |file: &File, moves: &str| {
             let options = OnlineOptions { estimator: estimator(moves), ..OnlineOptions::default() };
-            options.start(file).map(|run| run.remarks().to_vec()).map_err(|error| error.to_string())
+            options.start(file).map(|run| run.remarks()).map_err(|error| error.to_string())
         };
         let preisach = (Operator::find("preisach").unwrap().example)(TS).unwrap();
         let model = Model::new(preisach, Arx::gain(TS, 2.0).unwrap(), 0.0).unwrap();
@@ -416,5 +442,30 @@ mod tests {
         assert_eq!(start(&other, "auto").unwrap().len(), 2);
         assert!(start(&file(), "gain,slope").unwrap_err().contains("slope"));
         assert_eq!(start(&file(), "auto"), Ok(Vec::new()));
+    }
+
+    #[test]
+    fn a_model_that_goes_on_from_run_to_run_stays_small() {
+        let (options, columns) = (OnlineOptions::default(), ColumnSelection::default());
+        let data: DataFile = File::new("d.csv", record(1.0, 100)).into();
+        let mut models = vec![model().with_provenance(json!({"command": "piezoid identify"}))];
+        for _ in 0..3 {
+            let file = File::new("m.json", models[models.len() - 1].to_json());
+            models.push(options.replay(&file, &data, &columns, &mut |_| Ok(()), &mut Stage::ignore).unwrap().model);
+        }
+        let fit = models[3].provenance();
+        assert_eq!((&fit["runs_before"], &fit["start"]), (&json!(2), &json!({"command": "piezoid identify"})));
+    }
+
+    #[test]
+    fn a_gain_at_the_end_of_its_range_is_remarked_on() {
+        let data: DataFile = File::new("d.csv", record(-1.0, 2000)).into();
+        let options = OnlineOptions {
+            estimator: EstimatorOptions { moves: "gain".into(), ..Default::default() },
+            ..Default::default()
+        };
+        let found = options.replay(&file(), &data, &ColumnSelection::default(), &mut |_| Ok(()), &mut Stage::ignore);
+        let remarks = found.unwrap().remarks;
+        assert!(remarks.iter().any(|remark| remark.contains("the end of its range, 0.25")), "{remarks:?}");
     }
 }

@@ -75,12 +75,41 @@ impl Split {
         Ok(split)
     }
 
+    /// An error if a test is shorter than the time that is skipped, or cannot be simulated by models of the training
+    /// records.
+    pub(super) fn check(&self, options: &ValidateOptions) -> Result<(), Error> {
+        for Test { name, record, from } in &self.tests {
+            let duration = record.duration() - *from as f64 * record.ts();
+            if options.skip >= duration {
+                let rule = format!("must be less than the duration that counts, {} s", round(duration));
+                return Err(Error::parameter("skip", options.skip, rule).of(name));
+            }
+            let Some((first, own)) = self.training.first() else { continue };
+            Record::same_sampling(first, own.ts(), name, record.ts())?;
+            let (own, units) = (own.units(), record.units());
+            if units.u != own.u {
+                return Err(Error::units("the input of the record", &units.u, &own.u).of(name));
+            }
+            record.output_in(&own.y).map_err(|error| error.of(name))?;
+        }
+        Ok(())
+    }
+
     /// Free runs of a model on all tests.
     ///
     /// # Errors
     /// The errors of [`Validate::validate_with`].
     pub(super) fn validated(&self, model: &Model, options: &ValidateOptions) -> Result<Validated, Error> {
-        self.each(options, |_, record, options| model.validate_with(record, options))
+        self.each(options, |k, record, options| {
+            let known = Some(self.tests[k].from).filter(|from| *from > 0).unwrap_or(record.len());
+            let found = model.validate_end(record, known, options)?;
+            match found.simulated.iter().position(|y| !y.is_finite()) {
+                None => Ok(found),
+                Some(t) => {
+                    Err(Error::Content(format!("the free run is {} at sample {t}: it diverges", found.simulated[t])))
+                }
+            }
+        })
     }
 
     /// Free runs that another simulator computed, one per test.
@@ -102,16 +131,17 @@ impl Split {
     ) -> Result<Validated, Error> {
         let one = |(k, Test { name, record, from }): (usize, &Test)| {
             let start = *from as f64 * record.ts();
-            if start + options.skip >= record.duration() {
-                let rule =
-                    format!("must be less than the duration that counts, {} s", round(record.duration() - start));
-                return Err(Error::parameter("skip", options.skip, rule).of(name));
-            }
             let options = ValidateOptions { skip: start + options.skip, ..*options };
             let validation = validate(k, record, &options).map_err(|error| error.of(name))?;
             Ok(Compared { name: name.clone(), record: record.clone(), validation })
         };
         Ok(Validated { files: self.tests.iter().enumerate().map(one).collect::<Result<_, _>>()? })
+    }
+
+    /// True if a record that is compared is one of the training records.
+    pub fn tests_are_training(&self) -> bool {
+        let same = |a: &Record, b: &Record| a.u() == b.u() && a.y() == b.y();
+        self.tests.iter().any(|test| self.training.iter().any(|(_, record)| same(record, &test.record)))
     }
 
     /// The split as a document.
@@ -173,6 +203,25 @@ mod tests {
             (validated.files[0].validation.simulated.clone(), split.training)
         };
         assert_eq!(run((name, whole)), run(other));
+    }
+
+    #[test]
+    fn no_output_that_is_held_out_chooses_the_initial_condition() {
+        // Before the held-out end the settled run is nearer, in it that from rest.
+        let u: Vec<f64> =
+            (0..1000).map(|t| if t < 60 { 1.0 } else { 1.0 + (0.05 * f64::from(t - 60)).sin() }).collect();
+        let gain = Arc::new(Proportional::new(1e-3, 1.0).unwrap());
+        let model = Model::new(gain, Arx::new(1e-3, vec![0.999], vec![0.001]).unwrap(), 0.0).unwrap();
+        let run = |after: f64| {
+            let y: Vec<f64> = (0..1000).map(|t| if t < 60 { 0.6 } else { after }).collect();
+            let record = ("a".to_string(), Record::new(1e-3, u.clone(), y).unwrap());
+            let split = Split::of(vec![record], Vec::new(), 0.94).unwrap();
+            let found = split.validated(&model, &ValidateOptions::default()).unwrap();
+            (found.files[0].validation.initial_condition, found.files[0].validation.simulated.clone())
+        };
+        let (one, other) = (run(1.0), run(0.08));
+        assert_eq!(one.0, other.0);
+        assert!(one.1 == other.1, "the free runs differ");
     }
 
     #[test]

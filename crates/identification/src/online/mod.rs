@@ -19,9 +19,9 @@
 //! - Steps are damped by the prior of `factor`; factors and linear block return to the start where the input does not
 //!   excite them. Below [`OnlineSettings::excitation`] all but the offset stands still.
 //! - Gain and factors stay within [`GAIN_RANGE`] and 0 to [`MAX_FACTOR`]. A step of the linear block that would move a
-//!   pole to the unit circle, or the static gain by half, is not taken.
-//! - An error counts at most as one stroke. An input beyond the range and as much again on each side counts as the end
-//!   of that. A reading that is no number is skipped, an input that is none is held.
+//!   pole to the unit circle, or change the static gain by a factor of two, is not taken.
+//! - An error counts at most as half the stroke. An input farther outside the range than the range is wide counts as
+//!   the last one within. A reading that is no number is skipped, an input that is none is held.
 //!
 //! It does not do: thresholds and shape parameters, creep, the driver, the delay, hysteresis in feedback.
 
@@ -39,6 +39,7 @@ pub use parameters::OnlineParameters;
 use factor::Factor;
 use layout::Layout;
 use piezoid_models::hammerstein::Model;
+use piezoid_models::linear::decays_within;
 use piezoid_numerics::error::{Error, positive};
 use piezoid_numerics::system::System;
 use scales::Scales;
@@ -66,10 +67,10 @@ const MIN_MEMORY: f64 = 10.0;
 /// sample takes the time of all.
 const PHASES: f64 = 3.0;
 
-/// The rms of a row that the prior of a parameter counts as, in strokes.
+/// The rms of a row that the prior of a parameter counts as, in halves of the stroke.
 const PRIOR: f64 = 0.01;
 
-/// What the start counts as to weights and linear block: rows of one stroke, in memories.
+/// What the start counts as to weights and linear block: rows of half the stroke, in memories.
 const START: f64 = 0.1;
 
 /// The offset moves slower than the gain by this factor and one: a drift and no jump.
@@ -81,10 +82,10 @@ const EXCITATION_MEMORIES: f64 = 10.0;
 /// Largest entry of a row.
 const MAX_ROW: f64 = 100.0;
 
-/// Largest offset from that of the start, in strokes.
+/// Largest offset from that of the start, in halves of the stroke.
 const MAX_OFFSET: f64 = 10.0;
 
-/// Reflection coefficients beyond this count as unstable.
+/// No step of the linear block is taken to reflection coefficients beyond this.
 const MAX_REFLECTION: f64 = 1.0 - 1e-6;
 
 /// Largest relative change of a scale in one step that is taken.
@@ -117,7 +118,7 @@ pub struct OnlineSettings {
     pub memory: f64,
     /// Number of groups of weights.
     pub groups: usize,
-    /// Rms of the alternating part of the response below which only the offset moves, relative to the stroke [-].
+    /// Rms of the alternating part of the response below which only the offset moves, relative to half the stroke [-].
     pub excitation: f64,
     /// Errors up to this move nothing [output unit].
     pub dead_zone: f64,
@@ -234,8 +235,16 @@ impl Online {
         self.state(self.model.hidden_initial(), 0.0, &vec![0.0; self.groups.len()])
     }
 
-    /// The state at the start, the actuator settled at the input `u`.
+    /// The state at the start, the actuator settled at the input `u`, which counts as in [`Online::step`].
     pub fn settled(&self, u: f64) -> Vec<f64> {
+        let (low, high) = self.scales.inputs;
+        let u = if u < low {
+            low
+        } else if u > high {
+            high
+        } else {
+            u
+        };
         let hidden = self.model.hidden_settled(u);
         let mut parts = vec![0.0; self.groups.len()];
         parts_of(&self.model, &self.groups, &mut hidden.clone(), u, &mut parts);
@@ -300,6 +309,9 @@ impl OnlineSettings {
         if !(2..=MAX_GROUPS).contains(&self.groups) {
             return Err(Error::parameter("groups", self.groups, format!("must be from 2 to {MAX_GROUPS}")));
         }
+        if self.excitation > 1.0 {
+            return Err(Error::parameter("excitation", self.excitation, "must be at most 1, half the stroke"));
+        }
         for (name, value) in [("excitation", self.excitation), ("dead_zone", self.dead_zone)] {
             if !(value >= 0.0 && value.is_finite()) {
                 return Err(Error::parameter(name, value, "must be 0 or a positive number"));
@@ -357,6 +369,9 @@ fn fixed_coefficients(model: &Model) -> Option<String> {
     let n = moving_coefficients(model);
     match n {
         ..2 => Some("it is a gain".into()),
+        _ if !decays_within(&mut model.linear().a().to_vec(), MAX_REFLECTION) => {
+            Some("a pole is too near the unit circle at this sampling rate".into())
+        }
         2..=MAX_COEFFICIENTS => None,
         _ => Some(format!("it has {n} of them, and at most {MAX_COEFFICIENTS} move: identify a lower order")),
     }

@@ -86,7 +86,9 @@ impl Moves {
                 "offset" => &mut moves.offset,
                 "weights" => &mut moves.weights,
                 "linear" => &mut moves.linear,
-                _ => return Err(Error::unknown("moves", name, Moves::NAMES.into_iter().chain(["auto"]))),
+                _ => {
+                    return Err(Error::unknown("parameter that moves", name, Moves::NAMES.into_iter().chain(["auto"])));
+                }
             } = true;
         }
         Ok(Some(moves))

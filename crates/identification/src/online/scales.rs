@@ -1,11 +1,11 @@
-//! The constants of an estimator: the stroke, in which rows and errors are measured, and what follows from it.
+//! The constants of an estimator: half the stroke, in which rows and errors are measured, and what follows from it.
 //!
 //! ```text
-//! z_m = half the difference of s_m, settled at the ends of the range      stroke S = |G(1) sum_m z_m|
+//! z_m = half the difference of s_m, settled at the ends of the range      S = |G(1) sum_m z_m|
 //! rows: v / S for the gain, 1 for the offset, g v_m / S for factors, A(1) / S for a, A(1) / Z for b
 //! ```
 
-use super::{EXCITATION_MEMORIES, MAX_B, MAX_OFFSET, MAX_REFLECTION, OFFSET_PRIOR, OnlineSettings};
+use super::{EXCITATION_MEMORIES, MAX_B, MAX_OFFSET, OFFSET_PRIOR, OnlineSettings};
 use piezoid_models::hammerstein::Model;
 use piezoid_models::linear::decays_within;
 use piezoid_numerics::error::Error;
@@ -19,7 +19,7 @@ pub(super) struct Scales {
     pub(super) rest: f64,
     /// Static gain of the linear block.
     pub(super) still: f64,
-    /// Static response at the end of the range [output unit].
+    /// S: half the static stroke over the range [output unit].
     pub(super) stroke: f64,
     /// Share of each group in it; their sum is 1.
     pub(super) share: Vec<f64>,
@@ -58,7 +58,7 @@ impl Scales {
             return Err(unsuited(why.into()));
         };
         let linear = model.linear();
-        if !decays_within(&mut linear.a().to_vec(), MAX_REFLECTION) {
+        if !decays_within(&mut linear.a().to_vec(), 1.0) {
             return Err(unsuited("the linear block of the model is unstable".into()));
         }
         let (rest, still) = (1.0 - linear.a().iter().sum::<f64>(), linear.dc_gain());

@@ -17,7 +17,7 @@ use piezoid_models::creep::{Creep, Lag};
 use piezoid_numerics::error::Error;
 
 /// The orders of the coarse search, and the number of parabolas after it.
-const ORDERS: [f64; 6] = [0.01, 0.15, 0.3, 0.45, 0.6, 0.8];
+const ORDERS: [f64; 7] = [0.01, 0.15, 0.3, 0.45, 0.6, 0.8, 0.95];
 const PARABOLAS: usize = 4;
 
 /// Distance of two orders that are the same.
@@ -67,6 +67,13 @@ pub(super) fn fit_order(candidate: &Candidate, search: &mut Search) -> Result<Op
     let error = vertex(&fits, best).map_or(f64::NAN, |(_, bend)| {
         sqrt(2.0 * fits[best].1.minimum / (bend * (samples as f64 / SAMPLES_PER_ERROR).max(1.0)))
     });
+    if best == 0 || best + 1 == fits.len() {
+        let (low, high) = (ORDERS[0], ORDERS[ORDERS.len() - 1]);
+        search.notes.push(format!(
+            "the order of creep is at an end of the range that is tried, {low} to {high}: creep may be logarithmic (order \
+             0), or no power of time; leave --fractional-creep out"
+        ));
+    }
     let (order, mut fitted) = fits.swap_remove(best);
     fitted.estimate.creep_order = Some(CreepOrder { value: order, error });
     Ok(Some(candidate.with_fit(fitted)))

@@ -32,6 +32,9 @@ impl Creep {
     /// Returns an error for an order out of its range, and the errors of [`Creep::new`].
     pub fn fractional(ts: f64, gain: f64, order: f64, (from, to): (f64, f64)) -> Result<Self, Error> {
         positive("from", from, "seconds")?;
+        if to.is_nan() || to < from {
+            return Err(Error::parameter("to", to, format!("must be at least {from}, the shortest time constant [s]")));
+        }
         if !(order > 0.0 && order < 1.0) {
             return Err(Error::parameter("order", order, "must be above 0 and below 1"));
         }
@@ -79,6 +82,9 @@ mod tests {
         for order in [0.0, 1.0, f64::NAN] {
             let message = Creep::fractional(1e-3, 0.02, order, (1e-3, 1e3)).unwrap_err().to_string();
             assert!(message.starts_with("order = ") && message.contains("above 0 and below 1"), "{message}");
+        }
+        for to in [1e-4, f64::NAN] {
+            assert!(Creep::fractional(1e-3, 0.02, 0.5, (1e-3, to)).unwrap_err().to_string().starts_with("to = "));
         }
         assert!(Creep::fractional(1e-3, 0.02, 0.5, (1e-30, 1e30)).unwrap_err().to_string().contains("64 lags"));
     }

@@ -173,7 +173,7 @@ impl Law for GaussianProcess {
 
     fn check(&self) -> Result<(), Error> {
         thresholds::check(&self.thresholds)?;
-        thresholds::check(&self.memory).map_err(|error| Error::Content(format!("memory: {error}")))?;
+        thresholds::check_named("memory", &self.memory)?;
         counted_within("memory", self.memory.len(), 1, MAX_MEMORY)?;
         counted_within("points", self.points.len(), 1, MAX_POINTS)?;
         for point in &self.points {

@@ -56,6 +56,10 @@ pub(super) struct Narx {
     rise_bend: f64,
 }
 
+/// Decay after which nothing is left, and the largest rate: no product of both overflows.
+const FORGOTTEN: f64 = 800.0;
+const MAX_RATE: f64 = 1e100;
+
 /// Default and maximum of the powers.
 const DEGREE: usize = 5;
 const MAX_DEGREE: usize = 9;
@@ -122,6 +126,7 @@ impl Law for Narx {
 
     fn check(&self) -> Result<(), Error> {
         positive("rate", self.rate, "1 / input unit")?;
+        require(self.rate <= MAX_RATE, "rate", self.rate, &format!("must be at most {MAX_RATE:e}"))?;
         for (name, value) in self.coefficients() {
             require((-MOST..=MOST).contains(&value), name, value, &format!("must be from {} to {MOST}", -MOST))?;
         }
@@ -160,10 +165,13 @@ impl Law for Narx {
             let alike = shape[1] * m + shape[2] * m * m;
             let by_way = shape[3] + shape[4] * m + shape[5] * m * m;
             let factor = (one + alike + R::from(way) * by_way).clamp(FACTOR.0.into(), FACTOR.1.into());
-            let decay = shape[0] * factor * input.length();
+            // Farther back than `most` nothing is left; so no input is too large.
+            let (rate, most) = (shape[0] * factor, R::from(FORGOTTEN));
+            let length = if rate * input.length() > most { most / rate } else { input.length() };
+            let decay = rate * length;
             let share = (-decay).growth();
             let kept = one - decay * share;
-            let (path, length) = (share * input.path(), share * input.length());
+            let (path, length) = (share * R::from(way) * length, share * length);
             let powers = powers(m);
             let (moved, travelled) = x.split_at_mut(self.moved.len());
             for (h, &j) in moved.iter_mut().zip(&self.moved) {
@@ -253,11 +261,12 @@ impl Narx {
         });
         let decay = self.moved.iter().chain(&self.travelled).max().map_or(String::new(), |&highest| {
             DECAY
-                .replace("PATH", if self.moved.is_empty() { "" } else { "let path = share * moved;" })
+                .replace("PATH", if self.moved.is_empty() { "" } else { "let path = share * (points * distance);" })
                 .replace("LENGTH", if self.travelled.is_empty() { "" } else { "let length = share * distance;" })
                 .replace("POWERS", &powers("m", highest))
                 .replace("LOWEST", &format!("{:?}", FACTOR.0))
                 .replace("HIGHEST", &format!("{:?}", FACTOR.1))
+                .replace("FORGOTTEN", &format!("{FORGOTTEN:?}"))
                 .replace("DECAYS", &decays)
         });
         format!("\nfn hysteresis(x: hysteresis, u) {{\n{decay}{bent}{sum}    x.last = u;\n    return z;\n}}\n")
@@ -275,8 +284,11 @@ const DECAY: &str = "    let before = clamp(x.last / scale, -1.0, 1.0);
         let alike = rate_slope * m + rate_bend * m * m;
         let by_way = rise + rise_slope * m + rise_bend * m * m;
         let factor = clamp(1.0 + alike + points * by_way, LOWEST, HIGHEST);
+        // Farther back than `forgotten` nothing is left; so no input is too large.
         let distance = moved * points;
-        let decay = rate * factor * distance;
+        let decays = rate * factor;
+        if decays * distance > FORGOTTEN { distance = FORGOTTEN / decays; }
+        let decay = decays * distance;
         let share = growth(-decay);
         let kept = 1.0 - decay * share;
         PATH
@@ -313,6 +325,17 @@ mod tests {
         assert!(coarse < 0.02, "{coarse}");
         // Of second order: a tenth of the step, a hundredth of the error.
         assert_close(&[fine / coarse], &[0.01], 0.15, 0.0);
+    }
+
+    #[test]
+    fn the_largest_inputs_leave_numbers() {
+        for rate in [1e-100, 1e-3, 1.0, MAX_RATE] {
+            let narx = weighted(Narx::all(2, rate), vec![1e-300; Narx::all(2, rate).responses()]);
+            let z = narx.simulate(&[0.0, f64::MAX, -f64::MAX, 1.0, -2.0]);
+            assert!(z.iter().all(|z| z.is_finite()), "{rate:e}: {z:?}");
+        }
+        let law = Narx::all(2, 1.1 * MAX_RATE);
+        assert!(law.check().unwrap_err().to_string().contains("at most 1e100"));
     }
 
     #[test]

@@ -27,13 +27,18 @@ pub(super) fn example_weights(first: f64) -> Vec<f64> {
 
 /// Returns an error unless the thresholds are positive and ascending.
 pub(super) fn check(thresholds: &[f64]) -> Result<(), Error> {
-    finite("thresholds", thresholds)?;
-    counted_within("thresholds", thresholds.len(), 1, MAX_THRESHOLDS)?;
+    check_named("thresholds", thresholds)
+}
+
+/// The same for thresholds of another name.
+pub(super) fn check_named(name: &str, thresholds: &[f64]) -> Result<(), Error> {
+    finite(name, thresholds)?;
+    counted_within(name, thresholds.len(), 1, MAX_THRESHOLDS)?;
     let mut below = 0.0;
     for (k, &r) in thresholds.iter().enumerate() {
         if r <= below {
             let rule = format!("must be above {below}: thresholds must be positive and ascending");
-            return Err(Error::parameter(format!("thresholds[{k}]"), r, rule));
+            return Err(Error::parameter(format!("{name}[{k}]"), r, rule));
         }
         below = r;
     }

@@ -67,13 +67,14 @@ impl Run for Online {
             bail!("options of data files apply to records: a stream has lines u,y or t,u,y");
         }
         let mut rows = Rows { console, table: is_free, json: self.json.clone(), lines: String::new(), first: true };
+        let mut bad_line = None;
         let ((model, remarks), is_cancelled) = if is_stream {
             let mut run = options.start(&model).map_err(failed)?;
             rows.unit(run.unit());
             let lines = stdin();
             console.work_until_cancelled(|progress| {
-                follow(&mut run, &lines, &mut rows, progress)?;
-                Ok((run.finished(json!("stream"))?, run.remarks().to_vec()))
+                bad_line = follow(&mut run, &lines, &mut rows, progress).err();
+                Ok((run.finished(json!("stream"))?, run.remarks()))
             })?
         } else {
             let data = files::data(&self.data)?;
@@ -87,6 +88,10 @@ impl Run for Online {
         let json = self.json.as_deref().filter(|path| *path != Path::new("-"));
         let results = Results::default().file(json, rows.lines).file_with(self.output.as_deref(), || model.to_json());
         results.write(console)?;
+        if let Some(error) = bad_line {
+            let wrote = self.output.map(|path| format!("; wrote the model until then to {}", path.display()));
+            bail!("{error}{}", wrote.unwrap_or_default());
+        }
         if is_cancelled {
             let samples = &model.provenance()["samples"];
             let wrote = self.output.map(|path| format!(": wrote the model to {}", path.display())).unwrap_or_default();
@@ -147,7 +152,8 @@ fn cells(row: &OnlineRow) -> [String; 6] {
     [number(row.t), gain, offset, row.error_rms.map_or_else(none, number), hz, damping]
 }
 
-/// The lines of stdin, read by a thread of their own, so that a signal ends a stream that is silent.
+/// The lines of stdin, read by a thread of their own, so that a signal ends a stream that is silent. A last line
+/// without an end is cut: a number in it may be another one.
 fn stdin() -> Receiver<std::io::Result<String>> {
     let (to, lines) = sync_channel(QUEUE);
     std::thread::spawn(move || {
@@ -155,8 +161,9 @@ fn stdin() -> Receiver<std::io::Result<String>> {
         loop {
             let mut line = String::new();
             let read = (&mut source).take(MAX_LINE).read_line(&mut line);
-            let is_end = matches!(read, Ok(0) | Err(_));
-            if matches!(read, Ok(0)) || to.send(read.map(|_| line)).is_err() || is_end {
+            let is_cut = read.is_ok() && !line.ends_with('\n') && (line.len() as u64) < MAX_LINE;
+            let is_end = is_cut || read.is_err();
+            if is_cut || to.send(read.map(|_| line)).is_err() || is_end {
                 return;
             }
         }

@@ -64,6 +64,24 @@ fn ctrl_c_ends_a_silent_stream_and_the_model_is_written() {
 }
 
 #[test]
+fn a_bad_line_ends_a_stream_and_what_was_followed_is_written() {
+    let bench = bench();
+    let follow = |text: &str, name: &str| {
+        let line = format!("online - --model pi.json -o {name}.json --json {name}.txt --every 1e-9");
+        let mut child = bench.command(&line).stdin(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        child.stdin.take().unwrap().write_all(text.as_bytes()).unwrap();
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(bench.json(&format!("{name}.json"))["fit"]["samples"], 2, "{name}");
+        assert_eq!(bench.text(&format!("{name}.txt")).lines().count(), 2, "{name}");
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    assert_eq!(follow("0,0\n1,10\n12.", "cut").0, Some(0));
+    let (code, why) = follow("0,0\n1,10\n12.3\n4,5\n", "bad");
+    assert_eq!(code, Some(1), "{why}");
+    assert!(why.contains("line 3") && why.contains("bad.json"), "{why}");
+}
+
+#[test]
 fn what_cannot_be_followed_is_named() {
     let bench = bench();
     bench.run("identify sine5.csv --operator preisach --order 2 -o preisach.json").ok();

@@ -165,8 +165,8 @@ class ExportOptions(TypedDict, total=False):
     gain_memory: Memory of the gain; the offset has ten times as much [samples]; default: 50
     memory: Memory of weights and linear block [samples]; default: 5000
     groups: Number of groups in which the weights of the hysteresis move; default: 4
-    excitation: Rms of the alternating response, relative to the stroke, below which only the offset moves [%]; default:
-        1
+    excitation: Rms of the alternating response, relative to half the stroke, below which only the offset moves [%];
+        default: 1
     dead_zone: Errors up to this, in the unit of the output, move nothing; default: 0
     """
 
@@ -289,8 +289,8 @@ class OnlineOptions(TypedDict, total=False):
     gain_memory: Memory of the gain; the offset has ten times as much [samples]; default: 50
     memory: Memory of weights and linear block [samples]; default: 5000
     groups: Number of groups in which the weights of the hysteresis move; default: 4
-    excitation: Rms of the alternating response, relative to the stroke, below which only the offset moves [%]; default:
-        1
+    excitation: Rms of the alternating response, relative to half the stroke, below which only the offset moves [%];
+        default: 1
     dead_zone: Errors up to this, in the unit of the output, move nothing; default: 0
     """
 

@@ -194,7 +194,9 @@ def compare(
     models: list[tuple[str, Model]], records: list[tuple[str, Record]], settings: dict[str, Any]
 ) -> tuple[dict[str, Any], str]: ...
 def split(
-    training: list[tuple[str, Record]], data: list[tuple[str, Record]], settings: dict[str, Any]
+    records: tuple[list[tuple[str, Record]], list[tuple[str, Record]], list[tuple[str, Record]]],
+    methods: list[str],
+    settings: dict[str, Any],
 ) -> tuple[list[Record], list[tuple[Record, int]]]: ...
 def contest(
     models: list[tuple[str, Model]],

@@ -164,11 +164,12 @@ def compare(
     training = _named("records", *_records(() if positional is None else positional))
     tests = [] if validation is None else _named("data", *_records(validation))
     small = [(f"small signal {k}", as_record(one)._core) for k, one in enumerate(sources(small_signal), 1)]
-    parts, compared = _piezoid.split(training, tests, settings)
+    called = _called(methods)
+    parts, compared = _piezoid.split((training, small, tests), [name for name, _ in called], settings)
     train = [Record._of(core) for core in [*parts, *(core for _, core in small)]]
     inputs = [core.u for core, _ in compared]
     known_models, others = [], []
-    for name, method in _called(methods):
+    for name, method in called:
         if isinstance(method, (Model, str, os.PathLike)):
             known_models.append((name, as_model(method)._core))
         else:
@@ -194,7 +195,8 @@ def _simulated(
     """The free runs of a method, or the reason why there are none; its number of parameters, and its times."""
     try:
         start, fit = perf_counter(), None
-        if not (hasattr(method, "simulate") or _maps_inputs(method)):
+        is_fit = not hasattr(method, "simulate") or isinstance(method, type)
+        if is_fit and not _maps_inputs(method):
             method = method(train)
             fit = perf_counter() - start
         run = method.simulate if hasattr(method, "simulate") else method

@@ -68,6 +68,11 @@ fn described(split: &Split) -> String {
              the start of the record. The tables and figures below are of the smallest errors.",
             short(100.0 * share)
         ),
+        None if split.tests_are_training() => {
+            "Compared on records that the methods were identified from: the errors do not show how they predict. The \
+             tables and figures below are of the smallest errors."
+                .into()
+        }
         None => "Identified from other records than those compared. The tables and figures below are of the smallest \
                  errors."
             .into(),

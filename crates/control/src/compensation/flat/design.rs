@@ -1,7 +1,7 @@
 //! The numbers of the inverse, from those of the model.
 
 use super::taps::{Differences, Hold, REACH, TAPS, combined};
-use super::{Drive, Flat, Slow};
+use super::{Drive, Flat, MOST_BEND, Slow};
 use piezoid_models::creep::Lag;
 use piezoid_models::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel, Intersample};
 use piezoid_numerics::system::System;
@@ -97,14 +97,17 @@ impl Flat {
             true => mode.hysteretic * settles * model.hysteresis().step(&mut model.hysteresis().initial(), sensed * u),
             false => mode.input * u,
         };
+        let curve = model.dynamics().curve.abs();
         let farthest = FARTHEST * held_by(ends.0).abs().max(held_by(ends.1).abs()) / share.abs();
+        let farthest = if farthest > 0.0 && farthest.is_finite() { farthest } else { f64::MAX };
         let all_are_finite =
             [share, creeps, settles].iter().chain(&across).chain(&vibrates).chain(&held).all(|v| v.is_finite());
         (all_are_finite && delay_samples >= Flat::least_delay(model)).then(|| Flat {
             model: model.clone(),
             delay_samples,
             mode: *mode,
-            farthest: if farthest > 0.0 && farthest.is_finite() { farthest } else { f64::MAX },
+            farthest,
+            farthest_reading: (farthest * (1.0 + curve * farthest)).min(MOST_BEND / curve).min(f64::MAX),
             share,
             across,
             vibrates,

@@ -47,6 +47,9 @@ const LEAST_STIFFNESS: f64 = 0.1;
 
 /// Least v of h^2 - h = v, which has no root below -1/4, and the steps of Newton's method to it.
 const LEAST_BEND: f64 = -0.24;
+
+/// Largest curve times a reading: its square is a number in single precision too.
+const MOST_BEND: f64 = 1e15;
 const ROOT_STEPS: usize = 6;
 
 /// The inverse of a feedback model.
@@ -59,8 +62,9 @@ pub(super) struct Flat {
     model: FeedbackModel,
     delay_samples: usize,
     mode: FeedbackMode,
-    /// Largest q.
+    /// Largest q, and the largest reading without offset that counts: the root of a larger one would overflow.
     farthest: f64,
+    farthest_reading: f64,
     /// Static share of the mode in q.
     share: f64,
     /// p of q.
@@ -235,8 +239,12 @@ impl Flat {
     /// q of the reading `r`, no farther than the farthest one; not finite if that is not.
     fn displacement(&self, r: f64) -> f64 {
         let y = r - self.model.dynamics().offset;
+        if !y.is_finite() {
+            return y;
+        }
+        let y = y.max(-self.farthest_reading).min(self.farthest_reading);
         let q = y / root(self.model.dynamics().curve * y);
-        if q.is_finite() { q.max(-self.farthest).min(self.farthest) } else { q }
+        q.max(-self.farthest).min(self.farthest)
     }
 
     /// The distance F - p of the mode for this a.

@@ -43,7 +43,11 @@ impl Flat {
         ];
         let text = law
             .concat()
-            .replace("READING", if curve == 0.0 { "r - rest" } else { "(r - rest) / ff_root(curve * (r - rest))" })
+            .replace("READING", if curve == 0.0 { "read" } else { "bent / ff_root(curve * bent)" })
+            .replace(
+                "BENT",
+                if curve == 0.0 { "" } else { "let bent = clamp(read, -farthest_reading, farthest_reading);" },
+            )
             .replace("AWAY", if softening == 0.0 { "a" } else { "ff_away(a)" })
             .replace("BEHIND", if self.lags() { BEHIND } else { "wished = within;" })
             .replace("WITHOUT_CREEP", if creeps { "for j in 0..lags { z = z - s.crept[j]; }" } else { "" })
@@ -88,6 +92,7 @@ impl Flat {
         let own = [
             ("rest", dynamics.offset),
             ("farthest", self.farthest),
+            ("farthest_reading", self.farthest_reading),
             ("curve", dynamics.curve),
             ("bending", self.bends),
             ("softening", self.mode.softening.abs()),
@@ -155,9 +160,12 @@ const READ: &str = "
 // One sample: requested displacement r to actuator input u.
 fn ff_step(s: ff_state, r) {
     // The displacement there; if it is not finite, the last one stays.
-    let read = READING;
+    let read = r - rest;
     let q = s.q[0];
-    if magnitude(read) <= most { q = clamp(read, -farthest, farthest); }
+    if magnitude(read) <= most {
+        BENT
+        q = clamp(READING, -farthest, farthest);
+    }
     for k in 0..older down { s.q[k + 1] = s.q[k]; }
     s.q[0] = q;
     // The displacement of the mode.

@@ -107,6 +107,7 @@ fn the_program_is_bit_identical_to_the_steps() {
             for t in 0..300 {
                 let r = match t {
                     50 => f64::NAN,
+                    250 => 1e200,
                     _ => {
                         12.0 * (0.05 * f64::from(t)).sin() + 6.0 * (0.4 * f64::from(t)).sin() + f64::from(t % 90) / 9.0
                     }
@@ -156,6 +157,12 @@ fn references_that_are_not_finite_are_replaced_and_others_keep_the_limits() {
             // The hysteresis remembers it, but the voltages move again.
             let moves = u[690..].windows(2).all(|u| u[0] != u[1]);
             assert!(moves, "{name}, {far:e}: {:?} for {:?}", &u[690..], &invalid[690..]);
+        }
+        for sign in [1.0, -1.0] {
+            let farthest = with(&[(600, sign * 1e12)]);
+            for far in [1e100, 1e200, f64::MAX] {
+                assert_eq!(with(&[(600, sign * far)]), farthest, "{name}: {sign} {far:e}");
+            }
         }
     }
 }
