@@ -265,6 +265,9 @@ fn named(models: &[File]) -> Result<Vec<(String, Model)>, Error> {
     models.iter().map(named).collect()
 }
 
+/// Number of models beside the best that a sentence names.
+const MAX_NAMED: usize = 4;
+
 /// Repetitions of a free run whose shortest time counts, and their smallest number of samples.
 const REPETITIONS: usize = 3;
 const TIMED_SAMPLES: usize = 10_000;
@@ -343,7 +346,12 @@ impl ModelComparison {
         let best = self.best()?;
         let error = |one: &ComparedModel| piezoid_validation::rough(one.error());
         let others = self.models.iter().filter(|one| one.name != best.name);
-        let others: Vec<String> = others.map(|one| format!("{} {} %", one.name, error(one))).collect();
+        let mut others: Vec<String> = others.map(|one| format!("{} {} %", one.name, error(one))).collect();
+        if others.len() > MAX_NAMED {
+            let more = others.len() - MAX_NAMED + 1;
+            others.truncate(MAX_NAMED - 1);
+            others.push(format!("{more} others"));
+        }
         let than = if others.is_empty() { String::new() } else { format!("; {}", others.join(", ")) };
         Some(format!("smallest error in free run: {}, {} % of stroke{than}", best.name, error(best)))
     }

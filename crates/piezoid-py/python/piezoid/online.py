@@ -29,7 +29,7 @@ class Online:
     >>> model = pz.Model.from_dict({
     ...     "piezoid": 1, "ts": 1e-3, "units": {"u": "V", "y": "um"},
     ...     "hysteresis": {"operator": "proportional", "gain": 1.0}, "linear": {"a": [], "b": [2.0]},
-    ...     "identified": {"u": [-10, 10]}})
+    ...     "identified": {"u": [-10, 10], "hz": [0, 100], "slew": 2000, "mean": [0, 0]}})
     >>> u = 10 * np.sin(0.2 * np.arange(2000))
     >>> follower = pz.Online(model, every=0.5)
     >>> rows = follower.follow(pz.Record(u, 2.2 * u, ts=1e-3))
