@@ -113,14 +113,44 @@ impl Bin {
     /// ```
     pub fn merged<'a>(bins: impl IntoIterator<Item = &'a Bin>) -> Vec<Bin> {
         let mut all: Vec<Bin> = Vec::new();
-        for bin in bins {
-            match all.iter_mut().find(|known| known.source == bin.source && known.low == bin.low) {
-                Some(known) => *known = known.pooled(bin),
-                None => all.push(*bin),
-            }
-        }
+        bins.into_iter().for_each(|bin| bin.join(&mut all));
         all.sort_by(|a, b| a.source.cmp(&b.source).then(a.low.total_cmp(&b.low)));
         all
+    }
+
+    /// Merges this bin into the one of others with its edges and source.
+    fn join(&self, all: &mut Vec<Bin>) {
+        match all.iter_mut().find(|known| known.source == self.source && known.low == self.low) {
+            Some(known) => *known = known.pooled(self),
+            None => all.push(*self),
+        }
+    }
+}
+
+/// The bins of the cycles of a record, one after the other.
+#[derive(Debug, Default)]
+pub(super) struct CycleBins {
+    by_frequency: Vec<Bin>,
+    by_amplitude: Vec<Bin>,
+}
+
+impl CycleBins {
+    /// Adds a cycle of input, output and free run.
+    pub(super) fn add(&mut self, y: &[f64], simulated: &[f64], cycle: &Cycle) {
+        // The reversal at its end is the first sample of the next cycle.
+        let samples = cycle.samples.start..cycle.samples.end - 1;
+        let (y, simulated) = (&y[samples.clone()], &simulated[samples]);
+        let n = y.len() as f64;
+        let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
+        let figures = [(squares / n).sqrt(), (scatter(y) / n).sqrt(), range(y)];
+        let bin = |at: f64, per_decade: f64| Bin::new(at, per_decade, Source::Cycles, y.len(), figures);
+        bin(cycle.hz, FREQUENCY_BANDS).join(&mut self.by_frequency);
+        bin(cycle.amplitude, AMPLITUDE_BANDS).join(&mut self.by_amplitude);
+    }
+
+    /// The bins by frequency and by amplitude.
+    pub(super) fn bins(&self) -> [Vec<Bin>; 2] {
+        [Bin::merged(&self.by_frequency), Bin::merged(&self.by_amplitude)]
     }
 }
 
@@ -135,28 +165,7 @@ pub(crate) fn alike(a: &Cycle, b: &Cycle) -> bool {
     bin(a) == bin(b)
 }
 
-pub(super) fn by_frequency(run: &ComparedRun) -> Vec<Bin> {
-    if run.cycles.is_empty() { by_spectrum(run) } else { by_cycle(run, |c| c.hz, FREQUENCY_BANDS) }
-}
-
-pub(super) fn by_amplitude(run: &ComparedRun) -> Vec<Bin> {
-    by_cycle(run, |c| c.amplitude, AMPLITUDE_BANDS)
-}
-
-fn by_cycle(run: &ComparedRun, at: fn(&Cycle) -> f64, per_decade: f64) -> Vec<Bin> {
-    let one = |cycle: &Cycle| {
-        // The reversal at its end is the first sample of the next cycle.
-        let samples = cycle.samples.start..cycle.samples.end - 1;
-        let (y, simulated) = (&run.record.y()[samples.clone()], &run.simulated[samples]);
-        let n = y.len() as f64;
-        let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
-        let figures = [(squares / n).sqrt(), (scatter(y) / n).sqrt(), range(y)];
-        Bin::new(at(cycle), per_decade, Source::Cycles, y.len(), figures)
-    };
-    Bin::merged(&run.cycles.iter().map(one).collect::<Vec<_>>())
-}
-
-fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
+pub(super) fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
     let record = run.record;
     let errors = errors(record.y(), run.simulated);
     if errors.iter().any(|e| !e.is_finite()) {

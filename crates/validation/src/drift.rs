@@ -1,7 +1,5 @@
 //! The linear trend of the error of a record: a drift of its sensor or of its temperature, which is not the model's.
 
-use piezoid_numerics::series::{dot, mean, range};
-
 /// Share of the rms error about its mean, and of all of it, from which a drift is named.
 const NAMED: [f64; 2] = [0.5, 0.25];
 
@@ -29,33 +27,106 @@ pub(super) struct Drift {
 impl Drift {
     /// Of the errors of a free run, with sampling period `ts` [s].
     pub(crate) fn of(errors: &[f64], simulated: &[f64], ts: f64) -> Self {
-        let n = errors.len() as f64;
-        let time: Vec<f64> = (0..errors.len()).map(|t| t as f64 - 0.5 * (n - 1.0)).collect();
-        let slope = dot(&time, errors) / dot(&time, &time).max(1.0);
-        let rms = slope.abs() * ((n * n - 1.0) / 12.0).sqrt();
-        let (mean, square) = (mean(errors), dot(errors, errors) / n);
-        let large = rms > NAMED[0] * (square - mean * mean).max(0.0).sqrt() && rms > NAMED[1] * square.sqrt();
-        let is_slow = slope.abs() < MAX_DRIFT_RATE * range(simulated) * ts;
-        let middle = errors.len() / 2;
-        let goes_on = || {
-            [0..errors.len(), 0..middle, middle..errors.len()].into_iter().all(|part| {
-                let own = beside(&time[part.clone()], &simulated[part.clone()], &errors[part]);
-                STEADY_SLOPE_RATIO.contains(&(own / slope))
-            })
-        };
-        Drift { mean, slope, rms, is_named: large && is_slow && goes_on() }
+        let mut sums = DriftSums::new(errors.len());
+        errors.iter().zip(simulated).for_each(|(e, s)| sums.add(*e, *s));
+        sums.drift(ts)
     }
 }
 
-/// The coefficient of `t` in the regression of `e` on a constant, `t` and `s`. A slow input under a wrong gain looks
-/// like a drift.
-fn beside(t: &[f64], s: &[f64], e: &[f64]) -> f64 {
-    let product = |a: &[f64], b: &[f64]| dot(a, b) - a.len() as f64 * mean(a) * mean(b);
-    let (tt, ts, ss) = (product(t, t), product(t, s), product(s, s));
-    let (te, se) = (product(t, e), product(s, e));
-    let determinant = tt * ss - ts * ts;
-    // Without a response, the error alone has the slope.
-    if determinant > 1e-9 * tt * ss { (te * ss - ts * se) / determinant } else { te / tt }
+/// The sums of the errors of a free run of which a [`Drift`] is made, sample by sample.
+#[derive(Debug)]
+pub(super) struct DriftSums {
+    /// Number of samples in all, and so far.
+    n: usize,
+    taken: usize,
+    /// Of the whole record and of both halves.
+    parts: [Sums; 3],
+    /// The smallest and the largest simulated sample.
+    pub(super) ends: (f64, f64),
+}
+
+/// Sums of time t, simulated output s, error e, and their products.
+#[derive(Debug, Default)]
+struct Sums {
+    n: f64,
+    t: f64,
+    s: f64,
+    e: f64,
+    tt: f64,
+    ts: f64,
+    ss: f64,
+    te: f64,
+    se: f64,
+    ee: f64,
+}
+
+impl DriftSums {
+    /// For so many samples.
+    pub(super) fn new(n: usize) -> Self {
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        DriftSums { n, taken: 0, parts: Default::default(), ends }
+    }
+
+    pub(super) fn add(&mut self, e: f64, s: f64) {
+        let t = self.taken as f64 - 0.5 * (self.n as f64 - 1.0);
+        let [whole, halves @ ..] = &mut self.parts;
+        whole.add(t, s, e);
+        halves[usize::from(self.taken >= self.n / 2)].add(t, s, e);
+        self.ends = (self.ends.0.min(s), self.ends.1.max(s));
+        self.taken += 1;
+    }
+
+    pub(super) fn mean_simulated(&self) -> f64 {
+        self.parts[0].s / self.parts[0].n
+    }
+
+    /// The drift, with sampling period `ts` [s].
+    pub(super) fn drift(&self, ts: f64) -> Drift {
+        let [Sums { n, e, tt, te, ee, .. }, _, _] = self.parts;
+        let slope = te / tt.max(1.0);
+        let rms = slope.abs() * ((n * n - 1.0) / 12.0).sqrt();
+        let (mean, square) = (e / n, ee / n);
+        let is_named = self.is_named(slope, rms, (square - mean * mean).max(0.0), square, ts);
+        Drift { mean, slope, rms, is_named }
+    }
+
+    /// The drift once the mean error, and perhaps a line, are removed.
+    pub(super) fn remaining(&self, line: bool, ts: f64) -> Drift {
+        let found = self.drift(ts);
+        let square = (self.parts[0].ee / self.parts[0].n - found.mean * found.mean).max(0.0);
+        match line {
+            true => Drift { mean: 0.0, slope: 0.0, rms: 0.0, is_named: false },
+            false => Drift { mean: 0.0, is_named: self.is_named(found.slope, found.rms, square, square, ts), ..found },
+        }
+    }
+
+    /// True if a line of this slope and rms is named, beside errors of this variance and mean square.
+    fn is_named(&self, slope: f64, rms: f64, variance: f64, square: f64, ts: f64) -> bool {
+        let large = rms > NAMED[0] * variance.sqrt() && rms > NAMED[1] * square.sqrt();
+        let is_slow = slope.abs() < MAX_DRIFT_RATE * (self.ends.1 - self.ends.0) * ts;
+        large && is_slow && self.parts.iter().all(|part| STEADY_SLOPE_RATIO.contains(&(part.beside() / slope)))
+    }
+}
+
+impl Sums {
+    fn add(&mut self, t: f64, s: f64, e: f64) {
+        self.n += 1.0;
+        (self.t, self.s, self.e) = (self.t + t, self.s + s, self.e + e);
+        (self.tt, self.ts, self.ss) = (self.tt + t * t, self.ts + t * s, self.ss + s * s);
+        (self.te, self.se, self.ee) = (self.te + t * e, self.se + s * e, self.ee + e * e);
+    }
+
+    /// The coefficient of `t` in the regression of `e` on a constant, `t` and `s`. A slow input under a wrong gain
+    /// looks like a drift.
+    fn beside(&self) -> f64 {
+        let product = |sum: f64, a: f64, b: f64| sum - self.n * (a / self.n) * (b / self.n);
+        let Sums { t, s, e, .. } = *self;
+        let (tt, ts, ss) = (product(self.tt, t, t), product(self.ts, t, s), product(self.ss, s, s));
+        let (te, se) = (product(self.te, t, e), product(self.se, s, e));
+        let determinant = tt * ss - ts * ts;
+        // Without a response, the error alone has the slope.
+        if determinant > 1e-9 * tt * ss { (te * ss - ts * se) / determinant } else { te / tt }
+    }
 }
 
 #[cfg(test)]

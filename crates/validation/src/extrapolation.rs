@@ -3,9 +3,7 @@
 use super::remarks::{Comparison, Remark};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::ends;
 use piezoid_records::quality::likely_cause;
-use piezoid_records::waveform::cycle_rate;
 
 /// Share of the identified range by which an input must return to count as a reversal, and stay off the ends to count
 /// as an inner reversal.
@@ -41,9 +39,8 @@ pub(super) static INNER_REVERSALS: Remark = Remark {
     name: "inner reversals",
     when: "u reverses inside the identified range, and the hysteresis block has no minor loops",
     text: |c| {
-        let (low, high) = c.model.hysteresis().range()?;
         let operator = c.model.hysteresis().operator();
-        let reversals = inner_reversals(c.record.u(), low, high);
+        let reversals = c.inner_reversals;
         (reversals > 0 && !operator.minor_loops).then(|| {
             format!(
                 "the input has {reversals} reversals inside the identified range, but the {} block has no minor loops: \
@@ -58,10 +55,10 @@ pub(super) static BAND: Remark = Remark {
     name: "band",
     when: "u has power more than 25 % outside the identified band",
     text: |c| {
-        let (identified, domain) = c.domains.as_ref()?;
+        let (identified, domain) = c.domains()?;
         let ([low, high], [slowest, fastest]) = domain.hz.zip(identified.hz)?;
         // The frequency resolution of a record is one over its duration.
-        let resolution = 1.0 / c.record.duration();
+        let resolution = 1.0 / c.facts.duration;
         let is_above = high > (1.0 + BAND_MARGIN) * fastest + resolution;
         let is_below = low < (1.0 - BAND_MARGIN) * slowest - resolution;
         let [low, high, slowest, fastest] = [low, high, slowest, fastest].map(short);
@@ -78,7 +75,7 @@ pub(super) static RATE: Remark = Remark {
     name: "rate",
     when: "u changes more than 10 % faster than in the training data",
     text: |c| {
-        let ((identified, domain), unit) = (c.domains.as_ref()?, &c.model.units().u);
+        let ((identified, domain), unit) = (c.domains()?, &c.model.units().u);
         let [here, known] = [domain.slew, identified.slew].map(short);
         (domain.slew > (1.0 + RATE_MARGIN) * identified.slew).then(|| {
             format!(
@@ -93,7 +90,7 @@ pub(super) static BIAS: Remark = Remark {
     name: "bias",
     when: "the mean of u is outside those of the training data by more than 20 % of the identified range",
     text: |c| {
-        let ((identified, domain), unit) = (c.domains.as_ref()?, &c.model.units().u);
+        let ((identified, domain), unit) = (c.domains()?, &c.model.units().u);
         let slack = MEAN_MARGIN * (identified.u[1] - identified.u[0]);
         let means = match (short(identified.mean[0]), short(identified.mean[1])) {
             (low, high) if low == high => low,
@@ -112,7 +109,7 @@ pub(super) static BIAS: Remark = Remark {
 pub(super) fn range(c: &Comparison) -> Option<String> {
     let unit = &c.model.units().u;
     let (low, high) = identified_range(c.model)?;
-    let (lowest, highest) = ends(c.record.u().iter().copied());
+    let [lowest, highest] = c.facts.domain.u;
     let slack = RANGE_MARGIN * (high - low);
     let times = (highest - lowest) / (high - low);
     let cause = || format!("; at {} times the range, {}", short(times), likely_cause(times, unit));
@@ -132,9 +129,9 @@ pub(super) fn identified_range(model: &Model) -> Option<(f64, f64)> {
 
 fn frequency(c: &Comparison) -> Option<String> {
     let (slowest, fastest) = c.model.hysteresis().frequencies()?;
-    let hz = cycle_rate(c.record.u(), c.record.ts())?;
-    (!((1.0 - RATE_MARGIN) * slowest..=(1.0 + RATE_MARGIN) * fastest).contains(&hz)).then(|| {
-        let [hz, slowest, fastest] = [hz, slowest, fastest].map(short);
+    let known = (1.0 - RATE_MARGIN) * slowest..=(1.0 + RATE_MARGIN) * fastest;
+    c.facts.cycle_rates.iter().find(|hz| !known.contains(*hz)).map(|hz| {
+        let [hz, slowest, fastest] = [*hz, slowest, fastest].map(short);
         format!(
             "the input oscillates at {hz} Hz, but the model was identified from {slowest} to {fastest} Hz: outside \
              this range it extrapolates"
@@ -144,17 +141,37 @@ fn frequency(c: &Comparison) -> Option<String> {
 
 /// Number of reversals of `u` inside the range from `low` to `high`, away from its ends.
 pub fn inner_reversals(u: &[f64], low: f64, high: f64) -> usize {
-    let margin = MIN_REVERSAL_SHARE * (high - low);
-    let (mut extreme, mut trend, mut reversals) = (u[0], 0.0, 0);
-    for &u in u {
-        if (u - extreme) * trend > 0.0 {
-            extreme = u;
+    let mut inner = InnerReversals::new(low, high);
+    u.iter().for_each(|u| inner.add(*u));
+    inner.count
+}
+
+/// The same, sample by sample.
+#[derive(Debug)]
+pub(super) struct InnerReversals {
+    low: f64,
+    high: f64,
+    extreme: Option<f64>,
+    trend: f64,
+    /// Their number so far.
+    pub(super) count: usize,
+}
+
+impl InnerReversals {
+    pub(super) fn new(low: f64, high: f64) -> Self {
+        InnerReversals { low, high, extreme: None, trend: 0.0, count: 0 }
+    }
+
+    pub(super) fn add(&mut self, u: f64) {
+        let (extreme, margin) = (*self.extreme.get_or_insert(u), MIN_REVERSAL_SHARE * (self.high - self.low));
+        if (u - extreme) * self.trend > 0.0 {
+            self.extreme = Some(u);
         } else if (u - extreme).abs() > margin {
-            reversals += usize::from(trend != 0.0 && extreme > low + margin && extreme < high - margin);
-            (trend, extreme) = ((u - extreme).signum(), u);
+            let is_inner = extreme > self.low + margin && extreme < self.high - margin;
+            self.count += usize::from(self.trend != 0.0 && is_inner);
+            (self.trend, self.extreme) = ((u - extreme).signum(), Some(u));
         }
     }
-    reversals
 }
 
 #[cfg(test)]

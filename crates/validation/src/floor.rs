@@ -67,19 +67,16 @@ impl Floor {
         metrics: &Metrics,
         drift: &Drift,
     ) -> Option<Self> {
-        let record = run.record;
-        // The free run takes most of a transient away, but two periods would still contain it.
-        let repeated = period.and_then(|p| Repeated::of(record.u(), errors, p)).filter(|r| record.len() / r.period > 2);
-        let (noise, hum_hz) = match &repeated {
-            Some(r) => (r.noise, None),
-            None => Noise::of(record, errors, run.simulated).map(|n| (n.rms, n.hum_hz))?,
-        };
+        Floor::above(&SectionNoise::of(run, period, errors)?, metrics, drift)
+    }
+
+    /// The noise floor of a record with this noise; `None` if it is 0.
+    pub(super) fn above(noise: &SectionNoise, metrics: &Metrics, drift: &Drift) -> Option<Self> {
+        let SectionNoise { period, periods, hum_hz, source, .. } = *noise;
         let scatter = (metrics.mse - drift.mean.powi(2) - drift.rms.powi(2)).max(0.0).sqrt();
-        let rms = noise.max(step(record.y()) / 12f64.sqrt()).min(scatter);
+        let rms = noise.rms.max(noise.step / 12f64.sqrt()).min(scatter);
         let named = if drift.is_named { drift.rms } else { 0.0 };
         let reducible = (metrics.mse - named.powi(2) - rms.powi(2)).max(0.0).sqrt();
-        let source = if repeated.is_some() { "periods" } else { "spectrum" };
-        let (period, periods) = (repeated.as_ref().map(|r| r.period), repeated.map(|r| r.periods));
         let floor = Floor::new(source, rms, reducible, metrics);
         (rms > 0.0).then_some(Floor { period, periods, hum_hz, ..floor })
     }
@@ -108,6 +105,53 @@ impl Floor {
             nrmse_percent: 100.0 * rms / metrics.std,
             error_over_floor: metrics.rmse / rms,
             reducible_nrmse_percent: 100.0 * reducible / metrics.std,
+        }
+    }
+}
+
+/// The noise of a record, or of sections of it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct SectionNoise {
+    source: &'static str,
+    period: Option<usize>,
+    periods: Option<usize>,
+    hum_hz: Option<f64>,
+    /// Number of samples.
+    n: usize,
+    /// Standard deviation of the noise [output unit].
+    rms: f64,
+    /// Step of the output [output unit].
+    step: f64,
+}
+
+impl SectionNoise {
+    /// The noise of a record whose input may have a period [samples], of a free run with these errors; `None` if it is
+    /// unknown.
+    pub(super) fn of(run: &ComparedRun, period: Option<usize>, errors: &[f64]) -> Option<Self> {
+        let record = run.record;
+        // The free run takes most of a transient away, but two periods would still contain it.
+        let repeated = period.and_then(|p| Repeated::of(record.u(), errors, p)).filter(|r| record.len() / r.period > 2);
+        let (rms, hum_hz) = match &repeated {
+            Some(r) => (r.noise, None),
+            None => Noise::of(record, errors, run.simulated).map(|n| (n.rms, n.hum_hz))?,
+        };
+        let source = if repeated.is_some() { "periods" } else { "spectrum" };
+        let (period, periods) = (repeated.as_ref().map(|r| r.period), repeated.map(|r| r.periods));
+        Some(SectionNoise { source, period, periods, hum_hz, n: record.len(), rms, step: step(record.y()) })
+    }
+
+    /// The noise of both together: mean squares are averaged over samples.
+    pub(super) fn and(self, next: Self) -> Self {
+        let (a, b) = (self.n as f64, next.n as f64);
+        let is_same = self.period == next.period;
+        SectionNoise {
+            source: if self.source == next.source { self.source } else { "both" },
+            period: self.period.filter(|_| is_same),
+            periods: self.periods.zip(next.periods).map(|(a, b)| a + b).filter(|_| is_same),
+            hum_hz: self.hum_hz.or(next.hum_hz),
+            n: self.n + next.n,
+            rms: ((a * self.rms.powi(2) + b * next.rms.powi(2)) / (a + b)).sqrt(),
+            step: if self.step > 0.0 && next.step > 0.0 { self.step.min(next.step) } else { self.step.max(next.step) },
         }
     }
 }
@@ -208,13 +252,7 @@ mod tests {
         let metrics = Metrics::of(&y, simulated);
         let drift = Drift::of(&errors, simulated, TS);
         let record = Record::new(TS, u, y).unwrap();
-        Floor::of(
-            &ComparedRun { record: &record, simulated, cycles: &[] },
-            period(record.u()),
-            &errors,
-            &metrics,
-            &drift,
-        )
+        Floor::of(&ComparedRun { record: &record, simulated }, period(record.u()), &errors, &metrics, &drift)
     }
 
     #[test]

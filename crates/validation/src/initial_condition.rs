@@ -23,24 +23,37 @@ pub(super) fn free_run_from(
     free_offset: bool,
 ) -> (Vec<f64>, InitialCondition) {
     let u = record.u();
-    let moves = || u.windows(2).map(|w| (w[1] - w[0]).abs());
-    let enough = FIRST_PART_SHARE * moves().sum::<f64>();
+    let path = u.windows(2).map(|w| (w[1] - w[0]).abs()).sum();
+    let initial_condition = likeliest(model, (u, &record.y()[..known.min(u.len())]), (u.len(), path), k, free_offset);
+    let simulated = model.follow(&mut model.before(u, initial_condition), u);
+    (simulated.into_iter().map(|y| k * y).collect(), initial_condition)
+}
+
+/// The initial condition with the smallest error in the first part of a record of `n` samples, whose input moves along
+/// this `path`; `u` and `y` are as many of its samples as are held.
+pub(super) fn likeliest(
+    model: &Model,
+    (u, y): (&[f64], &[f64]),
+    (n, all): (usize, f64),
+    k: f64,
+    free_offset: bool,
+) -> InitialCondition {
+    let enough = FIRST_PART_SHARE * all;
     let mut path = 0.0;
-    let before_enough = moves().take_while(|step| {
+    let before_enough = u.windows(2).map(|w| (w[1] - w[0]).abs()).take_while(|step| {
         path += step;
         path < enough
     });
-    let part = (before_enough.count() + 2).max((u.len() as f64 * FIRST_PART_SHARE).ceil() as usize);
-    let part = part.min(known).min(u.len());
+    let part = (before_enough.count() + 2).max((n as f64 * FIRST_PART_SHARE).ceil() as usize);
+    let part = part.min(u.len()).min(y.len());
     let error = |initial_condition: InitialCondition| {
         let simulated = model.follow(&mut model.before(u, initial_condition), &u[..part]);
-        let e: Vec<f64> = record.y().iter().zip(&simulated).map(|(y, s)| y - k * s).collect();
+        let e: Vec<f64> = y.iter().zip(&simulated).map(|(y, s)| y - k * s).collect();
         let offset = if free_offset { mean(&e) } else { 0.0 };
         e.iter().map(|e| (e - offset).powi(2)).sum::<f64>()
     };
     let [likely, others @ ..] = InitialCondition::of(u).map(|condition| (error(condition), condition));
     let (_, initial_condition) =
         others.into_iter().fold(likely, |best, one| if one.0 < MAX_ERROR_RATIO * best.0 { one } else { best });
-    let simulated = model.follow(&mut model.before(u, initial_condition), u);
-    (simulated.into_iter().map(|y| k * y).collect(), initial_condition)
+    initial_condition
 }

@@ -18,8 +18,10 @@ mod best_block;
 mod bins;
 mod drift;
 mod extrapolation;
+mod facts;
 mod floor;
 mod initial_condition;
+mod long;
 mod loops;
 mod metrics;
 mod remarks;
@@ -39,9 +41,11 @@ pub use small_signal::Linearity;
 pub use whiteness::Whiteness;
 
 use self::drift::Drift;
-use piezoid_models::hammerstein::{Domain, InitialCondition, Model};
+use self::facts::{Facts, Shape, inner_reversals_of};
+use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::series::mean;
 use piezoid_numerics::system::System;
 use piezoid_records::record::{Record, Units};
 use piezoid_records::waveform::{cycles, period};
@@ -82,7 +86,8 @@ options! {
 pub struct Validation {
     /// Error figures of the record from sample `start` on.
     pub metrics: Metrics,
-    /// The free run over the whole record, with the removed mean error and drift added [record's unit].
+    /// The free run over the whole record, with the removed mean error and drift added [record's unit]; empty for a
+    /// record that is too long to be held.
     pub simulated: Vec<f64>,
     /// First sample that the error figures include.
     pub start: usize,
@@ -92,6 +97,8 @@ pub struct Validation {
     pub offset: Offset,
     /// The subtracted mean error; `None` if the offset is kept [record's unit].
     pub offset_removed: Option<f64>,
+    /// Mean of y less that of the free run, once this is removed [record's unit].
+    pub mean_error: f64,
     /// Slope of the error over time, in the figures or removed from them [record's unit / s].
     pub drift_per_s: f64,
     /// 100 rms error without this drift / standard deviation of y.
@@ -142,17 +149,21 @@ pub trait Validate {
 
 impl Validate for Model {
     fn validate_end(&self, record: &Record, from: usize, options: &ValidateOptions) -> Result<Validation, Error> {
-        Record::same_sampling("the model", self.ts(), "the record", record.ts())?;
-        let (own, units) = (self.units(), record.units());
-        if units.u != own.u {
-            return Err(Error::units("the input of the record", &units.u, &own.u));
-        }
-        let unknown = || Error::units("the output of the record", &units.y, &own.y);
-        let k = Units::factor(&own.y, &units.y).ok_or_else(unknown)?;
+        let k = factor(self, record.ts(), record.units())?;
         let (simulated, initial_condition) =
             initial_condition::free_run_from(self, record, from, k, options.offset != Offset::Kept);
         Validation::compared(Some(self), record, (simulated, initial_condition), options)
     }
+}
+
+/// The factor from the output unit of a model to that of a record with these units and this sampling period [s].
+fn factor(model: &Model, ts: f64, units: &Units) -> Result<f64, Error> {
+    Record::same_sampling("the model", model.ts(), "the record", ts)?;
+    let own = model.units();
+    if units.u != own.u {
+        return Err(Error::units("the input of the record", &units.u, &own.u));
+    }
+    Units::factor(&own.y, &units.y).ok_or_else(|| Error::units("the output of the record", &units.y, &own.y))
 }
 
 impl Validation {
@@ -204,49 +215,100 @@ impl Validation {
             simulated.iter_mut().enumerate().for_each(|(t, y)| *y += found.mean + slope * (t as f64 - middle));
         }
         let cycles = cycles(counted.u(), counted.ts());
-        let run = ComparedRun { record: &counted, simulated: &simulated[start..], cycles: &cycles };
+        let run = ComparedRun { record: &counted, simulated: &simulated[start..] };
         let metrics = Metrics::of(counted.y(), run.simulated);
         let errors = errors(counted.y(), run.simulated);
         let drift = Drift::of(&errors, run.simulated, record.ts());
-        let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
-        let floor = Floor::of(&run, period, &errors, &metrics, &drift);
-        let loops = loops::loops(&run);
-        let comparison = model.map(|model| remarks::Comparison {
-            model,
-            record: &counted,
-            simulated: run.simulated,
-            metrics: &metrics,
-            drift: &drift,
-            loops: &loops,
-            domains: model.identified().map(|domain| (domain, Domain::of_input(counted.u(), counted.ts()))),
-        });
-        Ok(Validation {
+        let (u, y) = (counted.u(), counted.y());
+        let mut bins = bins::CycleBins::default();
+        cycles.iter().for_each(|cycle| bins.add(y, run.simulated, cycle));
+        let (loops, [by_frequency, by_amplitude]) = (loops::loops(&counted, run.simulated, &cycles), bins.bins());
+        let (facts, shape) = (model.map(|model| Facts::of(model, &counted)), Shape::of(y, run.simulated));
+        let figures = Figures {
             metrics,
             start,
             initial_condition,
-            offset: options.offset,
-            offset_removed: free_offset.then_some(found.mean),
-            drift_per_s: found.slope / record.ts(),
+            options,
+            found,
+            drift,
+            mean_error: mean(y) - mean(run.simulated),
+            by_frequency: if cycles.is_empty() { bins::by_spectrum(&run) } else { by_frequency },
+            by_amplitude,
+            whiteness: Whiteness::of(u, &errors),
+            floor: Floor::of(&run, period, &errors, &metrics, &drift),
+            loops,
+            facts,
+            inner_reversals: model.map_or(0, |model| inner_reversals_of(model, u)),
+            shape,
+        };
+        Ok(figures.validation(model, record.ts(), &record.units().y, simulated))
+    }
+}
+
+/// What a validation is made of.
+struct Figures<'a> {
+    metrics: Metrics,
+    start: usize,
+    initial_condition: InitialCondition,
+    options: &'a ValidateOptions,
+    /// Mean error and drift as found, and the drift that is left once they are removed as the options say.
+    found: Drift,
+    drift: Drift,
+    mean_error: f64,
+    by_frequency: Vec<Bin>,
+    by_amplitude: Vec<Bin>,
+    whiteness: Option<Whiteness>,
+    floor: Option<Floor>,
+    loops: Vec<LoopComparison>,
+    /// `None` without a model.
+    facts: Option<Facts>,
+    inner_reversals: usize,
+    shape: Shape,
+}
+
+impl Figures<'_> {
+    /// The validation of a record with sampling period `ts` [s] and an output in `unit`.
+    fn validation(self, model: Option<&Model>, ts: f64, unit: &str, simulated: Vec<f64>) -> Validation {
+        let Figures { metrics, drift, found, floor, loops, .. } = self;
+        let comparison = model.zip(self.facts.as_ref()).map(|(model, facts)| remarks::Comparison {
+            model,
+            ts,
+            unit,
+            metrics: &metrics,
+            drift: &drift,
+            loops: &loops,
+            facts,
+            inner_reversals: self.inner_reversals,
+            shape: &self.shape,
+        });
+        let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
+        Validation {
+            metrics,
+            start: self.start,
+            initial_condition: self.initial_condition,
+            offset: self.options.offset,
+            offset_removed: (self.options.offset != Offset::Kept).then_some(found.mean),
+            mean_error: self.mean_error,
+            drift_per_s: found.slope / ts,
             nrmse_without_drift_percent: 100.0 * (metrics.mse - drift.rms.powi(2)).max(0.0).sqrt() / metrics.std,
-            by_frequency: bins::by_frequency(&run),
-            by_amplitude: bins::by_amplitude(&run),
-            whiteness: Whiteness::of(counted.u(), &errors),
+            by_frequency: self.by_frequency,
+            by_amplitude: self.by_amplitude,
+            whiteness: self.whiteness,
             floor,
             summary: summary(&metrics, floor.as_ref(), named),
             remarks: comparison.as_ref().map_or(Vec::new(), remarks::remarks),
             not_covered: comparison.as_ref().map_or(Vec::new(), remarks::not_covered),
             loops,
             simulated,
-        })
+        }
     }
 }
 
-/// The part of a record that counts, its free run and its cycles.
+/// The part of a record that counts, and its free run.
 #[derive(Debug, Clone, Copy)]
 struct ComparedRun<'a> {
     record: &'a Record,
     simulated: &'a [f64],
-    cycles: &'a [piezoid_records::waveform::Cycle],
 }
 
 /// Measured minus simulated.

@@ -5,9 +5,9 @@
 //! closure is the difference of y between end and start over its height: creep, drift and rising amplitudes keep loops
 //! open. Cycles of similar frequency and amplitude are averaged.
 
-use super::ComparedRun;
 use super::bins::{alike, band};
 use piezoid_numerics::series::{mean, range};
+use piezoid_records::record::Record;
 use piezoid_records::waveform::{Cycle, reversals};
 use serde::Serialize;
 use std::ops::RangeInclusive;
@@ -50,30 +50,75 @@ pub struct LoopComparison {
     pub model: LoopShape,
 }
 
-/// The loops of a run, by rising frequency, then amplitude.
-pub(super) fn loops(run: &ComparedRun) -> Vec<LoopComparison> {
-    let mut groups: Vec<Vec<&Cycle>> = Vec::new();
-    for cycle in run.cycles {
-        match groups.iter_mut().find(|group| alike(group[0], cycle)) {
-            Some(group) => group.push(cycle),
-            None => groups.push(vec![cycle]),
+/// The loops of these cycles of a record and of a free run.
+pub(super) fn loops(record: &Record, simulated: &[f64], cycles: &[Cycle]) -> Vec<LoopComparison> {
+    let mut sums = LoopSums::default();
+    cycles.iter().for_each(|cycle| sums.add(record.u(), record.y(), simulated, cycle));
+    sums.loops()
+}
+
+/// The loops of the cycles of a record, one after the other: sums of similar cycles.
+#[derive(Debug, Default)]
+pub(super) struct LoopSums(Vec<Group>);
+
+/// The sums of similar cycles.
+#[derive(Debug)]
+struct Group {
+    first: Cycle,
+    cycles: usize,
+    hz: f64,
+    amplitude: f64,
+    measured: ShapeSums,
+    model: ShapeSums,
+}
+
+/// Sums of the figures of loops, in the order of [`LoopShape`]; the number of those with a slope after reversals.
+#[derive(Debug, Default)]
+struct ShapeSums([f64; 6], usize);
+
+impl LoopSums {
+    /// Adds a cycle of input, output and free run.
+    pub(super) fn add(&mut self, u: &[f64], y: &[f64], simulated: &[f64], cycle: &Cycle) {
+        let at = self.0.iter().position(|group| alike(&group.first, cycle)).unwrap_or(self.0.len());
+        if at == self.0.len() {
+            let [measured, model] = [ShapeSums::default(), ShapeSums::default()];
+            self.0.push(Group { first: cycle.clone(), cycles: 0, hz: 0.0, amplitude: 0.0, measured, model });
         }
+        let group = &mut self.0[at];
+        group.cycles += 1;
+        (group.hz, group.amplitude) = (group.hz + cycle.hz, group.amplitude + cycle.amplitude);
+        group.measured.add(&of(u, y, cycle));
+        group.model.add(&of(u, simulated, cycle));
     }
-    let u = run.record.u();
-    let one = |group: Vec<&Cycle>| {
-        let average = |of: &dyn Fn(&Cycle) -> f64| mean(&group.iter().map(|c| of(c)).collect::<Vec<_>>());
-        let shape = |y: &[f64]| average_of(&group.iter().map(|cycle| of(u, y, cycle)).collect::<Vec<_>>());
-        LoopComparison {
-            hz: average(&|c| c.hz),
-            amplitude: average(&|c| c.amplitude),
-            cycles: group.len(),
-            measured: shape(run.record.y()),
-            model: shape(run.simulated),
-        }
-    };
-    let mut loops: Vec<LoopComparison> = groups.into_iter().map(one).collect();
-    loops.sort_by(|a, b| band(a.hz).total_cmp(&band(b.hz)).then(a.amplitude.total_cmp(&b.amplitude)));
-    loops
+
+    /// The loops, by rising frequency, then amplitude.
+    pub(super) fn loops(&self) -> Vec<LoopComparison> {
+        let one = |group: &Group| LoopComparison {
+            hz: group.hz / group.cycles as f64,
+            amplitude: group.amplitude / group.cycles as f64,
+            cycles: group.cycles,
+            measured: group.measured.mean(group.cycles),
+            model: group.model.mean(group.cycles),
+        };
+        let mut loops: Vec<LoopComparison> = self.0.iter().map(one).collect();
+        loops.sort_by(|a, b| band(a.hz).total_cmp(&band(b.hz)).then(a.amplitude.total_cmp(&b.amplitude)));
+        loops
+    }
+}
+
+impl ShapeSums {
+    fn add(&mut self, shape: &LoopShape) {
+        let LoopShape { width_percent, area, closure_percent, slope, slope_after_reversal, reversals } = *shape;
+        let figures = [width_percent, area, closure_percent, slope, slope_after_reversal.unwrap_or(0.0), reversals];
+        self.0.iter_mut().zip(figures).for_each(|(sum, figure)| *sum += figure);
+        self.1 += usize::from(slope_after_reversal.is_some());
+    }
+
+    fn mean(&self, cycles: usize) -> LoopShape {
+        let [width_percent, area, closure_percent, slope, _, reversals] = self.0.map(|sum| sum / cycles as f64);
+        let slope_after_reversal = (self.1 > 0).then(|| self.0[4] / self.1 as f64);
+        LoopShape { width_percent, area, closure_percent, slope, slope_after_reversal, reversals }
+    }
 }
 
 /// The shape of one cycle.
@@ -128,19 +173,6 @@ fn slope(u: &[f64], y: &[f64]) -> f64 {
     uy / uu
 }
 
-fn average_of(shapes: &[LoopShape]) -> LoopShape {
-    let average = |of: fn(&LoopShape) -> f64| mean(&shapes.iter().map(of).collect::<Vec<_>>());
-    let known: Vec<f64> = shapes.iter().filter_map(|s| s.slope_after_reversal).collect();
-    LoopShape {
-        width_percent: average(|s| s.width_percent),
-        area: average(|s| s.area),
-        closure_percent: average(|s| s.closure_percent),
-        slope: average(|s| s.slope),
-        slope_after_reversal: (!known.is_empty()).then(|| mean(&known)),
-        reversals: average(|s| s.reversals),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,7 +185,7 @@ mod tests {
 
     fn loops_of(u: Vec<f64>, y: Vec<f64>, simulated: &[f64]) -> Vec<LoopComparison> {
         let record = Record::new(TS, u, y).unwrap();
-        loops(&ComparedRun { record: &record, simulated, cycles: &cycles(record.u(), TS) })
+        loops(&record, simulated, &cycles(record.u(), TS))
     }
 
     #[test]

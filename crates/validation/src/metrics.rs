@@ -1,6 +1,6 @@
 //! Error figures of a free run over one or several records.
 
-use piezoid_numerics::series::{range, scatter};
+use piezoid_numerics::series::mean;
 use serde::Serialize;
 
 /// Errors of a model on a record, in the record's unit.
@@ -34,11 +34,9 @@ impl Metrics {
     /// assert_eq!((m.mse, m.rms_pp_percent, m.max_abs), (0.5, 50.0 * 0.5f64.sqrt(), 1.0));
     /// ```
     pub fn of(y: &[f64], simulated: &[f64]) -> Self {
-        let n = y.len();
-        let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
-        let variance = scatter(y) / n as f64;
-        let max_abs = y.iter().zip(simulated).map(|(y, s)| (y - s).abs()).fold(0.0, larger);
-        Metrics::from_parts(n, squares / n as f64, variance.sqrt(), range(y), max_abs)
+        let mut sums = ErrorSums::new(mean(y));
+        y.iter().zip(simulated).for_each(|(y, s)| sums.add(*y, *s));
+        sums.metrics()
     }
 
     /// All records together. Squared errors and variances are pooled; the variances are about each record's own mean,
@@ -66,6 +64,40 @@ impl Metrics {
             std,
             peak_to_peak,
         }
+    }
+}
+
+/// The sums of which [`Metrics`] are made, sample by sample.
+#[derive(Debug)]
+pub(super) struct ErrorSums {
+    /// Mean of y.
+    mean: f64,
+    n: usize,
+    squares: f64,
+    scatter: f64,
+    ends: (f64, f64),
+    max_abs: f64,
+}
+
+impl ErrorSums {
+    /// For an output of this mean.
+    pub(super) fn new(mean: f64) -> Self {
+        let ends = (f64::INFINITY, f64::NEG_INFINITY);
+        ErrorSums { mean, n: 0, squares: 0.0, scatter: 0.0, ends, max_abs: 0.0 }
+    }
+
+    pub(super) fn add(&mut self, y: f64, simulated: f64) {
+        self.n += 1;
+        self.squares += (y - simulated).powi(2);
+        self.scatter += (y - self.mean) * (y - self.mean);
+        self.ends = (self.ends.0.min(y), self.ends.1.max(y));
+        self.max_abs = larger(self.max_abs, (y - simulated).abs());
+    }
+
+    pub(super) fn metrics(&self) -> Metrics {
+        let n = self.n as f64;
+        let (std, height) = ((self.scatter / n).sqrt(), self.ends.1 - self.ends.0);
+        Metrics::from_parts(self.n, self.squares / n, std, height, self.max_abs)
     }
 }
 

@@ -2,13 +2,12 @@
 //! [`REMARKS`] or of [`UNTESTED`]; the defects of the record ([`piezoid_records::quality`]) follow.
 
 use super::drift::Drift;
+use super::facts::{Facts, Shape};
 use super::floor::rough;
 use super::{LoopComparison, Metrics, extrapolation, untested};
 use piezoid_models::hammerstein::{Domain, Model};
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{mean, scatter};
-use piezoid_records::quality::{Consequence, DRIFT, Finding, inspect, likely_cause};
-use piezoid_records::record::Record;
+use piezoid_records::quality::{Consequence, DRIFT, Finding, likely_cause};
 
 /// Correlation from which the output has the shape of the model's, and factor from which it is another scale.
 const MIN_SHAPE_CORRELATION: f64 = 0.95;
@@ -20,13 +19,23 @@ const MAX_MODEL_DRIFT_SHARE: f64 = 0.01;
 /// A comparison of a model with a record, on which remarks are made.
 pub(super) struct Comparison<'a> {
     pub(super) model: &'a Model,
-    pub(super) record: &'a Record,
-    pub(super) simulated: &'a [f64],
+    /// Sampling period of the record [s], and the unit of its output.
+    pub(super) ts: f64,
+    pub(super) unit: &'a str,
     pub(super) metrics: &'a Metrics,
     pub(super) drift: &'a Drift,
     pub(super) loops: &'a [LoopComparison],
+    pub(super) facts: &'a Facts,
+    /// Reversals of the input inside the range of the hysteresis.
+    pub(super) inner_reversals: usize,
+    pub(super) shape: &'a Shape,
+}
+
+impl Comparison<'_> {
     /// The data that the model was identified from, and those of this record; `None` if the former are not known.
-    pub(super) domains: Option<(&'a Domain, Domain)>,
+    pub(super) fn domains(&self) -> Option<(&Domain, &Domain)> {
+        Some((self.model.identified()?, &self.facts.domain))
+    }
 }
 
 /// A remark: a row of [`REMARKS`] or of [`UNTESTED`].
@@ -80,7 +89,7 @@ static SCALE: Remark = Remark {
     name: "scale",
     when: "y has the shape of the model's output, and is more than 2.5 times as large or as small",
     // The output of a model far outside its range says nothing.
-    text: |c| if extrapolation::range(c).is_none() { scaled(c.record, c.simulated) } else { None },
+    text: |c| if extrapolation::range(c).is_none() { scaled(c.shape, c.unit) } else { None },
 };
 
 static ERROR_DRIFT: Remark = Remark {
@@ -88,7 +97,7 @@ static ERROR_DRIFT: Remark = Remark {
     when: "a slow linear trend makes more than half of the error about its mean",
     text: |c| {
         let [drift, all] = [c.drift.rms, c.metrics.rmse].map(|rms| rough(100.0 * rms / c.metrics.std));
-        let (slope, unit) = (rough(c.drift.slope / c.record.ts()), &c.record.units().y);
+        let (slope, unit) = (rough(c.drift.slope / c.ts), c.unit);
         c.drift.is_named.then(|| {
             format!(
                 "a drift of {slope} {unit}/s makes {drift} of the {all} % NRMSE: the sensor or the temperature drifts, \
@@ -100,16 +109,16 @@ static ERROR_DRIFT: Remark = Remark {
 
 /// The remarks on a comparison, and the defects of its record.
 pub(super) fn remarks(comparison: &Comparison) -> Vec<String> {
-    let Comparison { record, metrics, drift, .. } = comparison;
+    let Comparison { facts, metrics, drift, .. } = comparison;
     let mut remarks = texts(REMARKS, comparison);
-    let rise = drift.slope.abs() * record.len() as f64;
+    let rise = drift.slope.abs() * metrics.n as f64;
     let is_new = |finding: &Finding| match finding.detector.consequence {
         // The figures show it themselves.
         Consequence::Unusable => false,
         // The error shows a drift better than the input alone.
         _ => finding.detector != &DRIFT || rise > MAX_MODEL_DRIFT_SHARE * metrics.peak_to_peak,
     };
-    remarks.extend(inspect(record).findings.into_iter().filter(is_new).map(|f| f.text));
+    remarks.extend(facts.findings.iter().filter(|finding| is_new(finding)).map(|finding| finding.text.clone()));
     remarks
 }
 
@@ -123,12 +132,8 @@ fn texts(rows: &[&Remark], comparison: &Comparison) -> Vec<String> {
 }
 
 /// A sentence if the output is a multiple of that of the model.
-fn scaled(record: &Record, simulated: &[f64]) -> Option<String> {
-    let (y, unit) = (record.y(), &record.units().y);
-    let [mean_y, mean_model] = [y, simulated].map(mean);
-    let product: f64 = y.iter().zip(simulated).map(|(y, s)| (y - mean_y) * (s - mean_model)).sum();
-    let [power_y, power_model] = [y, simulated].map(scatter);
-    let (factor, correlation) = (product / power_model, product / (power_y * power_model).sqrt());
+fn scaled(shape: &Shape, unit: &str) -> Option<String> {
+    let (factor, correlation) = shape.factor_and_correlation();
     let is_scale = !(1.0 / MIN_SCALE_FACTOR..=MIN_SCALE_FACTOR).contains(&factor);
     (correlation.abs() > MIN_SHAPE_CORRELATION && is_scale).then(|| {
         let cause = if factor < 0.0 { "a sign is inverted".into() } else { likely_cause(factor, unit) };
@@ -142,12 +147,13 @@ fn scaled(record: &Record, simulated: &[f64]) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::super::loops::loops;
-    use super::super::{ComparedRun, errors};
+    use super::super::{errors, facts};
     use super::*;
     use crate::Validate;
     use piezoid_models::hysteresis::{OPERATORS, Proportional};
     use piezoid_models::linear::Arx;
     use piezoid_numerics::system::System;
+    use piezoid_records::record::Record;
     use piezoid_records::waveform::cycles;
     use std::f64::consts::TAU;
     use std::sync::Arc;
@@ -230,19 +236,20 @@ mod tests {
         let simulated = model.simulate(&u);
         let y = simulated.iter().enumerate().map(|(t, s)| y(t, *s)).collect();
         let record = Record::new(TS, u, y).unwrap();
+        let facts = Facts::of(model, &record);
         let metrics = Metrics::of(record.y(), &simulated);
         let drift = Drift::of(&errors(record.y(), &simulated), &simulated, TS);
-        let cycles = cycles(record.u(), TS);
-        let loops = loops(&ComparedRun { record: &record, simulated: &simulated, cycles: &cycles });
-        let domains = model.identified().map(|domain| (domain, Domain::of_input(record.u(), TS)));
+        let loops = loops(&record, &simulated, &cycles(record.u(), TS));
         let comparison = Comparison {
             model,
-            record: &record,
-            simulated: &simulated,
+            ts: TS,
+            unit: "um",
             metrics: &metrics,
             drift: &drift,
             loops: &loops,
-            domains,
+            facts: &facts,
+            inner_reversals: facts::inner_reversals_of(model, record.u()),
+            shape: &Shape::of(record.y(), &simulated),
         };
         rows.iter().filter(|row| (row.text)(&comparison).is_some()).map(|row| row.name).collect()
     }

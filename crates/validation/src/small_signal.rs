@@ -17,12 +17,12 @@
 //! Reference: Pintelon & Schoukens 2012, System Identification: A Frequency Domain Approach, chapter 4,
 //! doi:10.1002/9781118287422.
 
+use super::LoopComparison;
 use super::best_block::MaskedRecord;
 use super::bins::band;
 use super::floor::Repeated;
 use super::loops::loops;
 use super::residual_noise::independent;
-use super::{ComparedRun, LoopComparison};
 use libm::{hypot, pow};
 use nalgebra::{Matrix4, Vector4};
 use piezoid_numerics::error::Error;
@@ -128,7 +128,7 @@ impl Linearity {
             return Err(Error::Unidentifiable { what: "the linearity of the record".into(), because: because.into() });
         };
         let (gain_across_percent, gain_outward_percent) = closest.map(|c| gain_over_level(&c.simulated, y)).unzip();
-        let run = ComparedRun { record, simulated: record.y(), cycles: &cycles(record.u(), record.ts()) };
+        let loops = loops(record, record.y(), &cycles(record.u(), record.ts()));
         let hidden = detection_limit_percent.unwrap_or(0.0);
         let mut linearity = Linearity {
             residual_percent: rms.map(percent),
@@ -137,7 +137,7 @@ impl Linearity {
             distortion_percent,
             gain_across_percent,
             gain_outward_percent,
-            gain_by_amplitude: gain_by_amplitude(&loops(&run)),
+            gain_by_amplitude: gain_by_amplitude(&loops),
             even_percent,
             odd_percent,
             is_linear: (distortion_percent > hidden || hidden <= MIN_NONLINEAR_PERCENT)

@@ -3,8 +3,6 @@
 use super::extrapolation::identified_range;
 use super::remarks::Remark;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::range;
-pub(crate) use piezoid_records::quality::{around, excites};
 
 /// Share of the identified range below which an input does not test the hysteresis.
 const MIN_RANGE_SHARE: f64 = 0.2;
@@ -19,7 +17,7 @@ pub(super) static RESONANCE: Remark = Remark {
         let pole = c.model.linear().resonance()?;
         let [hz, damping] = [pole.hz, pole.damping].map(short);
         let text = format!("the resonance at {hz} Hz (damping {damping}): the input has no power near it");
-        (!excites(c.record.u(), c.record.ts(), around(pole.hz))).then_some(text)
+        (!c.facts.excites_resonance).then_some(text)
     },
 };
 
@@ -30,7 +28,8 @@ pub(super) static HYSTERESIS: Remark = Remark {
         if c.model.hysteresis().operator().name == "proportional" {
             return None;
         }
-        let share = identified_range(c.model).map(|(low, high)| range(c.record.u()) / (high - low));
+        let share =
+            identified_range(c.model).map(|(low, high)| (c.facts.domain.u[1] - c.facts.domain.u[0]) / (high - low));
         let widest = c.loops.iter().map(|l| l.model.width_percent.abs()).reduce(f64::max);
         match (share, widest) {
             (Some(share), _) if share < MIN_RANGE_SHARE => {

@@ -16,7 +16,7 @@
 
 use libm::exp;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{centred, dot, largest};
+use piezoid_numerics::series::mean;
 use serde::Serialize;
 
 /// Number of lags.
@@ -55,24 +55,30 @@ impl Whiteness {
     /// Tests errors against the input; `None` if there are fewer samples than four times the lags, or the errors are
     /// zero.
     pub fn of(u: &[f64], errors: &[f64]) -> Option<Self> {
-        let n = errors.len();
-        let (u, e) = (centred(u), centred(errors));
-        let (power_u, power_e) = (dot(&u, &u), dot(&e, &e));
-        let size = largest(errors);
+        if errors.len() < 4 * LAG_COUNT {
+            return None;
+        }
+        let mut sums = LaggedSums::new(mean(u), mean(errors));
+        sums.add(u, errors);
+        sums.whiteness()
+    }
+
+    fn of_sums(sums: &LaggedSums) -> Option<Self> {
+        let LaggedSums { n, largest: size, .. } = *sums;
+        let [power_u, power_e] = [sums.auto_u[0], sums.auto_e[0]];
         if n < 4 * LAG_COUNT || !power_e.is_finite() || power_e <= 1e-24 * n as f64 * size * size {
             return None;
         }
-        let auto = |x: &[f64], power: f64, k: usize| if power > 0.0 { dot(&x[k..], &x[..n - k]) / power } else { 0.0 };
-        let autocorrelation: Vec<f64> = (1..=LAG_COUNT).map(|k| auto(&e, power_e, k)).collect();
-        let of_input = (1..=LAG_COUNT).map(|k| auto(&u, power_u, k));
+        let over = |sum: f64, power: f64| if power > 0.0 { sum / power } else { 0.0 };
+        let autocorrelation: Vec<f64> = sums.auto_e[1..].iter().map(|sum| over(*sum, power_e)).collect();
+        let of_input = sums.auto_u[1..].iter().map(|sum| over(*sum, power_u));
         let variance = 1.0 + 2.0 * autocorrelation.iter().zip(of_input).map(|(r, s)| r * s).sum::<f64>();
         let terms = autocorrelation.iter().enumerate().map(|(k, r)| r * r / (n - k - 1) as f64);
         let ljung_box = n as f64 * (n as f64 + 2.0) * terms.sum::<f64>();
         let scale = (power_u * power_e).sqrt();
         let cross = |k: isize| {
             let lag = k.unsigned_abs();
-            let sum = if k >= 0 { dot(&e[lag..], &u[..n - lag]) } else { dot(&e[..n - lag], &u[lag..]) };
-            if scale > 0.0 { sum / scale } else { 0.0 }
+            over(if k >= 0 { sums.after[lag] } else { sums.before[lag] }, scale)
         };
         let lags = LAG_COUNT as isize;
         let mut whiteness = Whiteness {
@@ -144,6 +150,66 @@ impl Whiteness {
                 -k
             ),
         }
+    }
+}
+
+/// The sums of products at each lag of which the correlations are made, piece by piece.
+#[derive(Debug)]
+pub(super) struct LaggedSums {
+    /// Means of u and e.
+    means: [f64; 2],
+    n: usize,
+    largest: f64,
+    /// By lag k: sums of u_t u_{t-k}, e_t e_{t-k}, e_t u_{t-k}, u_t e_{t-k}.
+    auto_u: [f64; LAG_COUNT + 1],
+    auto_e: [f64; LAG_COUNT + 1],
+    after: [f64; LAG_COUNT + 1],
+    before: [f64; LAG_COUNT + 1],
+    /// The last samples of u and e, as many as the lags.
+    past: [Vec<f64>; 2],
+}
+
+impl LaggedSums {
+    /// For an input and errors of these means.
+    pub(super) fn new(mean_u: f64, mean_e: f64) -> Self {
+        let none = [0.0; LAG_COUNT + 1];
+        let (means, past) = ([mean_u, mean_e], [Vec::new(), Vec::new()]);
+        LaggedSums { means, n: 0, largest: 0.0, auto_u: none, auto_e: none, after: none, before: none, past }
+    }
+
+    /// The next samples.
+    pub(super) fn add(&mut self, u: &[f64], errors: &[f64]) {
+        self.n += u.len();
+        self.largest = errors.iter().fold(self.largest, |largest, e| largest.max(e.abs()));
+        let known = self.past[0].len();
+        let [u, e] = [(u, 0), (errors, 1)].map(|(new, k)| {
+            let mut all = std::mem::take(&mut self.past[k]);
+            all.extend(new.iter().map(|x| x - self.means[k]));
+            all
+        });
+        for k in 0..=LAG_COUNT.min(u.len().saturating_sub(1)) {
+            let (from, to) = (known.max(k), u.len());
+            if from >= to {
+                continue;
+            }
+            let [now_u, now_e] = [&u[from..], &e[from..]];
+            let [old_u, old_e] = [&u[from - k..to - k], &e[from - k..to - k]];
+            for (sum, a, b) in [
+                (&mut self.auto_u[k], now_u, old_u),
+                (&mut self.auto_e[k], now_e, old_e),
+                (&mut self.after[k], now_e, old_u),
+                (&mut self.before[k], now_u, old_e),
+            ] {
+                *sum = a.iter().zip(b).fold(*sum, |sum, (a, b)| sum + a * b);
+            }
+        }
+        let kept = u.len().saturating_sub(LAG_COUNT);
+        self.past = [u[kept..].to_vec(), e[kept..].to_vec()];
+    }
+
+    /// The tests of these sums: see [`Whiteness::of`].
+    pub(super) fn whiteness(&self) -> Option<Whiteness> {
+        Whiteness::of_sums(self)
     }
 }
 

@@ -4,7 +4,7 @@ use super::{File, short};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
-use piezoid_records::formats::{ColumnSelection, Format, InputPieces, Signal, Table};
+use piezoid_records::formats::{ColumnSelection, Format, InputPieces, LongRecord, Opened, Signal, Table};
 use piezoid_records::record::Record;
 use sha2::{Digest, Sha256};
 use std::fmt::{self, Debug, Formatter};
@@ -66,6 +66,14 @@ impl DataFile {
     /// The errors of [`Table::read_from`].
     pub fn table(&self) -> Result<(Table, &'static Format), Error> {
         Table::read_from(&self.name, self.bytes()?).map_err(|error| error.of(&self.name))
+    }
+
+    /// The table in it, or its record, if that has more than `held` samples and can be read in pieces.
+    ///
+    /// # Errors
+    /// The errors of [`LongRecord::open`].
+    pub fn opened(&self, columns: &ColumnSelection, held: usize) -> Result<Opened<'_>, Error> {
+        LongRecord::open(&self.name, &*self.open, columns, held).map_err(|error| error.of(&self.name))
     }
 
     /// Applies `part` to the table in it.

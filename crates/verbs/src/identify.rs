@@ -76,7 +76,7 @@ impl IdentifyOptions {
         let compare = |(record, name): (&Record, &&str)| {
             let record = record.output_in(&found.model.units().y)?;
             let validation = found.model.validate_with(&record, &options)?;
-            Ok(Compared { name: (*name).into(), record, validation })
+            Ok(Compared::new((*name).into(), record, validation))
         };
         let Records { small_signal, large_signal } = records;
         let names = || names.iter().chain(std::iter::repeat(&"record"));

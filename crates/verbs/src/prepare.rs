@@ -76,7 +76,7 @@ impl Source {
     }
 
     /// The record in the table of its file.
-    fn of(&self, table: Table) -> Result<Record, Error> {
+    pub(super) fn of(&self, table: Table) -> Result<Record, Error> {
         let resample = match self.preparation.first() {
             Some(Step::Prepare(options)) => options.resample,
             _ => None,

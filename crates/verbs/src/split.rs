@@ -133,7 +133,7 @@ impl Split {
             let start = *from as f64 * record.ts();
             let options = ValidateOptions { skip: start + options.skip, ..*options };
             let validation = validate(k, record, &options).map_err(|error| error.of(name))?;
-            Ok(Compared { name: name.clone(), record: record.clone(), validation })
+            Ok(Compared::new(name.clone(), record.clone(), validation))
         };
         Ok(Validated { files: self.tests.iter().enumerate().map(one).collect::<Result<_, _>>()? })
     }

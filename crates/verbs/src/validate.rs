@@ -1,9 +1,10 @@
 //! Validation of a model on records in files.
 
 use super::{Source, merge, short};
-use piezoid_models::hammerstein::Model;
+use piezoid_models::hammerstein::{Domain, Model};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::round;
+use piezoid_records::formats::{MAX_HELD_SAMPLES, Opened};
 use piezoid_records::record::Record;
 use piezoid_validation::{Bin, Floor, Metrics, Validate, ValidateOptions, Validation, summary};
 use serde_json::{Value, json};
@@ -13,10 +14,12 @@ use serde_json::{Value, json};
 pub struct Compared {
     /// Name of the record: that of its file, if it is one. Pages show it without folders.
     pub name: String,
-    /// The record.
+    /// The record; the first samples of one that is too long to be held.
     pub record: Record,
     /// Results of the free run.
     pub validation: Validation,
+    /// The domain of its input.
+    pub domain: Domain,
 }
 
 /// Free runs of a model on several records, all in one unit.
@@ -34,6 +37,13 @@ pub trait ValidateRecords {
     /// Returns an error for files without records. The errors of [`ValidateOptions::on`].
     fn run(&self, model: &Model, data: Vec<Source>) -> Result<Validated, Error>;
 
+    /// The same with bounded memory: of long records, only sections are held. A file that cannot be read in pieces, or
+    /// of which a part is selected, and a record for a model that interpolates its input are held.
+    ///
+    /// # Errors
+    /// The errors of [`run`](ValidateRecords::run).
+    fn in_pieces(&self, model: &Model, data: Vec<Source>) -> Result<Validated, Error>;
+
     /// Compares a model with named records, in the unit of the first.
     ///
     /// # Errors
@@ -46,20 +56,70 @@ impl ValidateRecords for ValidateOptions {
         self.on(model, &records(data)?)
     }
 
-    fn on(&self, model: &Model, records: &[(String, Record)]) -> Result<Validated, Error> {
-        let compare = |(name, record): &(String, Record)| {
-            let record = record.clone().output_in(&records[0].1.units().y)?;
-            if self.skip >= record.duration() {
-                let duration = round(record.duration());
-                let rule = format!("must be less than the duration of this record, {duration} s");
-                return Err(Error::parameter("skip", self.skip, rule));
-            }
-            let validation = model.validate_with(&record, self)?;
-            Ok(Compared { name: name.clone(), record, validation })
-        };
-        let named = |one: &(String, Record)| compare(one).map_err(|e| e.of(&one.0));
-        Ok(Validated { files: records.iter().map(named).collect::<Result<_, _>>()? })
+    fn in_pieces(&self, model: &Model, data: Vec<Source>) -> Result<Validated, Error> {
+        let held = if model.interpolates() { usize::MAX } else { MAX_HELD_SAMPLES };
+        held_up_to(held, self, model, data)
     }
+
+    fn on(&self, model: &Model, records: &[(String, Record)]) -> Result<Validated, Error> {
+        let unit = |first: &(String, Record)| first.1.units().y.clone();
+        let unit = records.first().map(unit).unwrap_or_default();
+        let compare = |(name, record): &(String, Record)| compare(self, model, name, record, &unit);
+        Ok(Validated { files: records.iter().map(compare).collect::<Result<_, _>>()? })
+    }
+}
+
+/// Compares a model with a record, in this unit.
+fn compare(
+    options: &ValidateOptions,
+    model: &Model,
+    name: &str,
+    record: &Record,
+    unit: &str,
+) -> Result<Compared, Error> {
+    let validated = || {
+        let record = record.output_in(unit)?;
+        skips(options, record.duration())?;
+        let validation = model.validate_with(&record, options)?;
+        Ok(Compared::new(name.into(), record, validation))
+    };
+    validated().map_err(|error: Error| error.of(name))
+}
+
+/// Returns an error if nothing of a record of this duration [s] is left.
+fn skips(options: &ValidateOptions, duration: f64) -> Result<(), Error> {
+    if options.skip < duration {
+        return Ok(());
+    }
+    let rule = format!("must be less than the duration of this record, {} s", round(duration));
+    Err(Error::parameter("skip", options.skip, rule))
+}
+
+/// [`ValidateRecords::in_pieces`] with records of up to so many samples held.
+fn held_up_to(held: usize, options: &ValidateOptions, model: &Model, data: Vec<Source>) -> Result<Validated, Error> {
+    let mut unit = None;
+    let mut one = |source: Source| {
+        let most = if source.preparation.is_empty() { held } else { usize::MAX };
+        let name = source.file.name.clone();
+        match source.file.opened(&source.columns, most)? {
+            Opened::Held(table, _) => {
+                let record = source.of(table)?;
+                let unit = unit.get_or_insert_with(|| record.units().y.clone());
+                compare(options, model, &name, &record, unit)
+            }
+            Opened::Long(record) => {
+                let unit = unit.get_or_insert_with(|| record.units().y.clone());
+                let validated = || {
+                    let record = record.output_in(unit)?;
+                    skips(options, record.duration())?;
+                    let (validation, domain, record) = Validation::of_long(model, &record, options)?;
+                    Ok(Compared { name: name.clone(), record, validation, domain })
+                };
+                validated().map_err(|error: Error| error.of(&name))
+            }
+        }
+    };
+    Ok(Validated { files: data.into_iter().map(&mut one).collect::<Result<_, _>>()? })
 }
 
 /// The records of sources, with the names of their files. Each file is dropped once it is read.
@@ -68,6 +128,12 @@ pub(super) fn records(data: Vec<Source>) -> Result<Vec<(String, Record)>, Error>
 }
 
 impl Compared {
+    /// A record and the free run on it.
+    pub fn new(name: String, record: Record, validation: Validation) -> Self {
+        let domain = Domain::of_input(record.u(), record.ts());
+        Compared { name, record, validation, domain }
+    }
+
     /// The name of its file without folders.
     pub fn short(&self) -> &str {
         short(&self.name)
@@ -134,5 +200,126 @@ impl Validated {
         merge(&mut total, json!({"by_frequency": by_frequency, "by_amplitude": by_amplitude}));
         merge(&mut total, json!({"floor": self.floor(), "summary": self.summary(), "unproven": self.not_covered()}));
         json!({"files": self.files.iter().map(Compared::to_json).collect::<Vec<_>>(), "total": total})
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{DataFile, File};
+    use piezoid_models::hysteresis::OPERATORS;
+    use piezoid_models::linear::Arx;
+    use piezoid_numerics::system::System;
+    use piezoid_records::excitation::Prbs;
+    use piezoid_records::formats::{ColumnSelection, Table};
+    use piezoid_records::record::Units;
+    use piezoid_testing::noise;
+    use piezoid_validation::Offset;
+    use std::f64::consts::TAU;
+
+    const TS: f64 = 5e-4;
+    const N: usize = 6000;
+
+    fn model() -> Model {
+        let operator = OPERATORS.iter().find(|operator| operator.name == "prandtl-ishlinskii").unwrap();
+        let beam = Arx::new(TS, vec![1.7424, -0.9453], vec![3.4, 3.3]).unwrap();
+        let model = Model::new((operator.example)(TS).unwrap(), beam, 0.0).unwrap();
+        let u = sine();
+        model.with_identified(Domain::of_input(&u[..2000], TS))
+    }
+
+    /// A sine that rises from cycle to cycle.
+    fn sine() -> Vec<f64> {
+        (0..N).map(|t| (8.0 + 3e-3 * t as f64) * (TAU * 12.0 * t as f64 * TS).sin()).collect()
+    }
+
+    fn prbs() -> Vec<f64> {
+        Prbs { order: 13, amplitude: 3.0, ..Prbs::default() }.samples(TS, N).unwrap()
+    }
+
+    /// The results on a file whose output is that of the model with another gain, noise and a drift; whole, and with at
+    /// most 1300 samples held.
+    fn both(u: &[f64], unit: &str, options: &ValidateOptions) -> [Validated; 2] {
+        let model = model();
+        let factor = Units::factor("um", unit).unwrap();
+        let y = model.simulate(u).into_iter().zip(noise(4, N)).enumerate();
+        let y: Vec<f64> = y.map(|(t, (y, e))| factor * (1.03 * y + 0.5 * e + 4.0 + 3e-4 * t as f64)).collect();
+        let bytes = Table::write("r.csv", TS, &[("u_V", u), (&format!("y_{unit}"), &y)]).unwrap();
+        let file = DataFile::from(File::new("r.csv", bytes));
+        let data = || Source::all(vec![file.clone()], &ColumnSelection::default());
+        [options.run(&model, data()).unwrap(), held_up_to(1300, options, &model, data()).unwrap()]
+    }
+
+    /// All numbers of a document, with their places.
+    fn numbers(value: &Value, place: &str, to: &mut Vec<(String, f64)>) {
+        match value {
+            Value::Object(all) => all.iter().for_each(|(key, value)| numbers(value, &format!("{place}/{key}"), to)),
+            Value::Array(all) => {
+                all.iter().enumerate().for_each(|(k, value)| numbers(value, &format!("{place}/{k}"), to))
+            }
+            other => to.extend(other.as_f64().map(|number| (place.to_string(), number))),
+        }
+    }
+
+    #[test]
+    fn a_record_in_sections_has_the_figures_of_the_whole() {
+        for (u, own) in [(sine(), vec!["floor"]), (prbs(), vec!["floor", "by_frequency"])] {
+            for offset in [Offset::Kept, Offset::Free, Offset::Drift] {
+                for (skip, unit) in [(0.0, "um"), (0.2, "mm")] {
+                    let [whole, sections] = both(&u, unit, &ValidateOptions { skip, offset });
+                    assert!(sections.files[0].validation.simulated.is_empty(), "was held");
+                    let [expected, found] = [&whole, &sections].map(|validated| {
+                        let mut document = validated.files[0].to_json();
+                        // Each section has its own.
+                        own.iter().for_each(|key| document[key] = Value::Null);
+                        let mut all = Vec::new();
+                        numbers(&document, "", &mut all);
+                        all
+                    });
+                    assert_eq!(expected.len(), found.len());
+                    let largest = expected.iter().map(|(_, number)| number.abs()).fold(0.0, f64::max);
+                    for ((place, a), (_, b)) in expected.iter().zip(&found) {
+                        assert!((a - b).abs() < 1e-9 * a.abs() + 1e-13 * largest, "{offset:?} {skip} {place}: {a} {b}");
+                    }
+                    let [a, b] = [&whole, &sections].map(|validated| validated.files[0].validation.clone());
+                    assert_eq!((a.initial_condition, a.not_covered), (b.initial_condition, b.not_covered));
+                    assert_eq!(a.whiteness.unwrap().verdict, b.whiteness.unwrap().verdict);
+                    let [a, b] = [a.floor, b.floor].map(|floor| floor.unwrap().rms);
+                    assert!((a / b - 1.0).abs() < 0.1, "{a} {b}");
+                    let [a, b] = [&whole, &sections].map(|validated| validated.bins()[0].len());
+                    assert!(a > 0 && b > 0, "{a} {b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_verdict_on_sections_is_that_on_the_whole() {
+        for u in [sine(), prbs()] {
+            let both = both(&u, "um", &ValidateOptions::default());
+            let [whole, sections] = both.each_ref().map(|validated| {
+                let mut verdict = validated.verdict(&model()).unwrap();
+                // The noise is within a tenth, as above, and so is the band of a PRBS.
+                (verdict.noise_percent, verdict.hz) = (None, None);
+                let mut remarks = validated.files[0].validation.remarks.clone();
+                remarks.retain(|remark| !remark.starts_with("the input has power"));
+                (verdict.to_string(), remarks)
+            });
+            assert_eq!(whole, sections);
+        }
+    }
+
+    #[test]
+    fn a_defect_of_a_section_is_remarked_with_its_section() {
+        let (model, u) = (model(), sine());
+        let mut y = model.simulate(&u);
+        y[3000] += 900.0;
+        let bytes = Table::write("r.csv", TS, &[("u_V", &u), ("y_um", &y)]).unwrap();
+        let data = Source::all(vec![File::new("r.csv", bytes)], &ColumnSelection::default());
+        let found = held_up_to(1300, &ValidateOptions::default(), &model, data).unwrap();
+        let remarks = &found.files[0].validation.remarks;
+        let place = "the output has outliers: 1 sample (at 0.3 s)";
+        let section = "(in the section from 1.2 s to 1.8 s, with times from its start)";
+        assert!(remarks.iter().any(|r| r.starts_with(place) && r.ends_with(section)), "{remarks:?}");
     }
 }

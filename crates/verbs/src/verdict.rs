@@ -3,7 +3,6 @@
 use super::{Compared, Validated};
 use piezoid_identification::{Identified, MIN_SAMPLES_PER_PARAMETER};
 use piezoid_models::hammerstein::{Domain, Model};
-use piezoid_numerics::series::{ends, mean};
 use piezoid_numerics::system::System;
 use piezoid_records::quality::{around, excites};
 use piezoid_records::record::Record;
@@ -95,7 +94,7 @@ impl Verdict {
         let mut verdict = Verdict::of(&all, error_percent, measured.into())?;
         let records = || training.iter().map(|c| &c.record);
         let (model, unit) = (&found.model, &verdict.unit);
-        let large: Vec<&Compared> = training.iter().filter(|c| is_large(&c.record, verdict.u)).collect();
+        let large: Vec<&Compared> = training.iter().filter(|c| c.is_large(verdict.u)).collect();
         let mut unproven = Vec::new();
         let samples: usize = records().map(Record::len).sum();
         if let Some(trial) = taken.filter(|trial| samples < MIN_SAMPLES_PER_PARAMETER * trial.parameters) {
@@ -155,7 +154,7 @@ impl Verdict {
         }
         // A small signal has a large error over its own peak-to-peak, most of it noise.
         let whole = verdict.u;
-        let large = validated.files.iter().filter(|c| validated.files.len() == 1 || is_large(&c.record, whole));
+        let large = validated.files.iter().filter(|c| validated.files.len() == 1 || c.is_large(whole));
         let finite = large.filter(|c| c.percent().is_finite());
         if let Some(worst) = finite.max_by(|a, b| a.percent().total_cmp(&b.percent())) {
             if validated.files.len() > 1 {
@@ -180,18 +179,23 @@ impl Verdict {
 
     /// The figures of free runs; `None` if there are none, or the error is not finite.
     fn of(validated: &Validated, error_percent: f64, measured: String) -> Option<Self> {
-        let records = || validated.files.iter().map(|c| &c.record);
-        let whole = Domain::of(records())?;
-        let large = records().filter(|record| is_large(record, whole.u));
-        let unit = records().next()?.units().u.clone();
+        let whole = Domain::together(validated.files.iter().map(|c| c.domain))?;
+        let large = validated.files.iter().filter(|c| c.is_large(whole.u)).map(|c| c.domain);
+        let unit = validated.files.first()?.record.units().u.clone();
         let noise_percent = validated.floor().map(|floor| 100.0 * floor.rms / validated.total().peak_to_peak);
-        let hz = Domain::of(large).and_then(|domain| domain.hz);
+        let hz = Domain::together(large).and_then(|domain| domain.hz);
         let found = Verdict { error_percent, measured, noise_percent, u: whole.u, unit, hz, ..Verdict::default() };
         error_percent.is_finite().then_some(found)
     }
 }
 
 impl Compared {
+    /// True if its input covers much of this range.
+    fn is_large(&self, [low, high]: [f64; 2]) -> bool {
+        let [lowest, highest] = self.domain.u;
+        highest - lowest >= LARGE * (high - low)
+    }
+
     /// Rms error over peak-to-peak of this record [%].
     fn percent(&self) -> f64 {
         self.validation.metrics.rms_pp_percent
@@ -200,8 +204,7 @@ impl Compared {
     /// The error over that at identification `before` [%]; `None` if it is not much larger, or if noise or a constant
     /// offset explain it: identification estimates an offset for each record.
     fn times_worse(&self, before: f64) -> Option<f64> {
-        let Validation { metrics, simulated, start, floor, .. } = &self.validation;
-        let constant = mean(&self.record.y()[*start..]) - mean(&simulated[*start..]);
+        let Validation { metrics, mean_error: constant, floor, .. } = self.validation;
         let noise = floor.map_or(0.0, |floor| floor.rms);
         let rest = (metrics.mse - constant * constant - noise * noise).max(0.0).sqrt();
         let is_worse = 100.0 * rest / metrics.peak_to_peak > WORSE * before;
@@ -218,12 +221,6 @@ fn swing(u: &[f64], of: fn(f64, f64) -> f64) -> f64 {
         }
         most.max(of(base, u))
     })
-}
-
-/// True if the input of a record covers much of this range.
-fn is_large(record: &Record, [low, high]: [f64; 2]) -> bool {
-    let (lowest, highest) = ends(record.u().iter().copied());
-    highest - lowest >= LARGE * (high - low)
 }
 
 /// A range as text: `+-25 V`, `-20 to 120 V`.

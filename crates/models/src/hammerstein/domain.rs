@@ -34,7 +34,12 @@ pub struct Domain {
 impl Domain {
     /// The domain of these records together; `None` if there are none.
     pub fn of<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<Self> {
-        records.into_iter().map(|r| Domain::of_input(r.u(), r.ts())).reduce(|a, b| Domain {
+        Domain::together(records.into_iter().map(|r| Domain::of_input(r.u(), r.ts())))
+    }
+
+    /// The domain of all these; `None` if there are none.
+    pub fn together(domains: impl IntoIterator<Item = Domain>) -> Option<Self> {
+        domains.into_iter().reduce(|a, b| Domain {
             u: union(a.u, b.u),
             hz: a.hz.zip(b.hz).map(|(a, b)| union(a, b)).or(a.hz).or(b.hz),
             slew: a.slew.max(b.slew),

@@ -2,8 +2,8 @@
 
 use super::prelude::*;
 use crate::tables;
-use piezoid::Model;
 use piezoid::validation::ValidateOptions;
+use piezoid::{Error, Model};
 use piezoid_verbs::{Source, ValidateRecords, Validated};
 
 const EXAMPLES: &str = "\
@@ -55,10 +55,18 @@ impl ValidationFlags {
         self.files.iter().chain([&self.model]).collect()
     }
 
+    /// The free runs with their records, all samples held.
     pub(crate) fn run(&self) -> Result<(Model, Validated)> {
+        self.with(|options, model, data| options.run(model, data))
+    }
+
+    fn with(
+        &self,
+        run: impl FnOnce(&ValidateOptions, &Model, Vec<Source>) -> std::result::Result<Validated, Error>,
+    ) -> Result<(Model, Validated)> {
         let (model, data) = (files::read(&self.model)?.model().map_err(failed)?, files::all(&self.files, files::data)?);
         let data = Source::all(data, &self.columns.read()?);
-        let validated = self.options.0.run(&model, data).map_err(failed)?;
+        let validated = run(&self.options.0, &model, data).map_err(failed)?;
         Ok((model, validated))
     }
 }
@@ -66,7 +74,7 @@ impl ValidationFlags {
 impl Run for Validate {
     fn run(self, console: &Console) -> Result<()> {
         let is_free = files::check(&[self.json.as_deref()], &self.flags.inputs())?;
-        let (model, validated) = self.flags.run()?;
+        let (model, validated) = self.flags.with(|options, model, data| options.in_pieces(model, data))?;
         if is_free {
             console.print(&match self.full || self.verbose {
                 true => tables::all(&validated, self.full, console),

@@ -110,7 +110,7 @@ mod tests {
             let u: Vec<f64> = (0..900).map(|t| 12.0 * (f64::from(t) * 0.05).sin() + 1.0).collect();
             let record = Record::new(5e-4, u.clone(), model.simulate(&u)).unwrap();
             let validation = model.validate(&record).unwrap();
-            let trials = Validated { files: vec![Compared { name: "runs/a<b.csv".into(), record, validation }] };
+            let trials = Validated { files: vec![Compared::new("runs/a<b.csv".into(), record, validation)] };
             let html = report(&model, &trials).html();
             assert_eq!(html, report(&model, &trials).html());
             assert!(html.contains("a&lt;b.csv"));
@@ -133,8 +133,7 @@ mod tests {
             Record::new(5e-4, u, y).unwrap()
         });
         let model = model.with_identified(piezoid::hammerstein::Domain::of(&records[..1]).unwrap());
-        let compared =
-            |record: Record| Compared { name: "r.csv".into(), validation: model.validate(&record).unwrap(), record };
+        let compared = |record: Record| Compared::new("r.csv".into(), record.clone(), model.validate(&record).unwrap());
         let trials = Validated { files: records.into_iter().map(compared).collect() };
         let html = report(&model, &trials).html();
         for text in [
@@ -165,7 +164,7 @@ mod tests {
             let u = rising.samples(5e-4, 4000).unwrap();
             let y = model.simulate(&u).iter().enumerate().map(|(t, y)| y + 0.1 * (t as f64).sin()).collect();
             let record = Record::new(5e-4, u, y).unwrap().with_units(units.clone());
-            Compared { name: "r.csv".into(), validation: model.validate(&record).unwrap(), record }
+            Compared::new("r.csv".into(), record.clone(), model.validate(&record).unwrap())
         };
         let html = report(&model, &Validated { files: [20.0, 40.0].map(compared).into() }).html();
         for text in ["Drawn are 3 of 38 cycles", "y − line [µm]", "over 8 of 7"] {

@@ -5,7 +5,7 @@
 //! error, which names the options that resolve it.
 //!
 //! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
-//! its name; [`InputPieces`] reads a long one piece by piece. [`Table::write`] writes CSV, `.npz` or `.mat`, by the
+//! its name; [`InputPieces`] and [`LongRecord`] read a long one piece by piece. [`Table::write`] writes CSV, `.npz` or `.mat`, by the
 //! extension of the name.
 //!
 //! Why: docs/decisions/data-and-records.md, "HDF5 is read by a crate, other binary formats by piezoid".
@@ -21,6 +21,7 @@ mod hdf5;
 mod history;
 #[cfg(feature = "foreign")]
 mod igor;
+mod long;
 #[cfg(feature = "foreign")]
 mod matlab;
 #[cfg_attr(not(feature = "foreign"), allow(dead_code))]
@@ -43,6 +44,7 @@ mod words;
 mod write;
 
 pub use channel::Channel;
+pub use long::{LongRecord, MAX_HELD_SAMPLES, Opened};
 pub use numpy::archive;
 pub use pieces::{InputPieces, Open};
 

@@ -1,4 +1,4 @@
-//! The input in a file, piece by piece.
+//! The input in a file, or input and output, piece by piece.
 //!
 //! A first pass over a text shows its sampling period, as that of the whole, and whether it can be read in pieces:
 //! every row has a number, and the times are even. What needs a closer look is read as a whole, with the same result or
@@ -11,7 +11,9 @@ use super::roles::Role;
 use super::time::EvenStamps;
 use super::{ColumnSelection, Signal, Table};
 use piezoid_numerics::error::{Error, finite};
+use piezoid_numerics::series::ends;
 use std::io::{self, Read};
+use std::sync::Arc;
 
 /// Number of cells of a piece.
 const CELLS: usize = 1 << 20;
@@ -43,10 +45,15 @@ pub type Open<'a> = &'a dyn Fn() -> io::Result<Box<dyn Read>>;
 
 type Source = Begun<Box<dyn Read>>;
 
-struct RowPieces {
+/// The rows of a text from its start.
+pub(super) fn rows(open: Open, bytes: usize) -> Result<Rows<Source>, Error> {
+    Rows::in_pieces(recognised(open().map_err(broken)?)?.1, bytes)
+}
+
+pub(super) struct RowPieces {
     rows: Rows<Source>,
     /// What the first pass found.
-    found: Found,
+    found: Arc<Found>,
     /// Number of rows in the pieces so far.
     taken: usize,
     /// Number of cells of a piece.
@@ -55,15 +62,43 @@ struct RowPieces {
 
 /// What the first pass over a text found.
 #[derive(Debug)]
-struct Found {
-    /// Place of the input among the columns.
-    input: usize,
+pub(super) struct Found {
+    /// The columns that are read.
+    pub(super) signals: Vec<Place>,
     /// Sampling period [s].
-    ts: f64,
-    unit: String,
-    factor: f64,
+    pub(super) ts: f64,
     /// Number of rows.
-    count: usize,
+    pub(super) count: usize,
+    /// For each column of the file, its numbers, and what is wrong with it.
+    pub(super) columns: Vec<Content>,
+    /// The steps that the file states, and lines that were left out.
+    pub(super) steps: Vec<String>,
+}
+
+/// Place of a signal among the columns, its unit, and the factor that brings it there.
+#[derive(Debug)]
+pub(super) struct Place {
+    pub(super) column: usize,
+    pub(super) unit: String,
+    pub(super) factor: f64,
+}
+
+/// The numbers of a column.
+#[derive(Debug, Clone)]
+pub(super) struct Content {
+    pub(super) count: usize,
+    pub(super) ends: (f64, f64),
+    pub(super) flaw: Option<String>,
+}
+
+impl Content {
+    /// Adds the numbers after the first `known` ones.
+    fn add(&mut self, column: &Column, known: usize) {
+        let numbers = || column.samples.iter().skip(known).copied().filter(|sample| sample.is_finite());
+        let (low, high) = ends(numbers());
+        self.count += numbers().count();
+        self.ends = (self.ends.0.min(low), self.ends.1.max(high));
+    }
 }
 
 impl InputPieces {
@@ -82,14 +117,14 @@ impl InputPieces {
         (bytes, cells): (usize, usize),
     ) -> Result<Pieces, Error> {
         let source = || recognised(open().map_err(broken)?);
-        let text = || Rows::in_pieces(source()?.1, bytes);
+        let text = || rows(open, bytes);
         let in_text = || {
             let mut rows = text()?;
             if !rows.fill(cells)? {
                 return rows.end()?.input(selection).map(|signal| Some(Pieces::Whole(Some(signal))));
             }
-            let Some(found) = Found::in_text(rows, &text, selection, cells)? else { return Ok(None) };
-            Ok(Some(Pieces::Rows(Box::new(RowPieces { rows: text()?, found, taken: 0, cells }))))
+            let Some(found) = Found::in_text(rows, &text, &[Role::Input], selection, cells)? else { return Ok(None) };
+            Ok(Some(Pieces::Rows(Box::new(RowPieces::new(text()?, Arc::new(found), cells)))))
         };
         let is_cut = selection.from.is_some() || selection.to.is_some();
         // An error is found again in the whole, with all that it concerns.
@@ -113,13 +148,15 @@ struct Times {
 impl Found {
     /// What a pass over the rows of a text shows, of which the first piece was read, or another one if the first is not
     /// sufficient; `None` for a text that must be read as a whole.
-    fn in_text(
+    pub(super) fn in_text(
         mut rows: Rows<Source>,
         text: &dyn Fn() -> Result<Rows<Source>, Error>,
+        roles: &[Role],
         selection: &ColumnSelection,
         cells: usize,
     ) -> Result<Option<Found>, Error> {
-        let Some((mut found, time)) = Found::columns(&rows.table, selection)? else { return Ok(None) };
+        let Some((mut found, time)) = Found::columns(&rows.table, roles, selection)? else { return Ok(None) };
+        found.columns.iter_mut().zip(&rows.table.columns).for_each(|(content, column)| content.add(column, 0));
         let mut times = time.map(|place| Times::new(place, &rows.table.columns[place]));
         let mut goes_on = true;
         while goes_on {
@@ -129,13 +166,15 @@ impl Found {
             }
             rows.drop_rows();
             goes_on = rows.fill(cells)?;
+            // The first row is the last one of the rows before.
+            found.columns.iter_mut().zip(&rows.table.columns).for_each(|(content, column)| content.add(column, 1));
             if let Some(times) = &mut times {
                 times.add(&rows.table.columns[times.place]);
             }
         }
         let (count, table) = (rows.count(), rows.end()?);
-        let places = [Some(found.input), times.as_ref().map(|times| times.place)];
-        let columns: Vec<&Column> = places.into_iter().flatten().map(|place| &table.columns[place]).collect();
+        let places = found.signals.iter().map(|signal| signal.column).chain(times.as_ref().map(|times| times.place));
+        let columns: Vec<&Column> = places.map(|place| &table.columns[place]).collect();
         let is_clear = |column: &&Column| column.flaw.is_none() && column.doubt.is_none();
         let signs: Vec<char> = columns.iter().filter_map(|column| column.decimal).map(|(sign, _)| sign).collect();
         let differ = signs.windows(2).any(|pair| pair[0] != pair[1]);
@@ -152,26 +191,43 @@ impl Found {
             };
             found.ts = table.seconds_of(&table.columns[times.place], selection, period)?;
         }
-        found.count = count;
+        for (content, column) in found.columns.iter_mut().zip(&table.columns) {
+            content.flaw = column.doubt.as_ref().or(column.flaw.as_ref()).map(ToString::to_string);
+        }
+        (found.count, found.steps) = (count, table.steps);
         Ok(Some(found))
     }
 
-    /// The columns of a table: the input, and the place of the time if its stamps give the period. `None` if the period
-    /// is stated in several ways.
-    fn columns(table: &Table, selection: &ColumnSelection) -> Result<Option<(Found, Option<usize>)>, Error> {
+    /// The columns of a table: those of the roles, and the place of the time if its stamps give the period. `None` if
+    /// the period is stated in several ways.
+    fn columns(
+        table: &Table,
+        roles: &[Role],
+        selection: &ColumnSelection,
+    ) -> Result<Option<(Found, Option<usize>)>, Error> {
         let place = |role: Role| {
             let column = role.find(table, selection).ok()?;
             table.columns.iter().position(|other| std::ptr::eq(other, column))
         };
-        let Some(input) = place(Role::Input) else { return Ok(None) };
-        let (unit, factor) = table.columns[input].unit_and_factor(Role::Input, selection)?;
-        let found = |ts: f64| Found { input, ts, unit, factor, count: 0 };
-        Ok(match (selection.period()?, table.ts, place(Role::Time)) {
-            (Some(ts), _, _) => Some((found(ts), None)),
-            (None, None, Some(time)) if time != input => Some((found(0.0), Some(time))),
-            (None, Some(ts), None) if selection.time_col.is_none() => Some((found(ts), None)),
-            _ => None,
-        })
+        let mut signals: Vec<Place> = Vec::new();
+        for role in roles {
+            let Some(column) = place(*role) else { return Ok(None) };
+            if signals.iter().any(|other| other.column == column) {
+                return Ok(None);
+            }
+            let (unit, factor) = table.columns[column].unit_and_factor(*role, selection)?;
+            signals.push(Place { column, unit, factor });
+        }
+        let is_signal = |time: usize| signals.iter().any(|signal| signal.column == time);
+        let (ts, time) = match (selection.period()?, table.ts, place(Role::Time)) {
+            (Some(ts), _, _) => (ts, None),
+            (None, None, Some(time)) if !is_signal(time) => (0.0, Some(time)),
+            (None, Some(ts), None) if selection.time_col.is_none() => (ts, None),
+            _ => return Ok(None),
+        };
+        let none = Content { count: 0, ends: (f64::INFINITY, f64::NEG_INFINITY), flaw: None };
+        let columns = vec![none; table.columns.len()];
+        Ok(Some((Found { signals, ts, count: 0, columns, steps: Vec::new() }, time)))
     }
 }
 
@@ -206,7 +262,12 @@ impl Times {
 }
 
 impl RowPieces {
-    fn next(&mut self) -> Result<Option<Signal>, Error> {
+    pub(super) fn new(rows: Rows<Source>, found: Arc<Found>, cells: usize) -> Self {
+        RowPieces { rows, found, taken: 0, cells }
+    }
+
+    /// The next samples of each signal.
+    pub(super) fn next(&mut self) -> Result<Option<Vec<Vec<f64>>>, Error> {
         if self.rows.fill(self.cells)? {
             return self.piece().map(Some);
         }
@@ -214,16 +275,19 @@ impl RowPieces {
         if self.taken == self.found.count { Ok(last) } else { Err(changed()) }
     }
 
-    fn piece(&mut self) -> Result<Signal, Error> {
-        let Found { input, ts, unit, factor, .. } = &self.found;
-        let samples = &self.rows.table.columns[*input].samples;
-        // All pieces but the first begin with the last row of the one before.
-        let new = samples.iter().skip(usize::from(self.taken > 0));
-        let samples: Vec<f64> = new.map(|sample| if *factor == 1.0 { *sample } else { sample * factor }).collect();
-        finite("u", &samples).map_err(|_| changed())?;
-        self.taken += samples.len();
+    fn piece(&mut self) -> Result<Vec<Vec<f64>>, Error> {
+        let mut signals = Vec::with_capacity(self.found.signals.len());
+        for Place { column, factor, .. } in &self.found.signals {
+            let samples = &self.rows.table.columns[*column].samples;
+            // All pieces but the first begin with the last row of the one before.
+            let new = samples.iter().skip(usize::from(self.taken > 0));
+            let samples: Vec<f64> = new.map(|sample| if *factor == 1.0 { *sample } else { sample * factor }).collect();
+            finite("u", &samples).map_err(|_| changed())?;
+            signals.push(samples);
+        }
+        self.taken += signals.first().map_or(0, Vec::len);
         self.rows.drop_rows();
-        Ok(Signal { ts: *ts, samples, unit: unit.clone() })
+        Ok(signals)
     }
 }
 
@@ -238,7 +302,14 @@ impl Iterator for InputPieces {
     fn next(&mut self) -> Option<Self::Item> {
         match &mut self.0 {
             Pieces::Whole(signal) => signal.take().map(Ok),
-            Pieces::Rows(rows) => rows.next().transpose(),
+            Pieces::Rows(rows) => {
+                let found = rows.found.clone();
+                let signal = |mut signals: Vec<Vec<f64>>| {
+                    let unit = found.signals.first()?.unit.clone();
+                    Some(Signal { ts: found.ts, samples: signals.pop()?, unit })
+                };
+                rows.next().map(|signals| signals.and_then(signal)).transpose()
+            }
         }
     }
 }

@@ -27,6 +27,7 @@ mod plays;
 mod power;
 mod runs;
 mod scale;
+mod sections;
 mod tone;
 mod units;
 mod wild;
@@ -40,6 +41,7 @@ pub(crate) use outliers::OUTLIERS;
 pub use power::{around, excites};
 pub(crate) use runs::{places, runs};
 pub use scale::likely_cause;
+pub use sections::InSections;
 
 use crate::record::Record;
 

@@ -50,31 +50,146 @@ pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
 /// extreme, its middle sample. The first and the last extreme of the record count if they are near a limit of the
 /// range.
 pub fn reversals(x: &[f64], share: f64) -> Vec<usize> {
-    let (low, high) = ends(x.iter().copied());
-    let guard = share * (high - low);
-    let outermost = |x: f64| (x - low).min(high - x) < 0.5 * guard;
-    let mut reversals = Vec::new();
-    // The direction, and the first and the last sample of the present extreme.
-    let (mut trend, mut first, mut last) = (0.0, 0, 0);
-    for (t, &now) in x.iter().enumerate() {
-        let beyond = (now - x[first]) * trend;
-        if trend == 0.0 {
-            // No movement yet.
-            if (now - x[0]).abs() > guard {
-                reversals.extend(outermost(x[0]).then_some(0));
-                (trend, first, last) = ((now - x[0]).signum(), t, t);
-            }
-        } else if beyond > 0.0 {
-            (first, last) = (t, t);
-        } else if beyond == 0.0 {
-            last = t;
-        } else if -beyond > guard {
-            reversals.push(first.midpoint(last));
-            (trend, first, last) = (-trend, t, t);
-        }
+    let mut reversals = Reversals::new(ends(x.iter().copied()), share);
+    let mut found: Vec<usize> = x.iter().filter_map(|now| reversals.add(*now)).map(|turn| turn.at).collect();
+    found.extend(reversals.end().map(|turn| turn.at));
+    found
+}
+
+/// A reversal.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// Its sample.
+    pub at: usize,
+    /// The extreme.
+    pub x: f64,
+}
+
+/// The [`reversals`] of a series of known range, sample by sample.
+#[derive(Debug, Clone)]
+struct Reversals {
+    low: f64,
+    high: f64,
+    guard: f64,
+    /// Number of samples so far.
+    n: usize,
+    /// The direction; 0 without a movement so far.
+    trend: f64,
+    /// The present extreme, its first and its last sample.
+    extreme: f64,
+    first: usize,
+    last: usize,
+}
+
+impl Reversals {
+    /// Before the first sample of a series with these ends.
+    fn new((low, high): (f64, f64), share: f64) -> Self {
+        let guard = share * (high - low);
+        Reversals { low, high, guard, n: 0, trend: 0.0, extreme: 0.0, first: 0, last: 0 }
     }
-    reversals.extend((trend != 0.0 && outermost(x[first])).then_some(first.midpoint(last)));
-    reversals
+
+    /// The next sample; returns the reversal that it shows.
+    fn add(&mut self, now: f64) -> Option<Turn> {
+        let t = self.n;
+        self.n += 1;
+        if t == 0 {
+            self.extreme = now;
+        }
+        let beyond = (now - self.extreme) * self.trend;
+        let turn = if self.trend == 0.0 {
+            // No movement yet.
+            if (now - self.extreme).abs() <= self.guard {
+                return None;
+            }
+            self.trend = (now - self.extreme).signum();
+            self.is_outermost().then_some(Turn { at: 0, x: self.extreme })
+        } else if -beyond > self.guard {
+            self.trend = -self.trend;
+            Some(self.turn())
+        } else if beyond >= 0.0 {
+            self.last = t;
+            if beyond > 0.0 {
+                (self.extreme, self.first) = (now, t);
+            }
+            return None;
+        } else {
+            return None;
+        };
+        (self.extreme, self.first, self.last) = (now, t, t);
+        turn
+    }
+
+    /// The last extreme, if it counts.
+    fn end(&self) -> Option<Turn> {
+        (self.trend != 0.0 && self.is_outermost()).then(|| self.turn())
+    }
+
+    fn turn(&self) -> Turn {
+        Turn { at: self.first.midpoint(self.last), x: self.extreme }
+    }
+
+    fn is_outermost(&self) -> bool {
+        (self.extreme - self.low).min(self.high - self.extreme) < 0.5 * self.guard
+    }
+}
+
+/// The cycles of a series of known range, sample by sample, as minimum, maximum and minimum; and whether they are
+/// regular.
+#[derive(Debug, Clone)]
+pub struct CycleSearch {
+    reversals: Reversals,
+    turns: Vec<Turn>,
+    /// Durations and amplitudes of up to three cycles.
+    cycles: Vec<[f64; 2]>,
+    /// Number of second differences, and of those of durations and of amplitudes that are regular.
+    bends: usize,
+    regular: [usize; 2],
+}
+
+impl CycleSearch {
+    /// Before the first sample of a series with these ends.
+    pub fn new(ends: (f64, f64)) -> Self {
+        let reversals = Reversals::new(ends, MIN_REVERSAL_SHARE);
+        CycleSearch { reversals, turns: Vec::new(), cycles: Vec::new(), bends: 0, regular: [0; 2] }
+    }
+
+    /// The next sample; returns the cycle that ended before it.
+    pub fn add(&mut self, now: f64) -> Option<[Turn; 3]> {
+        let turn = self.reversals.add(now)?;
+        self.cycle(turn)
+    }
+
+    /// The cycle that the end of the series shows. No sample may follow.
+    pub fn end(&mut self) -> Option<[Turn; 3]> {
+        let turn = self.reversals.end()?;
+        self.cycle(turn)
+    }
+
+    fn cycle(&mut self, turn: Turn) -> Option<[Turn; 3]> {
+        self.turns.push(turn);
+        if let [a, b] = self.turns[..]
+            && a.x > b.x
+        {
+            // It begins with a maximum.
+            self.turns.remove(0);
+        }
+        let [start, peak, end] = self.turns[..] else { return None };
+        self.turns = vec![end];
+        self.cycles.push([(end.at - start.at) as f64, 0.5 * (peak.x - start.x.min(end.x))]);
+        if let [a, b, c] = self.cycles[..] {
+            self.bends += 1;
+            for (k, regular) in self.regular.iter_mut().enumerate() {
+                *regular += usize::from(log(a[k] * c[k] / b[k].powi(2)).abs() < REGULAR);
+            }
+            self.cycles.remove(0);
+        }
+        Some([start, peak, end])
+    }
+
+    /// True if the median second difference is that of a regular series.
+    pub fn is_regular(&self) -> bool {
+        self.bends == 0 || self.regular.iter().all(|regular| *regular > self.bends / 2)
+    }
 }
 
 #[cfg(test)]

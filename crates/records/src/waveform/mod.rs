@@ -8,7 +8,7 @@ mod repetition;
 mod spectrum;
 
 pub use band::band;
-pub use cycles::{Cycle, MIN_REVERSAL_SHARE, cycles, reversals};
+pub use cycles::{Cycle, CycleSearch, MIN_REVERSAL_SHARE, Turn, cycles, reversals};
 pub use motion::{in_motion, inputs_before};
 pub use rate::cycle_rate;
 pub use repetition::period;

@@ -57,7 +57,7 @@ impl Table {
     }
 
     /// What was guessed, scaled and cut to make a record.
-    pub(super) fn history(&self, selection: &ColumnSelection) -> Vec<String> {
+    pub(in crate::formats) fn history(&self, selection: &ColumnSelection) -> Vec<String> {
         let mut guessed = Vec::new();
         let mut steps = Vec::new();
         for role in [Role::Time, Role::Input, Role::Output] {

@@ -1,0 +1,182 @@
+//! A record that is too long to be held: it is read from its file as often as needed, piece by piece.
+//!
+//! It does not do: other files than text with columns, cuts, times that are uneven, and numbers that are in doubt. What
+//! needs this is held.
+
+use super::csv::PIECE;
+use super::pieces::{Found, Open, RowPieces, rows};
+use super::read::{broken, recognised};
+use super::roles::Role;
+use super::{ColumnSelection, Format, Table};
+use crate::record::Units;
+use piezoid_numerics::error::{Error, positive};
+use piezoid_numerics::number::ascii_unit;
+use serde_json::{Value, json};
+use std::sync::Arc;
+
+/// Number of samples up to which a record is held.
+pub const MAX_HELD_SAMPLES: usize = 1 << 21;
+
+/// Number of cells of a piece.
+const CELLS: usize = 1 << 19;
+
+/// The samples of a record in a text, which are read in pieces.
+///
+/// ```
+/// use piezoid_records::formats::{ColumnSelection, LongRecord, Opened};
+/// use std::io::{Cursor, Read};
+/// let file = || Ok(Box::new(Cursor::new(b"t_s,u_V,y_um\n0,1,0\n0.1,2,9\n0.2,3,18\n")) as Box<dyn Read>);
+/// // It has more than one sample, which is the most to be held here.
+/// let Opened::Long(record) = LongRecord::open("r.csv", &file, &ColumnSelection::default(), 1)? else { panic!("held") };
+/// let mut sum = 0.0;
+/// record.read(&mut |_, y| {
+///     sum += y.iter().sum::<f64>();
+///     Ok(())
+/// })?;
+/// assert_eq!((record.len(), record.ts(), sum), (3, 0.1, 27.0));
+/// # Ok::<(), piezoid_numerics::error::Error>(())
+/// ```
+pub struct LongRecord<'a> {
+    open: Open<'a>,
+    found: Arc<Found>,
+    units: Units,
+    /// Factor of the output after that of its column.
+    factor: f64,
+    history: Vec<String>,
+    channels: Vec<Value>,
+    profile: ColumnSelection,
+    /// Number of samples up to which its sections are held.
+    held: usize,
+    /// Number of bytes and of cells of a piece.
+    piece: (usize, usize),
+}
+
+/// A file of a record.
+pub enum Opened<'a> {
+    /// What it contains.
+    Held(Table, &'static Format),
+    /// Its record is longer than what is held.
+    Long(LongRecord<'a>),
+}
+
+impl<'a> LongRecord<'a> {
+    /// The record in a file of this name, which is opened for each pass; the table in it, if that has at most `held`
+    /// rows, or needs to be known as a whole. Only errors use the name.
+    ///
+    /// # Errors
+    /// The errors of [`Table::read_from`].
+    pub fn open(name: &str, open: Open<'a>, selection: &ColumnSelection, held: usize) -> Result<Opened<'a>, Error> {
+        let (format, _) = recognised(open().map_err(broken)?)?;
+        let piece = (PIECE.min(held.saturating_mul(64).max(256)), CELLS.min(held.saturating_mul(2).max(4)));
+        let is_cut = selection.from.is_some() || selection.to.is_some();
+        // An error is found again in the whole, with all that it concerns.
+        if format.in_pieces
+            && !is_cut
+            && let Ok(Some(opened)) = LongRecord::in_text(open, format, selection, (held, piece))
+        {
+            return Ok(opened);
+        }
+        Table::read_from(name, open().map_err(broken)?).map(|(table, format)| Opened::Held(table, format))
+    }
+
+    fn in_text(
+        open: Open<'a>,
+        format: &'static Format,
+        selection: &ColumnSelection,
+        (held, piece): (usize, (usize, usize)),
+    ) -> Result<Option<Opened<'a>>, Error> {
+        let text = || rows(open, piece.0);
+        let mut head = text()?;
+        if !head.fill(held.saturating_mul(head.table.columns.len()))? {
+            return head.end().map(|table| Some(Opened::Held(table, format)));
+        }
+        let (history, channels) = (head.table.history(selection), head.table.described(selection));
+        let profile = head.table.profile(selection);
+        let Some(found) = Found::in_text(head, &text, &[Role::Input, Role::Output], selection, piece.1)? else {
+            return Ok(None);
+        };
+        positive("ts", found.ts, "seconds")?;
+        let unit = |k: usize| found.signals.get(k).map(|signal| ascii_unit(&signal.unit)).unwrap_or_default();
+        let units = Units { u: unit(0), y: unit(1) };
+        let history = found.steps.iter().cloned().chain(history).collect();
+        let described = |(mut channel, content): (Value, &super::pieces::Content)| {
+            channel["samples"] = json!(content.count);
+            (channel["low"], channel["high"]) = (json!(content.ends.0), json!(content.ends.1));
+            channel["flaw"] = json!(content.flaw);
+            channel
+        };
+        let channels = channels.into_iter().zip(&found.columns).map(described).collect();
+        let found = Arc::new(found);
+        let record = LongRecord { open, found, units, factor: 1.0, history, channels, profile, held, piece };
+        Ok(Some(Opened::Long(record)))
+    }
+
+    /// Reads all samples: `take` gets input and output of each piece.
+    ///
+    /// # Errors
+    /// The errors of reading and of `take`, and an error if the file was changed.
+    pub fn read(&self, take: &mut dyn FnMut(&[f64], &[f64]) -> Result<(), Error>) -> Result<(), Error> {
+        let mut pieces = RowPieces::new(rows(self.open, self.piece.0)?, self.found.clone(), self.piece.1);
+        while let Some(mut signals) = pieces.next()? {
+            let (Some(mut y), Some(u)) = (signals.pop(), signals.pop()) else { continue };
+            if self.factor != 1.0 {
+                y.iter_mut().for_each(|y| *y *= self.factor);
+            }
+            take(&u, &y)?;
+        }
+        Ok(())
+    }
+
+    /// The same record with its output in another length unit.
+    ///
+    /// # Errors
+    /// Returns an error if the conversion is unknown (see [`Units::factor`]).
+    pub fn output_in(self, unit: &str) -> Result<Self, Error> {
+        let unit = ascii_unit(unit);
+        let unknown = || Error::units("the output of the record", &self.units.y, &unit);
+        let factor = Units::factor(&self.units.y, &unit).ok_or_else(unknown)?;
+        Ok(LongRecord { units: Units { y: unit, ..self.units }, factor, ..self })
+    }
+
+    /// Sampling period [s].
+    pub fn ts(&self) -> f64 {
+        self.found.ts
+    }
+
+    /// Number of samples.
+    #[allow(clippy::len_without_is_empty)] // never empty
+    pub fn len(&self) -> usize {
+        self.found.count
+    }
+
+    /// Length in time [s].
+    pub fn duration(&self) -> f64 {
+        self.len() as f64 * self.ts()
+    }
+
+    /// Units of the samples.
+    pub fn units(&self) -> &Units {
+        &self.units
+    }
+
+    /// How the record was made, step by step.
+    pub fn history(&self) -> &[String] {
+        &self.history
+    }
+
+    /// The columns of its file: see [`Table::described`].
+    pub fn channels(&self) -> &[Value] {
+        &self.channels
+    }
+
+    /// The selection that reads it: see [`Table::profile`].
+    pub fn profile(&self) -> &ColumnSelection {
+        &self.profile
+    }
+
+    /// Ends of the sections, of equal length, in which `n` samples are analysed one after the other.
+    pub fn section_ends(&self, n: usize) -> impl Iterator<Item = usize> + use<> {
+        let count = n.div_ceil(self.held.max(1)).max(1);
+        (1..=count).map(move |k| (k as u128 * n as u128 / count as u128) as usize)
+    }
+}
