@@ -1,22 +1,72 @@
 //! A signal as a few lines of text: its range in each column, in dots of Braille characters.
 
+use piezoid_numerics::series::ends;
+
 /// Lines of a sketch, of four dots each.
 const LINES: usize = 4;
 
 /// The signal over time, `width` characters wide, with its name and range on the left.
 pub(crate) fn sketch(name: &str, samples: &[f64], width: usize) -> String {
-    let (low, high) = piezoid_numerics::series::ends(samples.iter().copied());
-    let labels = [piezoid_numerics::number::short(high), piezoid_numerics::number::short(low)];
-    let margin = labels.iter().map(String::len).max().unwrap_or(0).max(name.len());
-    let columns = 2 * width.saturating_sub(margin + 2).max(1);
+    let mut sketch = Sketch::new(name, ends(samples.iter().copied()), samples.len(), width);
+    sketch.add(samples);
+    sketch.text()
+}
+
+/// A sketch of a signal whose range and length are known, piece by piece.
+pub(crate) struct Sketch<'a> {
+    name: &'a str,
+    low: f64,
+    high: f64,
+    /// Number of samples in all, and so far.
+    n: usize,
+    taken: usize,
+    /// The range of the samples of each column of dots.
+    columns: Vec<(f64, f64)>,
+}
+
+impl<'a> Sketch<'a> {
+    pub(crate) fn new(name: &'a str, (low, high): (f64, f64), n: usize, width: usize) -> Self {
+        let margin = margin(name, &labels(low, high));
+        let columns = vec![ends([]); 2 * width.saturating_sub(margin + 2).max(1)];
+        Sketch { name, low, high, n, taken: 0, columns }
+    }
+
+    /// The next samples.
+    pub(crate) fn add(&mut self, samples: &[f64]) {
+        let (first, count) = (self.taken, self.columns.len());
+        self.taken += samples.len();
+        for (column, range) in self.columns.iter_mut().enumerate() {
+            let from = column * self.n / count;
+            let to = ((column + 1) * self.n / count).max(from + 1);
+            let part = from.max(first)..to.min(self.taken);
+            let new = if part.is_empty() { &[][..] } else { &samples[part.start - first..part.end - first] };
+            let (low, high) = ends(new.iter().copied());
+            *range = (range.0.min(low), range.1.max(high));
+        }
+    }
+
+    pub(crate) fn text(&self) -> String {
+        lines(self.name, (self.low, self.high), &self.columns)
+    }
+}
+
+/// The largest and the smallest number.
+fn labels(low: f64, high: f64) -> [String; 2] {
+    [high, low].map(piezoid_numerics::number::short)
+}
+
+/// Characters on the left.
+fn margin(name: &str, labels: &[String]) -> usize {
+    labels.iter().map(String::len).max().unwrap_or(0).max(name.len())
+}
+
+fn lines(name: &str, (low, high): (f64, f64), columns: &[(f64, f64)]) -> String {
+    let labels = labels(low, high);
+    let margin = margin(name, &labels);
     let rows = 4 * LINES;
     let level = |v: f64| ((v - low) / (high - low).max(f64::MIN_POSITIVE) * (rows - 1) as f64).round() as usize;
-    let mut cells = vec![[0u8; LINES]; columns / 2];
-    for column in 0..columns {
-        let from = column * samples.len() / columns;
-        let to = ((column + 1) * samples.len() / columns).max(from + 1).min(samples.len());
-        let Some(part) = samples.get(from..to) else { continue };
-        let (bottom, top) = piezoid_numerics::series::ends(part.iter().copied());
+    let mut cells = vec![[0u8; LINES]; columns.len() / 2];
+    for (column, &(bottom, top)) in columns.iter().enumerate().filter(|(_, (bottom, top))| bottom <= top) {
         for dot in level(bottom)..=level(top).min(rows - 1) {
             let down = rows - 1 - dot;
             if let Some(cell) = cells.get_mut(column / 2) {

@@ -2,8 +2,8 @@
 
 use super::DataFile;
 use piezoid_numerics::error::Error;
-use piezoid_records::formats::{ColumnSelection, Table};
-use piezoid_records::quality::{self, Finding};
+use piezoid_records::formats::{ColumnSelection, LongRecord, MAX_HELD_SAMPLES, Opened, Table};
+use piezoid_records::quality::{self, Finding, InSections};
 use piezoid_records::record::Record;
 use serde_json::{Value, json};
 use std::ops::Range;
@@ -13,27 +13,58 @@ impl DataFile {
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
     /// `history`, the steps from the channels to the record; `problems`, which are reasons why there is no record, and
     /// suspected defects of the record; `defects`, these with the spans of time [s] that they concern, the first
-    /// hundred of each. The second result is the record, or the error that prevents it.
+    /// hundred of each. The second result is the record, or the error that prevents it. A long record in a text is read
+    /// in pieces, and its defects are looked for in each of its sections.
     ///
     /// ```
     /// use piezoid::formats::ColumnSelection;
-    /// use piezoid_verbs::{DataFile, File};
+    /// use piezoid_verbs::{DataFile, File, Measured};
     /// let log = File::new("log.csv", "Time (ms),Drive (V),Position (um)\n0,0,0.1\n1,1,5.2\n2,0,0.3\n");
     /// let file = DataFile::from(log);
     /// let (seen, record) = file.inspect(&ColumnSelection::default())?;
     /// assert_eq!(seen["channels"][2]["role"], "output");
-    /// assert_eq!(record?.ts(), 0.001);
+    /// assert!(matches!(record?, Measured::Held(record) if record.ts() == 0.001));
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
     /// # Errors
     /// Returns an error if the file has no format that is read, or is damaged.
-    pub fn inspect(&self, columns: &ColumnSelection) -> Result<(Value, Result<Record, Error>), Error> {
-        let (table, format) = self.table()?;
-        let (channels, read) = (table.described(columns), table.record(columns));
-        drop(table);
-        Ok((inspection(channels, &read, &self.name, format.name), read))
+    pub fn inspect(&self, columns: &ColumnSelection) -> Result<(Value, Result<Measured<'_>, Error>), Error> {
+        self.inspect_held(columns, MAX_HELD_SAMPLES)
     }
+
+    /// The same with records of up to so many samples held.
+    fn inspect_held(
+        &self,
+        columns: &ColumnSelection,
+        held: usize,
+    ) -> Result<(Value, Result<Measured<'_>, Error>), Error> {
+        match self.opened(columns, held)? {
+            Opened::Held(table, format) => {
+                let (channels, read) = (table.described(columns), table.record(columns));
+                drop(table);
+                Ok((inspection(channels, &read, &self.name, format.name), read.map(Measured::Held)))
+            }
+            Opened::Long(record) => {
+                let mut found = InSections::default();
+                let read = record.sections(&mut |start, section| found.add(section, start));
+                read.map_err(|error| error.of(&self.name))?;
+                let (ts, samples, duration) = (record.ts(), record.len(), record.duration());
+                let described = json!({"ts": ts, "samples": samples, "duration": duration, "units": record.units()});
+                let contents = Ok((described, ts, record.history().to_vec(), found.findings()));
+                let document = document(record.channels().to_vec(), contents, &self.name, record.format());
+                Ok((document, Ok(Measured::Long(record))))
+            }
+        }
+    }
+}
+
+/// The record of a file.
+pub enum Measured<'a> {
+    /// All its samples.
+    Held(Record),
+    /// One that is too long to be held.
+    Long(LongRecord<'a>),
 }
 
 /// What a table with this name and format holds, as [`File::inspect`] gives it.
@@ -44,12 +75,22 @@ pub fn inspect(table: &Table, name: &str, format: &str, columns: &ColumnSelectio
 
 /// The document of a file with these channels, and the record that was read from it.
 fn inspection(channels: Vec<Value>, read: &Result<Record, Error>, name: &str, format: &str) -> Value {
-    let (record, history, problems, defects) = match read {
-        Ok(record) => {
-            let found = quality::inspect(record).findings;
-            let defects = found.iter().map(|finding| placed(finding, record.ts())).collect();
-            let texts = found.into_iter().map(|finding| finding.text).collect();
-            (described(record), record.history().to_vec(), texts, defects)
+    let contents = read.as_ref().map(|record| {
+        let found = quality::inspect(record).findings;
+        (described(record), record.ts(), record.history().to_vec(), found)
+    });
+    document(channels, contents, name, format)
+}
+
+/// A record as a document, its sampling period, history and defects.
+type Contents = (Value, f64, Vec<String>, Vec<Finding>);
+
+/// The document of a file with these channels, and this record or the error that prevents it.
+fn document(channels: Vec<Value>, contents: Result<Contents, &Error>, name: &str, format: &str) -> Value {
+    let (record, history, problems, defects) = match contents {
+        Ok((record, ts, history, found)) => {
+            let defects = found.iter().map(|finding| placed(finding, ts)).collect();
+            (record, history, found.into_iter().map(|finding| finding.text).collect(), defects)
         }
         Err(error) => (Value::Null, Vec::new(), vec![error.to_string()], Vec::new()),
     };
@@ -72,4 +113,37 @@ fn placed(finding: &Finding, ts: f64) -> Value {
     let span = |samples: &Range<usize>| [samples.start as f64 * ts, samples.end as f64 * ts];
     let spans: Vec<_> = finding.samples.iter().take(SPANS).map(span).collect();
     json!({"defect": finding.detector.name, "text": finding.text, "spans": spans})
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::File;
+    use piezoid_numerics::series;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn an_inspection_in_sections_is_that_of_the_whole_but_for_the_place_of_a_defect() {
+        let u: Vec<f64> = (0..6000).map(|t| 20.0 * (TAU * f64::from(t) / 211.0).sin()).collect();
+        let mut y: Vec<f64> = u.iter().map(|u| 2e-3 * u - 0.1).collect();
+        let inspected = |y: &[f64], held: usize| {
+            let bytes = Table::write("r.csv", 5e-4, &[("Drive (V)", &u), ("Position (mm)", y)]).unwrap();
+            let file = DataFile::from(File::new("r.csv", bytes));
+            let columns = ColumnSelection { input_scale: Some("-2".into()), ..ColumnSelection::default() };
+            let (document, record) = file.inspect_held(&columns, held).unwrap();
+            let ends = match record.unwrap() {
+                Measured::Held(record) => [record.u(), record.y()].map(|x| series::ends(x.iter().copied())),
+                Measured::Long(record) => {
+                    assert_eq!(record.profile(), &file.profile(&columns).unwrap());
+                    record.ends()
+                }
+            };
+            (document, ends)
+        };
+        assert_eq!(inspected(&y, 6000), inspected(&y, 1300));
+        y[3000] += 0.05;
+        let (whole, sections) = (inspected(&y, 6000).0, inspected(&y, 1300).0);
+        assert_eq!(whole["defects"][0]["spans"], sections["defects"][0]["spans"]);
+        assert!(sections["problems"][0].as_str().unwrap().contains("in the section from 1.2 s to 1.8 s"), "{sections}");
+    }
 }

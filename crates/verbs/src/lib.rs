@@ -30,7 +30,7 @@ pub use data::DataFile;
 pub use excite::{ExciteOptions, Excited};
 pub use identification::{IdentifyOptions, Method, Records, identify};
 pub use identify::Identification;
-pub use inspect::inspect;
+pub use inspect::{Measured, inspect};
 pub use methods::MethodOptions;
 pub use online::{EstimatorOptions, OnlineOptions, OnlineRow, OnlineRun, Replayed};
 pub use origin::{Origin, identify_again};

@@ -1,9 +1,11 @@
 //! `piezoid inspect`: what files hold, how they are read, and what seems wrong with them.
 
 use super::prelude::*;
+use crate::sketch::{Sketch, sketch};
 use crate::words::CommandLine;
-use piezoid::{Error, Record, Units};
+use piezoid::{Error, Units};
 use piezoid_numerics::number::round;
+use piezoid_verbs::Measured;
 use serde_json::Value;
 
 const EXAMPLES: &str = "\
@@ -35,17 +37,20 @@ impl Run for Inspect {
         let inputs: Vec<&PathBuf> = self.data.iter().collect();
         let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &inputs)?;
         let (columns, data) = (self.columns.read()?, files::all(&self.data, files::data)?);
-        let mut all = Vec::new();
+        let (mut all, mut profile) = (Vec::new(), None);
         for file in &data {
             let (inspection, record) = file.inspect(&columns).map_err(failed)?;
             if is_free {
-                console.print(&summary(&inspection, record.as_ref(), console))?;
+                console.print(&summary(&inspection, record.as_ref(), console)?)?;
+            }
+            if let (Ok(Measured::Long(record)), true) = (&record, all.is_empty()) {
+                profile = Some(record.profile().clone());
             }
             all.push(inspection);
         }
         let mut results = Results::default();
         if let (Some(path), Some(first)) = (&self.output, data.first()) {
-            let profile = first.profile(&columns).map_err(failed)?.to_toml();
+            let profile = profile.map_or_else(|| first.profile(&columns), Ok).map_err(failed)?.to_toml();
             let about = "# How records of this rig are read: piezoid VERB ... --profile FILE\n";
             results = results.file(Some(path), format!("{about}{profile}"));
         }
@@ -54,7 +59,7 @@ impl Run for Inspect {
 }
 
 /// What a file holds, as text for the terminal.
-fn summary(inspection: &Value, record: Result<&Record, &Error>, console: &Console) -> String {
+fn summary(inspection: &Value, record: Result<&Measured, &Error>, console: &Console) -> Result<String> {
     let text = |value: &Value| value.as_str().map_or_else(|| "-".to_string(), String::from);
     let number = |value: &Value| value.as_f64().map_or_else(|| "-".into(), round);
     let channels = inspection["channels"].as_array().map_or(&[][..], Vec::as_slice);
@@ -65,8 +70,11 @@ fn summary(inspection: &Value, record: Result<&Record, &Error>, console: &Consol
     let table = console.table(&["channel", "role", "unit", "samples", "from", "to"], channels.iter().map(row));
     let mut sentence = format!("{}: {}\n{table}", text(&inspection["file"]), text(&inspection["format"]));
     if let Ok(record) = record {
-        let (n, Units { u, y }) = (record.len(), record.units());
-        let [ts, hz, duration] = [record.ts(), 1.0 / record.ts(), record.duration()].map(round);
+        let (n, ts, Units { u, y }) = match record {
+            Measured::Held(record) => (record.len(), record.ts(), record.units()),
+            Measured::Long(record) => (record.len(), record.ts(), record.units()),
+        };
+        let [ts, hz, duration] = [ts, 1.0 / ts, n as f64 * ts].map(round);
         let rate = format!("{n} samples every {ts} s ({hz} Hz), {duration} s; u in {u}, y in {y}");
         sentence += &console.paragraph(&rate, "  ");
     }
@@ -77,8 +85,22 @@ fn summary(inspection: &Value, record: Result<&Record, &Error>, console: &Consol
     match record {
         Ok(record) => {
             let width = console.room().unwrap_or(80).min(100);
-            for (name, samples) in [("u", record.u()), ("y", record.y())] {
-                sentence += &crate::sketch::sketch(name, samples, width);
+            match record {
+                Measured::Held(record) => {
+                    sentence += &sketch("u", record.u(), width);
+                    sentence += &sketch("y", record.y(), width);
+                }
+                Measured::Long(record) => {
+                    let ([u, y], n) = (record.ends(), record.len());
+                    let [mut u, mut y] = [("u", u), ("y", y)].map(|(name, ends)| Sketch::new(name, ends, n, width));
+                    let read = record.read(&mut |inputs, outputs| {
+                        u.add(inputs);
+                        y.add(outputs);
+                        Ok(())
+                    });
+                    read.map_err(failed)?;
+                    sentence += &(u.text() + &y.text());
+                }
             }
             for problem in list("problems") {
                 sentence += &console.paragraph(&format!("problem: {problem}"), "  ");
@@ -86,5 +108,5 @@ fn summary(inspection: &Value, record: Result<&Record, &Error>, console: &Consol
         }
         Err(error) => sentence += &console.paragraph(&format!("no record: {}", error.message(&CommandLine)), "  "),
     }
-    sentence + "\n"
+    Ok(sentence + "\n")
 }

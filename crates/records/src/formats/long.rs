@@ -8,9 +8,10 @@ use super::pieces::{Found, Open, RowPieces, rows};
 use super::read::{broken, recognised};
 use super::roles::Role;
 use super::{ColumnSelection, Format, Table};
-use crate::record::Units;
+use crate::record::{Record, Units};
 use piezoid_numerics::error::{Error, positive};
 use piezoid_numerics::number::ascii_unit;
+use piezoid_numerics::series::ends;
 use serde_json::{Value, json};
 use std::sync::Arc;
 
@@ -45,6 +46,7 @@ pub struct LongRecord<'a> {
     history: Vec<String>,
     channels: Vec<Value>,
     profile: ColumnSelection,
+    format: &'static Format,
     /// Number of samples up to which its sections are held.
     held: usize,
     /// Number of bytes and of cells of a piece.
@@ -107,7 +109,7 @@ impl<'a> LongRecord<'a> {
         };
         let channels = channels.into_iter().zip(&found.columns).map(described).collect();
         let found = Arc::new(found);
-        let record = LongRecord { open, found, units, factor: 1.0, history, channels, profile, held, piece };
+        let record = LongRecord { open, found, units, factor: 1.0, history, channels, profile, format, held, piece };
         Ok(Some(Opened::Long(record)))
     }
 
@@ -125,6 +127,41 @@ impl<'a> LongRecord<'a> {
             take(&u, &y)?;
         }
         Ok(())
+    }
+
+    /// Reads all samples in sections of equal length, of which each is held: `take` gets its first sample and the section.
+    ///
+    /// # Errors
+    /// The errors of [`read`](LongRecord::read).
+    pub fn sections(&self, take: &mut dyn FnMut(usize, &Record)) -> Result<(), Error> {
+        let (mut start, mut ends) = (0, self.section_ends(self.len()).peekable());
+        let mut held = [Vec::new(), Vec::new()];
+        self.read(&mut |u, y| {
+            let mut from = 0;
+            while let Some(&end) = ends.peek().filter(|_| from < u.len()) {
+                let to = u.len().min(from + end - start - held[0].len());
+                held.iter_mut().zip([u, y]).for_each(|(held, new)| held.extend(&new[from..to]));
+                from = to;
+                if start + held[0].len() == end {
+                    let [u, y] = std::mem::take(&mut held);
+                    take(start, &Record::new(self.ts(), u, y)?.with_units(self.units.clone()));
+                    start = end;
+                    ends.next();
+                }
+            }
+            Ok(())
+        })
+    }
+
+    /// The smallest and the largest number of input and output.
+    pub fn ends(&self) -> [(f64, f64); 2] {
+        let of = |k: usize| {
+            let signal = self.found.signals.get(k)?;
+            let (low, high) = self.found.columns.get(signal.column)?.ends;
+            let factor = if k == 1 { self.factor } else { 1.0 };
+            Some(ends([low, high].map(|x| x * signal.factor * factor)))
+        };
+        [0, 1].map(|k| of(k).unwrap_or_default())
     }
 
     /// The same record with its output in another length unit.
@@ -162,6 +199,11 @@ impl<'a> LongRecord<'a> {
     /// How the record was made, step by step.
     pub fn history(&self) -> &[String] {
         &self.history
+    }
+
+    /// Name of the format of its file.
+    pub fn format(&self) -> &'static str {
+        self.format.name
     }
 
     /// The columns of its file: see [`Table::described`].
