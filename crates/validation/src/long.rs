@@ -46,25 +46,17 @@ impl Validation {
     ) -> Result<(Validation, Domain, Record), Error> {
         let k = factor(model, record.ts(), record.units())?;
         let start = Record::span(options.skip, f64::INFINITY, record.ts(), record.len())?.start;
-        let survey = Survey::of(record, start)?;
+        let mut survey = Survey::of(record, start)?;
         let (n, ts, free_offset) = (record.len() - start, record.ts(), options.offset != Offset::Kept);
         let [u, y] = &survey.head;
         let initial_condition = likeliest(model, (u, y), (record.len(), survey.path), k, free_offset);
         let before = model.before(u, initial_condition);
-        let pass = |take: &mut dyn FnMut(&[f64], &[f64], Vec<f64>) -> Result<(), Error>| {
-            let (mut x, mut t) = (before.clone(), 0);
-            record.read(&mut |u, y| {
-                let mut simulated = model.follow(&mut x, u);
-                simulated.iter_mut().for_each(|s| *s *= k);
-                let skipped = start.saturating_sub(t).min(u.len());
-                t += u.len();
-                take(&u[skipped..], &y[skipped..], simulated.split_off(skipped))
-            })
-        };
+        let first = first_samples(record, std::mem::take(&mut survey.head))?;
+        let run = FreeRun { model, record, before, k, start };
         let (mut trend, mut search, mut inner) =
             (DriftSums::new(n), CycleSearch::new(survey.ends), inner_reversals(model));
         let mut has_cycles = false;
-        pass(&mut |u, y, simulated| {
+        run.pass(&mut |u, y, simulated| {
             y.iter().zip(&simulated).for_each(|(y, s)| trend.add(y - s, *s));
             u.iter().for_each(|u| has_cycles |= search.add(*u).is_some());
             inner.iter_mut().for_each(|inner| u.iter().for_each(|u| inner.add(*u)));
@@ -85,7 +77,7 @@ impl Validation {
         let search = has_cycles.then(|| CycleSearch::new(survey.ends));
         let mut sections = Sections::new(model, record, (start, ends), search);
         let mut t = 0;
-        pass(&mut |u, y, mut simulated| {
+        run.pass(&mut |u, y, mut simulated| {
             for s in &mut simulated {
                 *s += mean + slope * (t as f64 - 0.5 * (n as f64 - 1.0));
                 t += 1;
@@ -123,7 +115,36 @@ impl Validation {
             shape,
         };
         let validation = figures.validation(Some(model), ts, &record.units().y, Vec::new());
-        Ok((validation, domain, first_samples(record, survey.head)?))
+        Ok((validation, domain, first))
+    }
+}
+
+/// The free run of a model on a record.
+struct FreeRun<'a> {
+    model: &'a Model,
+    record: &'a LongRecord<'a>,
+    /// The state before the first sample.
+    before: Vec<f64>,
+    /// The factor from the unit of the model to that of the record.
+    k: f64,
+    /// First sample that counts.
+    start: usize,
+}
+
+/// Takes input, output and free run of a piece.
+type TakeRun<'a> = &'a mut dyn FnMut(&[f64], &[f64], Vec<f64>) -> Result<(), Error>;
+
+impl FreeRun<'_> {
+    /// A pass over the samples that count.
+    fn pass(&self, take: TakeRun) -> Result<(), Error> {
+        let (mut x, mut t) = (self.before.clone(), 0);
+        self.record.read(&mut |u, y| {
+            let mut simulated = self.model.follow(&mut x, u);
+            simulated.iter_mut().for_each(|s| *s *= self.k);
+            let skipped = self.start.saturating_sub(t).min(u.len());
+            t += u.len();
+            take(&u[skipped..], &y[skipped..], simulated.split_off(skipped))
+        })
     }
 }
 

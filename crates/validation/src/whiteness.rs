@@ -65,20 +65,21 @@ impl Whiteness {
 
     fn of_sums(sums: &LaggedSums) -> Option<Self> {
         let LaggedSums { n, largest: size, .. } = *sums;
-        let [power_u, power_e] = [sums.auto_u[0], sums.auto_e[0]];
+        let [uu, ee, eu, ue] = sums.by_lag();
+        let (power_u, power_e) = (uu[0], ee[0]);
         if n < 4 * LAG_COUNT || !power_e.is_finite() || power_e <= 1e-24 * n as f64 * size * size {
             return None;
         }
         let over = |sum: f64, power: f64| if power > 0.0 { sum / power } else { 0.0 };
-        let autocorrelation: Vec<f64> = sums.auto_e[1..].iter().map(|sum| over(*sum, power_e)).collect();
-        let of_input = sums.auto_u[1..].iter().map(|sum| over(*sum, power_u));
+        let autocorrelation: Vec<f64> = ee[1..].iter().map(|sum| over(*sum, power_e)).collect();
+        let of_input = uu[1..].iter().map(|sum| over(*sum, power_u));
         let variance = 1.0 + 2.0 * autocorrelation.iter().zip(of_input).map(|(r, s)| r * s).sum::<f64>();
         let terms = autocorrelation.iter().enumerate().map(|(k, r)| r * r / (n - k - 1) as f64);
         let ljung_box = n as f64 * (n as f64 + 2.0) * terms.sum::<f64>();
         let scale = (power_u * power_e).sqrt();
         let cross = |k: isize| {
             let lag = k.unsigned_abs();
-            over(if k >= 0 { sums.after[lag] } else { sums.before[lag] }, scale)
+            over(if k >= 0 { eu[lag] } else { ue[lag] }, scale)
         };
         let lags = LAG_COUNT as isize;
         let mut whiteness = Whiteness {
@@ -160,51 +161,51 @@ pub(super) struct LaggedSums {
     means: [f64; 2],
     n: usize,
     largest: f64,
-    /// By lag k: sums of u_t u_{t-k}, e_t e_{t-k}, e_t u_{t-k}, u_t e_{t-k}.
-    auto_u: [f64; LAG_COUNT + 1],
-    auto_e: [f64; LAG_COUNT + 1],
-    after: [f64; LAG_COUNT + 1],
-    before: [f64; LAG_COUNT + 1],
-    /// The last samples of u and e, as many as the lags.
+    /// Sums of u_t u_{t-k}, e_t e_{t-k}, e_t u_{t-k}, u_t e_{t-k}, from the highest lag k to 0.
+    sums: [Lags; 4],
+    /// The last samples of u and e, as many as the highest lag; before the first sample they are zero.
     past: [Vec<f64>; 2],
 }
+
+/// A number for each lag.
+type Lags = [f64; LAG_COUNT + 1];
 
 impl LaggedSums {
     /// For an input and errors of these means.
     pub(super) fn new(mean_u: f64, mean_e: f64) -> Self {
-        let none = [0.0; LAG_COUNT + 1];
-        let (means, past) = ([mean_u, mean_e], [Vec::new(), Vec::new()]);
-        LaggedSums { means, n: 0, largest: 0.0, auto_u: none, auto_e: none, after: none, before: none, past }
+        let past = [vec![0.0; LAG_COUNT], vec![0.0; LAG_COUNT]];
+        LaggedSums { means: [mean_u, mean_e], n: 0, largest: 0.0, sums: [[0.0; LAG_COUNT + 1]; 4], past }
     }
 
     /// The next samples.
     pub(super) fn add(&mut self, u: &[f64], errors: &[f64]) {
         self.n += u.len();
         self.largest = errors.iter().fold(self.largest, |largest, e| largest.max(e.abs()));
-        let known = self.past[0].len();
         let [u, e] = [(u, 0), (errors, 1)].map(|(new, k)| {
             let mut all = std::mem::take(&mut self.past[k]);
             all.extend(new.iter().map(|x| x - self.means[k]));
             all
         });
-        for k in 0..=LAG_COUNT.min(u.len().saturating_sub(1)) {
-            let (from, to) = (known.max(k), u.len());
-            if from >= to {
-                continue;
-            }
-            let [now_u, now_e] = [&u[from..], &e[from..]];
-            let [old_u, old_e] = [&u[from - k..to - k], &e[from - k..to - k]];
-            for (sum, a, b) in [
-                (&mut self.auto_u[k], now_u, old_u),
-                (&mut self.auto_e[k], now_e, old_e),
-                (&mut self.after[k], now_e, old_u),
-                (&mut self.before[k], now_u, old_e),
-            ] {
-                *sum = a.iter().zip(b).fold(*sum, |sum, (a, b)| sum + a * b);
+        let [uu, ee, eu, ue] = &mut self.sums;
+        for (u, e) in u.array_windows::<{ LAG_COUNT + 1 }>().zip(e.array_windows::<{ LAG_COUNT + 1 }>()) {
+            let (now_u, now_e) = (u[LAG_COUNT], e[LAG_COUNT]);
+            // One sum a lag, so that all lags are added at once.
+            for k in 0..=LAG_COUNT {
+                uu[k] += now_u * u[k];
+                ee[k] += now_e * e[k];
+                eu[k] += now_e * u[k];
+                ue[k] += now_u * e[k];
             }
         }
-        let kept = u.len().saturating_sub(LAG_COUNT);
-        self.past = [u[kept..].to_vec(), e[kept..].to_vec()];
+        self.past = [u, e].map(|all| all[all.len() - LAG_COUNT..].to_vec());
+    }
+
+    /// The same with lags that increase from 0.
+    fn by_lag(&self) -> [Lags; 4] {
+        self.sums.map(|mut sums| {
+            sums.reverse();
+            sums
+        })
     }
 
     /// The tests of these sums: see [`Whiteness::of`].

@@ -64,7 +64,7 @@ pub enum Measured<'a> {
     /// All its samples.
     Held(Record),
     /// One that is too long to be held.
-    Long(LongRecord<'a>),
+    Long(Box<LongRecord<'a>>),
 }
 
 /// What a table with this name and format holds, as [`File::inspect`] gives it.

@@ -53,12 +53,15 @@ pub struct LongRecord<'a> {
     piece: (usize, usize),
 }
 
+/// Takes the input and the output of a piece.
+pub type Take<'a> = &'a mut dyn FnMut(&[f64], &[f64]) -> Result<(), Error>;
+
 /// A file of a record.
 pub enum Opened<'a> {
     /// What it contains.
     Held(Table, &'static Format),
     /// Its record is longer than what is held.
-    Long(LongRecord<'a>),
+    Long(Box<LongRecord<'a>>),
 }
 
 impl<'a> LongRecord<'a> {
@@ -110,14 +113,14 @@ impl<'a> LongRecord<'a> {
         let channels = channels.into_iter().zip(&found.columns).map(described).collect();
         let found = Arc::new(found);
         let record = LongRecord { open, found, units, factor: 1.0, history, channels, profile, format, held, piece };
-        Ok(Some(Opened::Long(record)))
+        Ok(Some(Opened::Long(Box::new(record))))
     }
 
     /// Reads all samples: `take` gets input and output of each piece.
     ///
     /// # Errors
     /// The errors of reading and of `take`, and an error if the file was changed.
-    pub fn read(&self, take: &mut dyn FnMut(&[f64], &[f64]) -> Result<(), Error>) -> Result<(), Error> {
+    pub fn read(&self, take: Take) -> Result<(), Error> {
         let mut pieces = RowPieces::new(rows(self.open, self.piece.0)?, self.found.clone(), self.piece.1);
         while let Some(mut signals) = pieces.next()? {
             let (Some(mut y), Some(u)) = (signals.pop(), signals.pop()) else { continue };

@@ -44,7 +44,7 @@ mod words;
 mod write;
 
 pub use channel::Channel;
-pub use long::{LongRecord, MAX_HELD_SAMPLES, Opened};
+pub use long::{LongRecord, MAX_HELD_SAMPLES, Opened, Take};
 pub use numpy::archive;
 pub use pieces::{InputPieces, Open};
 

@@ -31,9 +31,8 @@ impl InSections {
     pub fn add(&mut self, section: &Record, start: usize) {
         self.count += 1;
         for Finding { detector, samples, text } in inspect(section).findings {
-            let all = [0..section.len()];
-            let ranges = if samples.is_empty() { &all[..] } else { &samples[..] };
-            let ranges = ranges.iter().map(|range| range.start + start..range.end + start);
+            let all = samples.is_empty().then_some(0..section.len());
+            let ranges = samples.into_iter().chain(all).map(|range| range.start + start..range.end + start);
             let known = self.found.iter_mut().find(|found| std::ptr::eq(found.first.detector, detector));
             let kept = match known {
                 Some(known) => {
