@@ -33,9 +33,9 @@ use std::collections::VecDeque;
 const FIRST_SAMPLES: usize = 1000;
 
 impl Validation {
-    /// The comparison of [`validate_with`](super::Validate::validate_with) for a record that is read in pieces; also the
-    /// domain of the input that counts, and the first samples of the record. A model that interpolates its input needs a
-    /// record that is held.
+    /// The comparison of [`validate_with`](super::Validate::validate_with) for a record that is read in pieces; also
+    /// the domain of the input that counts, and the first samples of the record. A model that interpolates its input
+    /// needs a record that is held.
     ///
     /// # Errors
     /// The errors of [`validate_with`](super::Validate::validate_with), and those of reading.

@@ -28,7 +28,8 @@ const CELLS: usize = 1 << 19;
 /// use std::io::{Cursor, Read};
 /// let file = || Ok(Box::new(Cursor::new(b"t_s,u_V,y_um\n0,1,0\n0.1,2,9\n0.2,3,18\n")) as Box<dyn Read>);
 /// // It has more than one sample, which is the most to be held here.
-/// let Opened::Long(record) = LongRecord::open("r.csv", &file, &ColumnSelection::default(), 1)? else { panic!("held") };
+/// let opened = LongRecord::open("r.csv", &file, &ColumnSelection::default(), 1)?;
+/// let Opened::Long(record) = opened else { panic!("held") };
 /// let mut sum = 0.0;
 /// record.read(&mut |_, y| {
 ///     sum += y.iter().sum::<f64>();
@@ -132,7 +133,8 @@ impl<'a> LongRecord<'a> {
         Ok(())
     }
 
-    /// Reads all samples in sections of equal length, of which each is held: `take` gets its first sample and the section.
+    /// Reads all samples in sections of equal length, of which each is held: `take` gets the place of its first sample,
+    /// and the section.
     ///
     /// # Errors
     /// The errors of [`read`](LongRecord::read).
