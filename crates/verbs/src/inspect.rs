@@ -140,9 +140,9 @@ mod tests {
             };
             (document, ends)
         };
-        assert_eq!(inspected(&y, 6000), inspected(&y, 1300));
+        assert_eq!(inspected(&y, 6000), inspected(&y, 2600));
         y[3000] += 0.05;
-        let (whole, sections) = (inspected(&y, 6000).0, inspected(&y, 1300).0);
+        let (whole, sections) = (inspected(&y, 6000).0, inspected(&y, 2600).0);
         assert_eq!(whole["defects"][0]["spans"], sections["defects"][0]["spans"]);
         assert!(sections["problems"][0].as_str().unwrap().contains("in the section from 1.2 s to 1.8 s"), "{sections}");
     }

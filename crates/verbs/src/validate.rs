@@ -238,7 +238,7 @@ mod tests {
     }
 
     /// The results on a file whose output is that of the model with another gain, noise and a drift; whole, and with at
-    /// most 1300 samples held.
+    /// most 2600 samples held.
     fn both(u: &[f64], unit: &str, options: &ValidateOptions) -> [Validated; 2] {
         let model = model();
         let factor = Units::factor("um", unit).unwrap();
@@ -247,7 +247,7 @@ mod tests {
         let bytes = Table::write("r.csv", TS, &[("u_V", u), (&format!("y_{unit}"), &y)]).unwrap();
         let file = DataFile::from(File::new("r.csv", bytes));
         let data = || Source::all(vec![file.clone()], &ColumnSelection::default());
-        [options.run(&model, data()).unwrap(), held_up_to(1300, options, &model, data()).unwrap()]
+        [options.run(&model, data()).unwrap(), held_up_to(2600, options, &model, data()).unwrap()]
     }
 
     /// All numbers of a document, with their places.
@@ -316,7 +316,7 @@ mod tests {
         y[3000] += 900.0;
         let bytes = Table::write("r.csv", TS, &[("u_V", &u), ("y_um", &y)]).unwrap();
         let data = Source::all(vec![File::new("r.csv", bytes)], &ColumnSelection::default());
-        let found = held_up_to(1300, &ValidateOptions::default(), &model, data).unwrap();
+        let found = held_up_to(2600, &ValidateOptions::default(), &model, data).unwrap();
         let remarks = &found.files[0].validation.remarks;
         let place = "the output has outliers: 1 sample (at 0.3 s)";
         let section = "(in the section from 1.2 s to 1.8 s, with times from its start)";
