@@ -9,7 +9,7 @@
 //!
 //! let listener = TcpListener::bind("127.0.0.1:0")?;
 //! let port = listener.local_addr()?.port();
-//! let mut controller = Simulation::default().controller()?;
+//! let controller = Simulation::default().controller()?;
 //! std::thread::spawn(move || controller.serve(&listener));
 //!
 //! let drive: DataFile = File::new("drive.csv", "t_s,u_V\n0,0\n0.001,5\n0.002,10\n0.003,5\n0.004,0\n").into();
@@ -50,4 +50,4 @@ mod watch;
 pub use acquire::{AcquireOptions, Acquired, Keep};
 pub use controller::{Axis, ConnectOptions, Controller};
 pub use rest::Rest;
-pub use simulated::{Simulated, Simulation};
+pub use simulated::{Model, Simulated, Simulation};

@@ -13,13 +13,23 @@ use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::ops::ControlFlow;
 
-/// A simulated controller on a port of its own.
+/// A simulated controller on a port of its own. Each answer takes a virtual time of 0.05 s.
 pub(crate) fn simulated(simulation: &Simulation) -> u16 {
+    served(&Simulation { virtual_time: Some(0.05), ..simulation.clone() })
+}
+
+/// The same with its own clock.
+fn served(simulation: &Simulation) -> u16 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
-    let mut controller = simulation.controller().unwrap();
+    let controller = simulation.controller().unwrap();
     std::thread::spawn(move || controller.serve(&listener));
     port
+}
+
+/// Lets an axis come to rest: the answers take 2 s.
+pub(crate) fn at_rest(lines: &str) -> String {
+    format!("{lines}{}", "ONT?\n".repeat(40))
 }
 
 /// A server that answers every client with these bytes and no more.
@@ -184,7 +194,7 @@ fn a_measurement_that_is_cancelled_stops_the_generator() {
 #[test]
 fn the_servo_is_opened_and_that_is_told() {
     let port = simulated(&Simulation::default());
-    text(port, "SVO 1 1\nMOV 1 100\n");
+    text(port, &at_rest("SVO 1 1\nMOV 1 100\n"));
     let stay = AcquireOptions { rest: Rest::Stay, ..at(port) };
     let acquired = run(&stay, &drive(1e-3, &sine(50)), &mut Stage::ignore).unwrap();
     assert_eq!(
@@ -197,7 +207,8 @@ fn the_servo_is_opened_and_that_is_told() {
 #[test]
 fn the_loop_is_closed_again_where_the_axis_was() {
     let port = simulated(&Simulation::default());
-    let before = text(port, "SVO 1 1\nMOV 1 100\nVOL?\n");
+    text(port, &at_rest("SVO 1 1\nMOV 1 100\n"));
+    let before = text(port, "VOL?\n");
     let acquired = run(&at(port), &drive(1e-3, &sine(50)), &mut Stage::ignore).unwrap();
     assert_eq!(
         (&*acquired.notes, acquired.unfinished),
@@ -211,7 +222,7 @@ fn the_loop_is_closed_again_where_the_axis_was() {
 #[test]
 fn a_refused_drive_leaves_the_servo_on() {
     let port = simulated(&Simulation::default());
-    text(port, "SVO 1 1\nMOV 1 600\n");
+    text(port, &at_rest("SVO 1 1\nMOV 1 600\n"));
     let narrow = AcquireOptions { limits: limits(json!({"low": -5, "high": 5})), ..at(port) };
     let message = refused(&narrow, &drive(1e-3, &[0.0, 1.0]));
     assert!(message.contains("outside -5 to 5 V: move it there first"), "{message}");
@@ -274,8 +285,9 @@ fn a_controller_that_another_program_uses_is_left_alone() {
         let message = refused(&at(port), &drive(1e-3, &sine(50)));
         assert!(message.contains(expected) && message.contains("nothing has moved"), "{message}");
     }
-    let port = simulated(&Simulation::default());
-    let other = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    // One that takes connections, and answers another program.
+    let other = TcpListener::bind("127.0.0.1:0").unwrap();
+    let port = other.local_addr().unwrap().port();
     let connection = ConnectOptions { port, timeout: 0.5, ..ConnectOptions::default() };
     let message = refused(&AcquireOptions { connection, ..at(port) }, &drive(1e-3, &sine(50)));
     assert!(message.contains("no whole answer within 0.5 s") && message.contains("one program at a time"), "{message}");
@@ -285,7 +297,8 @@ fn a_controller_that_another_program_uses_is_left_alone() {
 #[test]
 fn the_servo_moves_to_its_target() {
     let port = simulated(&Simulation { plant: "paper".into(), ..Simulation::default() });
-    let message = text(port, "SVO 1 1\nMOV 1 500\nPOS? 1\nONT?\nMOV 1 5000\nERR?\nSVA 1 3\nERR?\n");
+    text(port, &at_rest("SVO 1 1\nMOV 1 500\n"));
+    let message = text(port, "POS? 1\nONT?\nMOV 1 5000\nERR?\nSVA 1 3\nERR?\n");
     let lines: Vec<&str> = message.lines().collect();
     let position: f64 = lines[0].strip_prefix("1=").unwrap().parse().unwrap();
     assert!((position - 500.0).abs() < 5.0, "{position}");

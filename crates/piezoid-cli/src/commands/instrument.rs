@@ -13,7 +13,10 @@ Examples:
   It is measured from another terminal, by piezoid or by any client of GCS 2.0 such as PIPython:
     piezoid acquire sine20.csv -o record.csv
 
-It listens on the loopback interface alone, and serves one client at a time.";
+  Two axes of an E-754, with a clock that only answers advance:
+    piezoid instrument --model e-754 --axes 2 --virtual-time 0.01
+
+It listens on the loopback interface alone.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
@@ -29,7 +32,7 @@ impl Run for Instrument {
     fn run(self, console: &Console) -> Result<()> {
         let simulation = self.simulation.0;
         let plant = lists::plant(&simulation.plant)?;
-        let mut controller = simulation.around(&plant, &simulation.plant).map_err(failed)?;
+        let controller = simulation.around(&plant, &simulation.plant).map_err(failed)?;
         let advice = || format!("port {} cannot be opened: name another by --port", self.port);
         let listener = TcpListener::bind(("127.0.0.1", self.port)).with_context(advice)?;
         let port = listener.local_addr()?.port();

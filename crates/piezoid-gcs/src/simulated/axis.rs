@@ -1,22 +1,47 @@
-//! The axis: a plant, its voltage, and a servo that integrates.
+//! The axis: a plant, its voltage, a velocity, and a servo. With the target r, the position y that a low-pass filter
+//! passes as w, and the slope s of the voltage over the position,
+//!
+//! ```text
+//! u' = s r' + 2 pi B s (r - w),    w' = 2 pi F (y - w)
+//! ```
+//! r approaches the commanded position with the velocity of `VEL`; in open loop u approaches the commanded voltage with
+//! the slew rate. Where nothing moves, long times pass in coarse steps, in which only creep and servo matter. It does
+//! not do: notch filters, limits of acceleration.
 
 use super::CYCLE;
-use piezoid::System;
-use piezoid::plant::Plant;
+use piezoid::plant::{Plant, Spec};
+use piezoid::{Error, System};
+use std::f64::consts::TAU;
 
-/// Time that a command to move takes [s].
-pub(super) const MOVE: f64 = 0.02;
-
-/// Time that a move in closed loop takes [s].
-const CLOSED_MOVE: f64 = 1.0;
-
-/// Bandwidth of the servo [Hz]: far below every resonance.
+/// Bandwidth B of the servo, and that of its filter, F: far below the resonances [Hz].
 const BANDWIDTH: f64 = 3.0;
+const FILTER: f64 = 6.0;
+
+/// Time of the whole voltage range, and of the whole travel, at the usual speeds [s].
+const SLEW_TIME: f64 = 0.02;
+const TRAVEL_TIME: f64 = 0.5;
+
+/// Share of the displacement at either end that is kept for hysteresis and creep.
+const MARGIN: f64 = 0.08;
+
+/// Readings for the mean at an end.
+const READINGS: usize = 200;
+
+/// On-target tolerance as a share of the travel, and the time within it [s].
+const TOLERANCE: f64 = 1e-3;
+const SETTLING: f64 = 0.01;
+
+/// A step of a time in which nothing moves [servo cycles], and the share of its error that the servo then corrects.
+pub(super) const COARSE: u64 = 2000;
+const COARSE_GAIN: f64 = 0.2;
 
 #[derive(Debug)]
-pub(super) struct SimulatedAxis {
+pub(super) struct Axis {
+    pub(super) name: String,
     plant: Plant,
-    /// State of the plant.
+    /// The same plant in coarse steps.
+    coarse: Plant,
+    /// State of both.
     x: Vec<f64>,
     /// Lowest and highest voltage [V].
     pub(super) range: (f64, f64),
@@ -24,70 +49,203 @@ pub(super) struct SimulatedAxis {
     pub(super) gain: f64,
     /// Voltage of the output [V].
     pub(super) voltage: f64,
-    /// Last reading of the sensor [um].
+    /// Last reading of the sensor, and what the filter passes [um].
     pub(super) position: f64,
+    filtered: f64,
     pub(super) servo: bool,
-    /// Target in closed loop [um].
+    /// What is commanded: a position [um] in closed loop, a voltage [V] in open loop.
+    pub(super) goal: f64,
+    /// Target of the servo at this moment [um].
     pub(super) target: f64,
     /// Lowest and highest position [um].
     pub(super) travel: (f64, f64),
+    /// Volts per micrometre.
+    slope: f64,
+    /// Velocity in closed loop [um/s], slew rate in open loop [V/s].
+    pub(super) velocity: f64,
+    pub(super) slew: f64,
+    /// Bandwidth of the servo [Hz].
+    pub(super) bandwidth: f64,
+    /// On-target tolerance [um], and the time within it [s].
+    pub(super) tolerance: f64,
+    pub(super) settling: f64,
+    /// Servo cycles within the tolerance.
+    within: u64,
+    /// True once the last move has ended on target.
+    has_arrived: bool,
+    /// Servo cycles until an impulse ends, and where it began.
+    impulse: Option<(u64, f64)>,
+    /// True after an automatic zero.
+    pub(super) is_zeroed: bool,
 }
 
-impl SimulatedAxis {
-    pub(super) fn new(plant: Plant, range: (f64, f64), gain: f64) -> Self {
-        let ends = |v: f64| plant.tip(&plant.settled(v));
-        let travel = (ends(range.0), ends(range.1));
-        let x = plant.initial();
-        let mut axis =
-            SimulatedAxis { plant, x, range, gain, voltage: 0.0, position: 0.0, servo: false, target: 0.0, travel };
-        axis.hold(MOVE);
-        axis
+impl Axis {
+    /// An axis at rest.
+    pub(super) fn new(name: &str, spec: &Spec, range: (f64, f64), gain: f64, seed: u64) -> Result<Self, Error> {
+        let plant = Plant::new(spec, CYCLE)?.with_seed(seed);
+        let coarse = Plant::new(spec, COARSE as f64 * CYCLE)?.with_seed(seed);
+        let [bottom, top] = [range.0, range.1].map(|volts| {
+            let mut x = plant.settled(volts);
+            plant.resume(&mut x, &[volts; READINGS]).iter().sum::<f64>() / READINGS as f64
+        });
+        let (span, x) = (top - bottom, plant.initial());
+        let travel = inner(bottom + MARGIN * span, top - MARGIN * span);
+        let width = travel.1 - travel.0;
+        Ok(Axis {
+            name: name.into(),
+            plant,
+            coarse,
+            x,
+            range,
+            gain,
+            voltage: 0.0,
+            position: 0.0,
+            filtered: 0.0,
+            servo: false,
+            goal: 0.0,
+            target: 0.0,
+            travel,
+            slope: (range.1 - range.0) / span,
+            velocity: width / TRAVEL_TIME,
+            slew: (range.1 - range.0) / SLEW_TIME,
+            bandwidth: BANDWIDTH,
+            tolerance: TOLERANCE * width,
+            settling: SETTLING,
+            within: 0,
+            has_arrived: true,
+            impulse: None,
+            is_zeroed: false,
+        })
     }
 
-    /// One servo cycle with the present voltage.
-    fn cycle(&mut self) {
-        self.position = self.plant.step(&mut self.x, self.voltage);
-    }
-
-    /// One servo cycle with an open-loop value, or with a target in closed loop.
-    pub(super) fn follow(&mut self, value: f64) {
+    /// One servo cycle, with the value of a wave generator if that runs.
+    pub(super) fn cycle(&mut self, wave: Option<f64>) {
+        let before = self.target;
+        match wave {
+            Some(value) => self.jump(if self.servo { value } else { value * self.gain }),
+            None => self.approach(),
+        }
         if self.servo {
-            self.target = value;
-            let ((low, high), (bottom, top)) = (self.range, self.travel);
-            let per_micrometre = (high - low) / (top - bottom);
-            let step = std::f64::consts::TAU * BANDWIDTH * CYCLE * per_micrometre * (value - self.position);
-            self.voltage = (self.voltage + step).clamp(low, high);
+            let share = TAU * self.bandwidth * CYCLE;
+            self.steer(self.target - before + share * (self.target - self.filtered));
+        }
+        self.position = self.plant.step(&mut self.x, self.voltage);
+        self.filtered += TAU * FILTER * CYCLE * (self.position - self.filtered);
+        self.watch(1);
+    }
+
+    /// A time of [`COARSE`] cycles in which nothing moves.
+    pub(super) fn hold(&mut self) {
+        if self.servo {
+            self.steer(COARSE_GAIN * (self.target - self.position));
+        }
+        self.position = self.coarse.step(&mut self.x, self.voltage);
+        self.filtered = self.position;
+        self.watch(COARSE);
+    }
+
+    /// Changes the voltage by so many micrometres.
+    fn steer(&mut self, change: f64) {
+        self.voltage = (self.voltage + self.slope * change).max(self.range.0).min(self.range.1);
+    }
+
+    fn approach(&mut self) {
+        if let Some((left, back)) = self.impulse {
+            self.impulse = (left > 1).then_some((left - 1, back));
+            if left == 1 {
+                self.jump(back);
+            }
+        }
+        let goal = self.goal;
+        let near =
+            |from: f64, step: f64| if (goal - from).abs() <= step { goal } else { from + step.copysign(goal - from) };
+        if self.servo {
+            self.target = near(self.target, self.velocity * CYCLE);
         } else {
-            self.voltage = (value * self.gain).clamp(self.range.0, self.range.1);
+            self.voltage = near(self.voltage, self.slew * CYCLE);
         }
-        self.cycle();
     }
 
-    /// Holds the voltage.
-    pub(super) fn hold(&mut self, time: f64) {
-        (0..(time / CYCLE) as usize).for_each(|_| self.cycle());
+    /// Counts the time on target.
+    fn watch(&mut self, cycles: u64) {
+        let is_within = (self.goal - self.position).abs() <= self.tolerance;
+        self.within = if is_within { self.within.saturating_add(cycles) } else { 0 };
+        self.has_arrived |= !self.servo || self.is_on_target();
     }
 
-    /// Moves to a value, and lets time pass.
-    pub(super) fn go(&mut self, value: f64) {
-        let time = if self.servo { CLOSED_MOVE } else { MOVE };
-        (0..(time / CYCLE) as usize).for_each(|_| self.follow(value));
+    /// Goes to a position [um] or voltage [V] with the velocity or slew rate.
+    pub(super) fn go(&mut self, goal: f64) {
+        (self.goal, self.impulse, self.within, self.has_arrived) = (goal, None, 0, !self.servo);
     }
 
-    /// What the recorder reads with this option of `HDR?`.
-    pub(super) fn reading(&self, option: u32) -> f64 {
-        let target = if self.servo { self.target } else { self.position };
-        match option {
-            1 => target,
-            3 => target - self.position,
-            16 => self.voltage,
-            _ => self.position,
+    /// Goes there at once.
+    pub(super) fn jump(&mut self, goal: f64) {
+        let (low, high) = if self.servo { self.travel } else { self.range };
+        self.goal = goal.max(low).min(high);
+        *(if self.servo { &mut self.target } else { &mut self.voltage }) = self.goal;
+        self.has_arrived = !self.servo;
+    }
+
+    /// Steps to the goal at once; with a number of cycles, it comes back after them.
+    pub(super) fn kick(&mut self, goal: f64, cycles: Option<u64>) {
+        let back = self.goal;
+        self.go(goal);
+        self.jump(goal);
+        self.impulse = cycles.map(|cycles| (cycles, back));
+    }
+
+    /// Stays where it is.
+    pub(super) fn stop(&mut self) {
+        if self.servo {
+            self.target = self.position.max(self.travel.0).min(self.travel.1);
         }
+        self.go(if self.servo { self.target } else { self.voltage });
     }
 
     /// Opens or closes the loop, without a move.
     pub(super) fn close(&mut self, servo: bool) {
-        self.servo = servo;
-        self.target = self.position;
+        if servo != self.servo {
+            self.servo = servo;
+            self.filtered = self.position;
+            (self.target, self.impulse) = (self.position, None);
+            self.go(if servo { self.position } else { self.voltage });
+        }
     }
+
+    pub(super) fn is_on_target(&self) -> bool {
+        self.servo && self.target == self.goal && self.within as f64 * CYCLE >= self.settling
+    }
+
+    pub(super) fn is_moving(&self) -> bool {
+        let now = if self.servo { self.target } else { self.voltage };
+        now != self.goal || !self.has_arrived || self.impulse.is_some()
+    }
+
+    /// True if the servo has no voltage left for its target.
+    pub(super) fn is_overflowing(&self) -> bool {
+        let is_at_end = self.voltage <= self.range.0 || self.voltage >= self.range.1;
+        self.servo && is_at_end && (self.target - self.position).abs() > self.tolerance
+    }
+
+    /// The commanded voltage [V].
+    pub(super) fn demand(&self) -> f64 {
+        if self.servo { self.voltage } else { self.goal }
+    }
+
+    /// Lowest and highest value that a command or a wave may have in this mode.
+    pub(super) fn limits(&self) -> (f64, f64) {
+        if self.servo { self.travel } else { self.values() }
+    }
+
+    /// Lowest and highest open-loop value.
+    pub(super) fn values(&self) -> (f64, f64) {
+        (self.range.0 / self.gain, self.range.1 / self.gain)
+    }
+}
+
+/// Round limits within these, exactly as they are printed.
+fn inner(low: f64, high: f64) -> (f64, f64) {
+    let grid = libm::pow(10.0, libm::floor(libm::log10(high - low)) - 2.0);
+    let printed = |value: f64| format!("{value:.6}").parse().unwrap_or(value);
+    (printed(libm::ceil(low / grid) * grid), printed(libm::floor(high / grid) * grid))
 }

@@ -1,30 +1,59 @@
 //! A controller that is simulated around a plant, for programs that are tried without hardware.
 //!
-//! It has one axis, `1`, and serves one client after the other. A wave is played with the clock. All else has a time of
-//! its own: a command to move takes [`MOVE`](axis::MOVE), and between commands nothing happens. So the same commands
-//! give the same numbers, unless they come while a wave is played.
+//! It lives in time: its plants go on between commands, moves take time, waves are played and recorded with the clock.
+//! Each command finds the state of its moment. With a virtual clock, time passes by answers alone, and the same
+//! commands give the same numbers.
+//!
+//! Each axis has a plant of its own; wave generator and output channel of the same number belong to it.
 
 mod axis;
+mod clock;
 mod commands;
+mod errors;
+mod generators;
+mod model;
+mod parameters;
+mod queries;
+mod recorder;
+mod segments;
+mod server;
+#[cfg(test)]
+mod tests;
 mod waves;
+mod words;
 
-use axis::SimulatedAxis;
+pub use model::Model;
+pub use server::Simulated;
+
+use axis::{Axis, COARSE};
+use clock::Clock;
+use errors::STOPPED;
+use generators::{Generator, Tables};
+use model::MODELS;
 use piezoid::Error;
-use piezoid::plant::{Plant, Preset, Spec};
+use piezoid::plant::{Preset, Spec};
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
-use std::io::{BufRead, BufReader, ErrorKind, Write};
-use std::net::{TcpListener, TcpStream};
-use waves::Waves;
+use recorder::Recorder;
+use std::collections::BTreeMap;
 
 options! {
     /// How to simulate a controller.
     pub struct Simulation {
-        /// The plant (see {list}).
+        /// The plant of each axis (see {list}).
         plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME")).list("plants");
-        /// Seed of the noise of its sensor.
+        /// Seed of the noise of the sensor of axis 1; that of axis 2 has the next one.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
         /// Voltage that an open-loop value of 1 gives.
         gain: f64 = 1.0, OptionRow::positive("V");
+        /// The model of the controller: its name and the commands that it knows.
+        model: Model = Model::default(), OptionRow::new(MODELS);
+        /// Number of axes.
+        axes: usize = 1, OptionRow::new(OptionKind::Integer(1, 3));
+        /// Time that passes with each answer, in place of the clock: the same commands then give the same numbers.
+        virtual_time: Option<f64> = None, OptionRow {
+            unit: "s", absent: "the clock of this machine",
+            ..OptionRow::new(OptionKind::Number { least: 0.0, open: true, below: 10.0 })
+        };
     }
 }
 
@@ -40,28 +69,42 @@ impl Simulation {
     /// The controller with a plant of this name.
     ///
     /// # Errors
-    /// The errors of [`Plant::new`].
+    /// The errors of [`Plant::new`](piezoid::plant::Plant::new).
     pub fn around(&self, spec: &Spec, name: &str) -> Result<Simulated, Error> {
-        let plant = Plant::new(spec, CYCLE)?.with_seed(self.seed);
         let range = voltages(spec)?;
-        let identity = format!("piezoid, {name}, simulated controller, {}", env!("CARGO_PKG_VERSION"));
-        let axis = SimulatedAxis::new(plant, range, self.gain);
-        Ok(Simulated {
-            identity,
+        let axis = |k: usize| Axis::new(&k.to_string(), spec, range, self.gain, self.seed.wrapping_add(k as u64 - 1));
+        let axes = (1..=self.axes.clamp(1, 3)).map(axis).collect::<Result<Vec<_>, _>>()?;
+        let (title, version) = (self.model.title(), env!("CARGO_PKG_VERSION"));
+        Ok(Simulated::new(Device {
+            identity: format!("piezoid, {title}, simulated controller with {name}, {version}"),
+            plant: name.to_uppercase(),
+            model: self.model,
             error: 0,
-            axis,
-            waves: Waves::default(),
+            level: 0,
+            generators: axes.iter().map(|_| Generator::default()).collect(),
+            axes,
+            tables: Tables::new(),
+            recorder: Recorder::default(),
+            saved: BTreeMap::new(),
+            clock: Clock::new(self.virtual_time),
+            cycle: 0,
+            calm: 0,
             #[cfg(test)]
             log: std::sync::Arc::default(),
-        })
+        }))
     }
 }
 
 /// Servo cycle [s].
 const CYCLE: f64 = 5e-5;
 
-/// A line has at most so many bytes.
-const LONGEST: u64 = 1 << 16;
+/// Time after which nothing vibrates any more [servo cycles].
+const CALM: u64 = 40_000;
+
+/// At most so many servo cycles, and so many coarse steps, are computed at once. If the machine was busy or asleep
+/// meanwhile, the clock of the controller stands still for the rest.
+const AT_ONCE: u64 = 20_000;
+const COARSE_AT_ONCE: u64 = 100_000;
 
 /// Lowest and highest voltage of a plant [V].
 fn voltages(spec: &Spec) -> Result<(f64, f64), Error> {
@@ -70,17 +113,31 @@ fn voltages(spec: &Spec) -> Result<(f64, f64), Error> {
     low.zip(high).ok_or_else(|| Error::Content("the plant has a driver without limits".into()))
 }
 
-/// A simulated controller.
+/// The controller itself, without its line.
 #[derive(Debug)]
-pub struct Simulated {
+struct Device {
     identity: String,
-    /// What `ERR?` answers next.
+    /// What `CST?` answers.
+    plant: String,
+    model: Model,
+    /// What `ERR?` answers next. All clients share it.
     error: i32,
-    axis: SimulatedAxis,
-    waves: Waves,
+    /// Command level.
+    level: u8,
+    axes: Vec<Axis>,
+    generators: Vec<Generator>,
+    tables: Tables,
+    recorder: Recorder,
+    /// What `SEP` keeps, by axis and number.
+    saved: BTreeMap<(usize, u32), f64>,
+    clock: Clock,
+    /// Servo cycles until now.
+    cycle: u64,
+    /// Servo cycles since something moved or was recorded.
+    calm: u64,
     /// What it was given, for tests.
     #[cfg(test)]
-    pub(crate) log: std::sync::Arc<std::sync::Mutex<Vec<Entry>>>,
+    log: std::sync::Arc<std::sync::Mutex<Vec<Entry>>>,
 }
 
 /// A command, and the state before it.
@@ -93,51 +150,72 @@ pub(crate) struct Entry {
     pub(crate) runs: bool,
 }
 
-impl Simulated {
-    /// Answers one client after the other.
-    ///
-    /// # Errors
-    /// Returns the error of the listener.
-    pub fn serve(&mut self, listener: &TcpListener) -> std::io::Result<()> {
-        loop {
-            match listener.accept() {
-                // A client that goes in the middle of a line has ended.
-                Ok((client, _)) => drop(self.converse(client)),
-                Err(e) if matches!(e.kind(), ErrorKind::ConnectionAborted | ErrorKind::Interrupted) => (),
-                Err(e) => return Err(e),
+impl Device {
+    /// Brings the state up to the present.
+    fn update(&mut self) {
+        let (mut fine, mut coarse) = (0, 0);
+        while let Some(left) = self.clock.now().checked_sub(self.cycle).filter(|left| *left > 0) {
+            let is_real = self.clock.is_real();
+            if self.is_calm() && left >= COARSE {
+                coarse += 1;
+                if is_real && coarse > COARSE_AT_ONCE {
+                    self.cycle += left;
+                    return;
+                }
+                self.axes.iter_mut().for_each(Axis::hold);
+                self.cycle += COARSE;
+            } else if is_real && fine == AT_ONCE {
+                self.clock.lose(left);
+            } else {
+                fine += 1;
+                self.step();
             }
         }
+    }
+
+    /// One servo cycle.
+    fn step(&mut self) {
+        for (axis, generator) in self.axes.iter_mut().zip(&mut self.generators) {
+            axis.cycle(generator.next());
+        }
+        self.recorder.cycle(&self.axes);
+        self.cycle += 1;
+        let moves = self.axes.iter().any(Axis::is_moving) || self.generators.iter().any(Generator::is_running);
+        self.calm = if moves || self.recorder.is_running() { 0 } else { self.calm + 1 };
+    }
+
+    /// True if nothing moves, vibrates or is recorded.
+    fn is_calm(&self) -> bool {
+        self.calm >= CALM
+    }
+
+    /// True for each axis that moves, as bits.
+    fn moving(&self) -> u32 {
+        bits(self.axes.iter().zip(&self.generators).map(|(axis, wave)| axis.is_moving() || wave.is_running()))
+    }
+
+    /// True for each generator that runs, as bits.
+    fn running(&self) -> u32 {
+        bits(self.generators.iter().map(Generator::is_running))
+    }
+
+    /// Stops these axes and their generators where they are.
+    fn stop(&mut self, axes: &[usize]) {
+        for k in axes {
+            self.generators[*k].stop();
+            self.axes[*k].stop();
+        }
+        self.error = STOPPED;
     }
 
     /// Keeps a command for tests.
     #[cfg(test)]
     fn log(&self, command: &str) {
-        let (voltage, servo, runs) = (self.axis.voltage, self.axis.servo, self.waves.running());
+        let (voltage, servo, runs) = (self.axes[0].voltage, self.axes[0].servo, self.generators[0].is_running());
         self.log.lock().unwrap().push(Entry { command: command.into(), voltage, servo, runs });
     }
+}
 
-    fn converse(&mut self, client: TcpStream) -> std::io::Result<()> {
-        client.set_nodelay(true)?;
-        let (mut input, mut output) = (BufReader::new(client.try_clone()?), client);
-        let mut line = Vec::new();
-        loop {
-            let ready = input.fill_buf()?;
-            let Some(&byte) = ready.first() else { return Ok(()) };
-            input.consume(1);
-            match byte {
-                b'\n' => {
-                    let text: String = line.drain(..).map(char::from).collect();
-                    let answer = self.answer(text.trim());
-                    // A line of the answer that is not the last ends with a space.
-                    output.write_all(answer.join(" \n").as_bytes())?;
-                    if !answer.is_empty() {
-                        output.write_all(b"\n")?;
-                    }
-                }
-                5 | 7..=9 | 24 => output.write_all(self.answer_byte(byte))?,
-                _ if line.len() as u64 == LONGEST => self.error = commands::TOO_LONG,
-                _ => line.push(byte),
-            }
-        }
-    }
+fn bits(flags: impl Iterator<Item = bool>) -> u32 {
+    flags.enumerate().map(|(k, flag)| u32::from(flag) << k).sum()
 }

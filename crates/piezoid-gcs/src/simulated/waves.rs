@@ -1,134 +1,126 @@
-//! Wave tables, the wave generator and the recorder.
+//! The commands of wave tables and generators.
 
-use super::CYCLE;
-use super::axis::SimulatedAxis;
-use std::collections::BTreeMap;
-use std::time::Instant;
+use super::Device;
+use super::errors::{COUNT, GENERATOR_RUNS, LENGTHS, NO_WAVE, RANGE, SYNTAX, WAVE_TOO_LARGE, refused};
+use super::generators::{Generator, POINTS, WAVES};
+use super::segments::segment;
+use super::words::{flag, positive, real, triples, whole};
 
-/// Wave tables.
-pub(super) const WAVES: usize = 16;
+impl Device {
+    /// `WAV table mode shape numbers`. Points that no axis can have are refused.
+    pub(super) fn write_wave(&mut self, arguments: &[&str]) -> Result<(), i32> {
+        let [table, mode, shape, numbers @ ..] = arguments else { return Err(COUNT) };
+        refused(&[(self.running() != 0, GENERATOR_RUNS)])?;
+        let table = wave_table(table)?;
+        let segment = segment(shape, numbers)?;
+        let (low, high) = self.widest();
+        refused(&[(segment.iter().any(|value| !(low..=high).contains(value)), RANGE)])?;
+        let before = self.tables.get(&table).map_or(&[][..], Vec::as_slice);
+        let points = match *mode {
+            "X" => segment,
+            "&" => [before, &segment].concat(),
+            "+" => {
+                refused(&[(before.len() != segment.len(), LENGTHS)])?;
+                before.iter().zip(segment).map(|(a, b)| a + b).collect()
+            }
+            _ => return Err(SYNTAX),
+        };
+        refused(&[(points.len() > POINTS, WAVE_TOO_LARGE)])?;
+        refused(&[(points.iter().any(|value| !(low..=high).contains(value)), RANGE)])?;
+        self.tables.insert(table, points);
+        Ok(())
+    }
 
-/// Points of a wave table.
-pub(super) const POINTS: usize = 1 << 18;
+    /// Lowest and highest value that any axis can have in any mode.
+    fn widest(&self) -> (f64, f64) {
+        let all = self.axes.iter().flat_map(|axis| [axis.values(), axis.travel]);
+        all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), (l, h)| (low.min(l), high.max(h)))
+    }
 
-/// Points of a table of the recorder.
-pub(super) const RECORDED: usize = 1 << 15;
+    /// `WCL tables`.
+    pub(super) fn clear_waves(&mut self, arguments: &[&str]) -> Result<(), i32> {
+        refused(&[(self.running() != 0, GENERATOR_RUNS), (arguments.is_empty(), COUNT)])?;
+        let tables = arguments.iter().map(|word| wave_table(word)).collect::<Result<Vec<_>, _>>()?;
+        tables.iter().for_each(|table| drop(self.tables.remove(table)));
+        Ok(())
+    }
 
-/// Tables of the recorder.
-pub(super) const TABLES: usize = 4;
+    /// Sets generators that do not run: each a number and an argument.
+    fn set_generators<T>(
+        &mut self,
+        arguments: &[&str],
+        read: impl Fn(&str) -> Result<T, i32>,
+        set: impl Fn(&mut Generator, T),
+    ) -> Result<(), i32> {
+        let pairs = self.of_channels(arguments)?;
+        let changes: Vec<(usize, T)> =
+            pairs.into_iter().map(|(k, word)| Ok((k, read(word)?))).collect::<Result<_, i32>>()?;
+        refused(&[(changes.iter().any(|(k, _)| self.generators[*k].is_running()), GENERATOR_RUNS)])?;
+        changes.into_iter().for_each(|(k, value)| set(&mut self.generators[k], value));
+        Ok(())
+    }
 
-/// What is recorded, as `HDR?` lists it.
-pub(super) const SOURCES: [(u32, &str); 4] = [
-    (1, "Target Position of axis"),
-    (2, "Current Position of axis"),
-    (3, "Position Error of axis"),
-    (16, "Voltage of Output Channel"),
-];
+    /// `WSL`, where table 0 is none.
+    pub(super) fn select_waves(&mut self, arguments: &[&str]) -> Result<(), i32> {
+        let read = |word: &str| if word == "0" { Ok(0) } else { wave_table(word) };
+        self.set_generators(arguments, read, |one, table| one.table = table)
+    }
 
-#[derive(Debug)]
-pub(super) struct Waves {
-    /// Wave tables by their numbers.
-    pub(super) tables: BTreeMap<usize, Vec<f64>>,
-    /// Table that the generator plays.
-    pub(super) selected: usize,
-    /// How often; 0 is endless.
-    pub(super) times: u64,
-    /// Servo cycles a point.
-    pub(super) rate: u64,
-    pub(super) offset: f64,
-    /// Servo cycles a recorded point.
-    pub(super) record_rate: u64,
-    /// What each table of the recorder records.
-    pub(super) options: [u32; TABLES],
-    recorded: [Vec<f64>; TABLES],
-    /// What the generator plays.
-    run: Option<Playing>,
-}
+    /// `WGC`.
+    pub(super) fn set_times(&mut self, arguments: &[&str]) -> Result<(), i32> {
+        self.set_generators(arguments, whole, |one, times| one.times = times as u64)
+    }
 
-/// A wave that is played.
-#[derive(Debug)]
-struct Playing {
-    begin: Instant,
-    points: Vec<f64>,
-    /// Servo cycles that it takes; without an end if it is endless.
-    cycles: Option<u64>,
-    /// Servo cycles that are played by now.
-    played: u64,
-}
+    /// `WOS`.
+    pub(super) fn set_offsets(&mut self, arguments: &[&str]) -> Result<(), i32> {
+        let (low, high) = self.widest();
+        let read = |word: &str| real(word).and_then(|x| if (low..=high).contains(&x) { Ok(x) } else { Err(RANGE) });
+        self.set_generators(arguments, read, |one, offset| one.offset = offset)
+    }
 
-/// Servo cycles that are computed at once at most: an endless wave that nobody asked about for long goes on elsewhere.
-const AT_ONCE: u64 = 400_000;
-
-impl Default for Waves {
-    fn default() -> Self {
-        Waves {
-            tables: BTreeMap::new(),
-            selected: 0,
-            times: 0,
-            rate: 1,
-            offset: 0.0,
-            record_rate: 1,
-            options: [2, 16, 1, 3],
-            recorded: Default::default(),
-            run: None,
+    /// `WTR`: generator, rate, interpolation; generator 0 means all.
+    pub(super) fn set_rates(&mut self, arguments: &[&str]) -> Result<(), i32> {
+        let mut changes = Vec::new();
+        for triple in triples(arguments)? {
+            let these = if triple[0] == "0" { self.channels(&[])? } else { vec![self.channel(triple[0])?] };
+            let (rate, is_linear) = (positive(triple[1])?, flag(triple[2])?);
+            refused(&[(these.iter().any(|k| self.generators[*k].is_running()), GENERATOR_RUNS)])?;
+            changes.extend(these.into_iter().map(|k| (k, rate, is_linear)));
         }
-    }
-}
-
-impl Waves {
-    /// True while the generator runs.
-    pub(super) fn running(&self) -> bool {
-        self.run.is_some()
-    }
-
-    /// Ends the wave where it is.
-    pub(super) fn stop(&mut self) {
-        self.run = None;
-    }
-
-    /// The table that is played, if it has points.
-    fn table(&self) -> Option<&Vec<f64>> {
-        self.tables.get(&self.selected).filter(|table| !table.is_empty())
-    }
-
-    /// Servo cycles of the wave, if a table is selected; 0 if it is endless.
-    pub(super) fn cycles(&self) -> Option<u64> {
-        Some((self.table()?.len() as u64).saturating_mul(self.rate).saturating_mul(self.times))
-    }
-
-    /// Begins to play and to record the selected table.
-    pub(super) fn start(&mut self) {
-        let (Some(points), Some(cycles)) = (self.table().cloned(), self.cycles()) else { return };
-        self.recorded = Default::default();
-        let cycles = (self.times > 0).then_some(cycles);
-        self.run = Some(Playing { begin: Instant::now(), points, cycles, played: 0 });
-    }
-
-    /// Plays on the axis what was due until now, and records it.
-    pub(super) fn go_on(&mut self, axis: &mut SimulatedAxis) {
-        let Some(run) = &mut self.run else { return };
-        let now = (run.begin.elapsed().as_secs_f64() / CYCLE) as u64;
-        let until = run.cycles.map_or(now, |cycles| cycles.min(now));
-        let full = self.record_rate.saturating_mul(RECORDED as u64);
-        if run.cycles.is_none() && run.played > full && until - run.played > AT_ONCE {
-            run.played = until - AT_ONCE;
+        for (k, rate, is_linear) in changes {
+            (self.generators[k].rate, self.generators[k].is_linear) = (rate, is_linear);
         }
-        for k in run.played..until {
-            axis.follow(run.points[(k / self.rate) as usize % run.points.len()] + self.offset);
-            if k % self.record_rate == 0 && k < full {
-                for (option, recorded) in self.options.iter().zip(&mut self.recorded) {
-                    recorded.push(axis.reading(*option));
-                }
+        Ok(())
+    }
+
+    /// `WGO`: starts (1) or stops (0) generators, all at the same moment.
+    pub(super) fn run_waves(&mut self, arguments: &[&str]) -> Result<(), i32> {
+        let pairs = self.of_channels(arguments)?;
+        let pairs: Vec<(usize, usize)> =
+            pairs.into_iter().map(|(k, mode)| Ok((k, whole(mode)?))).collect::<Result<_, i32>>()?;
+        for (k, mode) in &pairs {
+            let (generator, (low, high)) = (&self.generators[*k], self.axes[*k].limits());
+            refused(&[(*mode > 1, RANGE)])?;
+            if *mode == 1 {
+                refused(&[(generator.is_running(), GENERATOR_RUNS)])?;
+                let points = generator.points(&self.tables).ok_or(NO_WAVE)?;
+                let is_outside = |value: &f64| !(low..=high).contains(&(value + generator.offset));
+                refused(&[(points.iter().any(is_outside), RANGE)])?;
             }
         }
-        run.played = until;
-        if run.cycles == Some(until) {
-            self.run = None;
+        if pairs.iter().any(|(_, mode)| *mode == 1) {
+            self.recorder.plays();
         }
+        for (k, mode) in pairs {
+            let generator = &mut self.generators[k];
+            if mode == 1 { generator.start(&self.tables) } else { generator.stop() }
+        }
+        Ok(())
     }
+}
 
-    /// The points that are recorded by now.
-    pub(super) fn recorded(&self, table: usize) -> &[f64] {
-        &self.recorded[table - 1]
-    }
+/// The number of a wave table.
+pub(super) fn wave_table(word: &str) -> Result<usize, i32> {
+    let table = whole(word)?;
+    if (1..=WAVES).contains(&table) { Ok(table) } else { Err(RANGE) }
 }

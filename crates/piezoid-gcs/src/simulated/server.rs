@@ -1,0 +1,176 @@
+//! The line of the controller: clients over TCP, each in a thread of its own.
+//!
+//! A command is answered under a lock, and the answer is written without it: a client that is idle or never reads
+//! holds no other. Clients beyond those that the model serves are refused with a line. With a real clock, a thread
+//! brings the state up to date while something moves.
+
+use super::Device;
+use super::errors::TOO_LONG;
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+use std::thread::{Builder, sleep};
+use std::time::{Duration, Instant};
+
+/// A line has at most so many bytes.
+const LONGEST: usize = 1 << 16;
+
+/// Time between two updates while something moves.
+const TICK: Duration = Duration::from_millis(5);
+
+/// Time in which a client must read some of its answer.
+const PATIENCE: Duration = Duration::from_secs(5);
+
+/// Time in which a place may become free, time in which a refused client may read why it is, and number of clients that
+/// wait so.
+const SOON: Duration = Duration::from_millis(200);
+const WORD: Duration = Duration::from_millis(500);
+const WAITING: usize = 64;
+
+/// A simulated controller.
+#[derive(Debug)]
+pub struct Simulated {
+    pub(super) device: Arc<Mutex<Device>>,
+    /// What it was given, for tests.
+    #[cfg(test)]
+    pub(crate) log: Arc<Mutex<Vec<super::Entry>>>,
+}
+
+pub(super) fn locked(device: &Mutex<Device>) -> MutexGuard<'_, Device> {
+    device.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Simulated {
+    pub(super) fn new(device: Device) -> Self {
+        Simulated {
+            #[cfg(test)]
+            log: device.log.clone(),
+            device: Arc::new(Mutex::new(device)),
+        }
+    }
+
+    /// Answers clients, several at once if the model does so. It goes on until the listener fails.
+    ///
+    /// # Errors
+    /// Returns the error of the listener.
+    pub fn serve(&self, listener: &TcpListener) -> std::io::Result<()> {
+        let (served, waiting) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0)));
+        let (most, is_real) = {
+            let device = locked(&self.device);
+            (device.model.clients(), device.clock.is_real())
+        };
+        if is_real {
+            let device = Arc::downgrade(&self.device);
+            Builder::new().spawn(move || tick(&device))?;
+        }
+        loop {
+            let client = match listener.accept() {
+                Ok((client, _)) => client,
+                Err(e) if matches!(e.kind(), ErrorKind::ConnectionAborted | ErrorKind::Interrupted) => continue,
+                Err(e) => return Err(e),
+            };
+            let place = Place::of(&served, most);
+            let waits = if place.is_some() { None } else { Place::of(&waiting, WAITING) };
+            if place.is_none() && waits.is_none() {
+                continue;
+            }
+            let (device, served) = (self.device.clone(), served.clone());
+            // A client for which there is no thread is dropped.
+            drop(Builder::new().spawn(move || {
+                let place = place.or_else(|| Place::soon(&served, most));
+                drop(waits);
+                // One that goes in the middle of a line has ended.
+                drop(if place.is_some() { converse(&device, &client) } else { refuse(&client, most) });
+                // Free before the client sees the end, because it may connect again at once.
+                drop(place);
+            }));
+        }
+    }
+}
+
+/// One of a number of places, which is free again when it is dropped.
+struct Place(Arc<AtomicUsize>);
+
+impl Place {
+    fn of(taken: &Arc<AtomicUsize>, most: usize) -> Option<Self> {
+        let place = Place(taken.clone());
+        (taken.fetch_add(1, Ordering::SeqCst) < most).then_some(place)
+    }
+
+    /// The same after a moment: a client that has just gone may not be noticed yet.
+    fn soon(taken: &Arc<AtomicUsize>, most: usize) -> Option<Self> {
+        let begin = Instant::now();
+        loop {
+            let place = Place::of(taken, most);
+            if place.is_some() || begin.elapsed() > SOON {
+                return place;
+            }
+            sleep(TICK);
+        }
+    }
+}
+
+impl Drop for Place {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// Updates a controller while something moves, until it is dropped.
+fn tick(device: &Weak<Mutex<Device>>) {
+    while let Some(device) = device.upgrade() {
+        let mut now = locked(&device);
+        if !now.is_calm() {
+            now.update();
+        }
+        drop(now);
+        drop(device);
+        sleep(TICK);
+    }
+}
+
+/// Writes why a client is refused, and lets it read that.
+fn refuse(mut client: &TcpStream, most: usize) -> std::io::Result<()> {
+    client.set_write_timeout(Some(WORD))?;
+    client.set_read_timeout(Some(WORD))?;
+    writeln!(client, "the controller serves {most} at a time: end the other program, then connect again")?;
+    client.shutdown(Shutdown::Write)?;
+    // What is unread at the end would destroy the word.
+    client.read(&mut [0; LONGEST]).map(|_| ())
+}
+
+fn converse(device: &Mutex<Device>, client: &TcpStream) -> std::io::Result<()> {
+    client.set_nodelay(true)?;
+    client.set_write_timeout(Some(PATIENCE))?;
+    let (mut input, mut output) = (BufReader::new(client), client);
+    let (mut line, mut is_too_long) = (Vec::new(), false);
+    loop {
+        let ready = input.fill_buf()?;
+        let Some(&byte) = ready.first() else { return Ok(()) };
+        input.consume(1);
+        match byte {
+            b'\n' => {
+                let text: String = line.drain(..).map(char::from).collect();
+                if std::mem::take(&mut is_too_long) {
+                    // What came of it is not obeyed.
+                    locked(device).error = TOO_LONG;
+                    continue;
+                }
+                let answer = locked(device).answer(text.trim());
+                if !answer.is_empty() {
+                    // A line of the answer that is not the last ends with a space.
+                    let text = answer.join(" \n") + "\n";
+                    output.write_all(text.as_bytes())?;
+                }
+            }
+            b'\r' => (),
+            0..32 => {
+                let answer = locked(device).answer_byte(byte);
+                output.write_all(&answer)?;
+            }
+            _ if is_too_long || line.len() == LONGEST => is_too_long = true,
+            _ => line.push(byte),
+        }
+    }
+}
