@@ -1,6 +1,6 @@
 //! The client against the simulated controller, over TCP.
 
-use crate::{AcquireOptions, Acquired, ConnectOptions, Rest, Simulation};
+use crate::{AcquireOptions, Acquired, ConnectOptions, Model, Rest, Simulation};
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::plant::Plant;
@@ -97,6 +97,23 @@ fn a_record_is_the_drive_and_what_the_plant_makes_of_it() {
     let stroke = 2.0 * y.iter().fold(0.0, |peak: f64, y| peak.max(y.abs()));
     let error = record.y().iter().zip(y.iter().step_by(20)).map(|(had, y)| (had - y).abs()).fold(0.0, f64::max);
     assert!(error < 0.02 * stroke, "{error} um of {stroke} um");
+}
+
+#[test]
+fn every_model_is_measured_with_the_clock_and_without() {
+    for model in [Model::E727, Model::E754, Model::E709, Model::OpenLoop] {
+        for virtual_time in [None, Some(0.05)] {
+            let port =
+                served(&Simulation { model, axes: 2, virtual_time, plant: "paper".into(), ..Simulation::default() });
+            let second = AcquireOptions { axis: Some("2".into()), ..at(port) };
+            let u = sine(100);
+            let acquired = run(&second, &drive(1e-3, &u), &mut Stage::ignore).unwrap();
+            assert_eq!((acquired.unfinished, &*acquired.axis), (None, "2"), "{model:?}");
+            assert!(u.iter().zip(acquired.record.u()).all(|(requested, had)| (requested - had).abs() < 1e-5));
+            assert!(acquired.record.y().iter().any(|y| y.abs() > 100.0), "{model:?}");
+            assert!(text(port, "VOL? 1\n").starts_with("1=0.000000"), "{model:?}");
+        }
+    }
 }
 
 #[test]

@@ -94,7 +94,7 @@ fn a_drive_becomes_a_record_and_a_model() {
     bench.run("excite rising-sine --frequency 8 --amplitude 25 --ts 1e-3 --duration 1 -o u.csv").ok();
     bench.run(&format!("acquire u.csv --port {port} --ramp 0.1 --settle 0 -o r.csv")).ok();
     let record = bench.text("r.csv");
-    assert!(record.starts_with("# piezoid: measured by the controller piezoid, paper"), "{record:.99}");
+    assert!(record.starts_with("# piezoid: measured by the controller piezoid, E-727"), "{record:.99}");
     assert_eq!(record.lines().count(), 1002);
     bench.run("identify r.csv --operator pi -o m.json").ok();
 

@@ -6,7 +6,7 @@ use super::errors::{
     VOLTAGE, refused,
 };
 use super::recorder::{source, tables};
-use super::words::{code, flag, pairs, positive, real, triples};
+use super::words::{code, flag, positive, real, triples};
 
 /// Servo cycles of an impulse.
 const IMPULSE: u64 = 200;
@@ -168,7 +168,7 @@ impl Device {
 
     /// `SVO`. A wave ends where the servo is switched.
     fn close(&mut self, arguments: &[&str]) -> Result<(), i32> {
-        let states = pairs(arguments)?.into_iter().map(|(name, on)| Ok((self.axis(name)?, flag(on)?)));
+        let states = self.with_axes(arguments)?.into_iter().map(|(k, on)| Ok((k, flag(on)?)));
         for (k, servo) in states.collect::<Result<Vec<_>, i32>>()? {
             if self.axes[k].servo != servo {
                 self.generators[k].stop();
@@ -180,16 +180,15 @@ impl Device {
 
     /// `ATZ`: in open loop to the voltage, or to 0 V if that is `NaN`. The zero of the sensor is right already.
     fn zero(&mut self, arguments: &[&str]) -> Result<(), i32> {
-        let all: Vec<(&str, &str)> = self.axes.iter().map(|axis| (&*axis.name, "NaN")).collect();
-        let read = |(name, volts): (&str, &str)| {
-            let k = self.axis(name)?;
+        let read = |(k, volts): (usize, &str)| {
             let volts = if volts.eq_ignore_ascii_case("nan") { 0.0 } else { real(volts)? };
             let (low, high) = self.axes[k].range;
             refused(&[(self.axes[k].servo, SERVO_IS_ON), (self.generators[k].is_running(), GENERATOR_RUNS)])?;
             refused(&[(!(low..=high).contains(&volts), VOLTAGE)])?;
             Ok((k, volts))
         };
-        let given = if arguments.is_empty() { all } else { pairs(arguments)? };
+        let all = (0..self.axes.len()).map(|k| (k, "NaN")).collect();
+        let given = if arguments.is_empty() { all } else { self.with_axes(arguments)? };
         let goals = given.into_iter().map(read).collect::<Result<Vec<_>, i32>>()?;
         for (k, volts) in goals {
             self.axes[k].go(volts);

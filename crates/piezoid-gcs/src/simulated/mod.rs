@@ -7,6 +7,8 @@
 //! Each axis has a plant of its own; wave generator and output channel of the same number belong to it.
 
 mod axis;
+#[cfg(test)]
+mod clients;
 mod clock;
 mod commands;
 mod errors;
@@ -19,8 +21,12 @@ mod segments;
 mod server;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod transcripts;
 mod waves;
 mod words;
+#[cfg(test)]
+mod wrong;
 
 pub use model::Model;
 pub use server::Simulated;

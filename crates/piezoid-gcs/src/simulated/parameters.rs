@@ -38,18 +38,27 @@ const fn float(
     Row { number, kind: "FLOAT", what, get, set: Some(set) }
 }
 
-/// Those of a servo have numbers of this form.
-const SERVO: u32 = 0x0700_0000;
+/// Those of a servo have numbers in this range.
+const SERVO_FIRST: u32 = 0x0600_0000;
+const SERVO_END: u32 = 0x0900_0000;
 
 #[rustfmt::skip]
-const ROWS: [Row; 23] = [
-    row(SERVO, "FLOAT", "Range Limit min", |_, axis| axis.travel.0.to_string()),
+const ROWS: [Row; 31] = [
+    row(0x0700_0000, "FLOAT", "Range Limit min", |_, axis| axis.travel.0.to_string()),
     row(0x0700_0001, "FLOAT", "Range Limit max", |_, axis| axis.travel.1.to_string()),
     float(0x0700_0200, "Servo Loop Slew-Rate", |_, axis| axis.velocity.to_string(), |axis| &mut axis.velocity),
     float(0x0700_0201, "Open Loop Slew-Rate", |_, axis| axis.slew.to_string(), |axis| &mut axis.slew),
     row(0x0700_0300, "FLOAT", "Servo Loop P-Term", |_, _| "0".into()),
     float(0x0700_0301, "Servo Loop I-Term", |_, axis| axis.bandwidth.to_string(), |axis| &mut axis.bandwidth),
     row(0x0700_0302, "FLOAT", "Servo Loop D-Term", |_, _| "0".into()),
+    row(0x0703_0600, "FLOAT", "Servo Loop Feed-Forward", |_, _| "1".into()),
+    row(0x0600_0500, "INT", "ADC Channel for Target", |_, _| "0".into()),
+    row(0x0800_0100, "FLOAT", "Notch Frequency 1", |_, _| "0".into()),
+    row(0x0800_0101, "FLOAT", "Notch Frequency 2", |_, _| "0".into()),
+    row(0x0800_0200, "FLOAT", "Notch Rejection 1", |_, _| "1".into()),
+    row(0x0800_0201, "FLOAT", "Notch Rejection 2", |_, _| "1".into()),
+    row(0x0800_0300, "FLOAT", "Notch Bandwidth 1", |_, _| "0".into()),
+    row(0x0800_0301, "FLOAT", "Notch Bandwidth 2", |_, _| "0".into()),
     row(0x0700_0600, "CHAR", "Axis Name", |_, axis| axis.name.clone()),
     row(0x0700_0601, "CHAR", "Axis Unit", |_, _| "um".into()),
     float(0x0700_0900, "ON Target Tolerance", |_, axis| axis.tolerance.to_string(), |axis| &mut axis.tolerance),
@@ -72,7 +81,7 @@ impl Device {
     /// The parameters of this model.
     fn rows(&self) -> impl Iterator<Item = &'static Row> {
         let has_servo = self.model != Model::OpenLoop;
-        ROWS.iter().filter(move |row| has_servo || row.number & 0xFF00_0000 != SERVO)
+        ROWS.iter().filter(move |row| has_servo || !(SERVO_FIRST..SERVO_END).contains(&row.number))
     }
 
     fn row(&self, number: &str) -> Result<&'static Row, i32> {

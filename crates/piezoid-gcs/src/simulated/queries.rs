@@ -1,11 +1,15 @@
 //! Queries: what they answer is the state of the moment.
 
 use super::axis::Axis;
-use super::errors::{COUNT, NO_WAVE, TOO_FEW_POINTS, UNKNOWN};
+use super::errors::{COUNT, NO_WAVE, RANGE, TOO_FEW_POINTS, UNKNOWN, refused};
 use super::generators::{Generator, POINTS, WAVES};
 use super::recorder::{RECORDED, SOURCES, TABLES, TRIGGERS, part, source, tables};
 use super::waves::wave_table;
+use super::words::{once, whole};
 use super::{CYCLE, Device};
+
+/// Points of an answer about wave tables: two whole tables.
+const LARGEST: usize = 2 * POINTS;
 
 type Outcome = Result<Vec<String>, i32>;
 
@@ -114,7 +118,7 @@ impl Device {
         match arguments {
             [] => Ok((1..=WAVES).map(line).collect()),
             [table, "1"] => Ok(vec![line(wave_table(table)?)]),
-            [_, _] => Err(super::errors::RANGE),
+            [_, _] => Err(RANGE),
             _ => Err(COUNT),
         }
     }
@@ -122,13 +126,13 @@ impl Device {
     /// Points of wave tables: first point, number of points, tables.
     fn wave_points(&self, arguments: &[&str]) -> Outcome {
         let [first, count, numbers @ ..] = arguments else { return Err(COUNT) };
-        let column = |word: &&str| {
-            let points = self.tables.get(&wave_table(word)?).ok_or(NO_WAVE)?;
-            Ok((format!("Wave Table {word}"), part(points, first, count)?))
+        let tables = once(numbers.iter().map(|word| wave_table(word)).collect::<Result<_, _>>()?)?;
+        refused(&[(tables.is_empty(), COUNT), (tables.len().saturating_mul(whole(count)?) > LARGEST, RANGE)])?;
+        let column = |table: &usize| {
+            let points = self.tables.get(table).ok_or(NO_WAVE)?;
+            Ok((format!("Wave Table {table}"), part(points, first, count)?))
         };
-        // More tables than there are would only repeat.
-        let columns = numbers.iter().take(WAVES).map(column).collect::<Result<Vec<_>, i32>>()?;
-        if columns.is_empty() { Err(COUNT) } else { Ok(array(&columns, CYCLE)) }
+        Ok(array(&tables.iter().map(column).collect::<Result<Vec<_>, i32>>()?, CYCLE))
     }
 }
 
@@ -164,6 +168,10 @@ fn array(columns: &[(String, &[f64])], ts: f64) -> Vec<String> {
         format!("# NDATA = {rows}"),
     ];
     let names = columns.iter().enumerate().map(|(k, (name, _))| format!("# NAME{k} = {name}"));
+    let mut lines: Vec<String> = head.into_iter().chain(names).collect();
+    // In one piece, because there can be many rows.
     let row = |t: usize| columns.iter().map(|(_, points)| format!("{:.6}", points[t])).collect::<Vec<_>>().join(" ");
-    head.into_iter().chain(names).chain(["# END_HEADER".into()]).chain((0..rows).map(row)).collect()
+    let body = (0..rows).fold("# END_HEADER".into(), |body: String, t| body + " \n" + &row(t));
+    lines.push(body);
+    lines
 }

@@ -2,7 +2,7 @@
 
 use super::axis::Axis;
 use super::errors::{RANGE, RECORDER_TABLE, TOO_FEW_POINTS, refused};
-use super::words::whole;
+use super::words::{once, whole};
 
 /// Tables of the recorder.
 pub(super) const TABLES: usize = 4;
@@ -135,7 +135,10 @@ pub(super) fn source(option: u32) -> Option<&'static str> {
 /// Tables by their numbers, or all.
 pub(super) fn tables(arguments: &[&str]) -> Result<Vec<usize>, i32> {
     let table = |word: &&str| whole(word).ok().filter(|table| (1..=TABLES).contains(table)).ok_or(RECORDER_TABLE);
-    if arguments.is_empty() { Ok((1..=TABLES).collect()) } else { arguments.iter().map(table).collect() }
+    if arguments.is_empty() {
+        return Ok((1..=TABLES).collect());
+    }
+    once(arguments.iter().map(table).collect::<Result<_, _>>()?)
 }
 
 /// So many points from a first one on.

@@ -4,28 +4,28 @@ use super::server::locked;
 use super::{Simulated, Simulation};
 use piezoid::plant::PLANTS;
 
-fn device(simulation: Simulation) -> Simulated {
+pub(super) fn device(simulation: Simulation) -> Simulated {
     Simulation { virtual_time: Some(0.01), ..simulation }.controller().unwrap()
 }
 
 /// The answers to lines, as a terminal shows them.
-fn ask(device: &Simulated, lines: &str) -> String {
+pub(super) fn ask(device: &Simulated, lines: &str) -> String {
     let mut device = locked(&device.device);
     let answers = lines.split('\n').filter(|line| !line.is_empty()).flat_map(|line| match line.as_bytes() {
         [byte] if *byte < 32 => vec![String::from_utf8_lossy(&device.answer_byte(*byte)).trim().to_string()],
         _ => device.answer(line),
     });
-    answers.filter(|answer| !answer.is_empty()).collect::<Vec<_>>().join("\n")
+    answers.filter(|answer| !answer.is_empty()).collect::<Vec<_>>().join("\n").replace(" \n", "\n")
 }
 
 /// The number after the last equals sign.
-fn number(device: &Simulated, query: &str) -> f64 {
+pub(super) fn number(device: &Simulated, query: &str) -> f64 {
     let answer = ask(device, query);
     answer.rsplit('=').next().unwrap().parse().unwrap_or_else(|_| panic!("{query}: {answer}"))
 }
 
 /// Lets a time pass [s].
-fn wait(device: &Simulated, time: f64) {
+pub(super) fn wait(device: &Simulated, time: f64) {
     (0..(100.0 * time).round() as usize).for_each(|_| drop(ask(device, "CSV?")));
 }
 

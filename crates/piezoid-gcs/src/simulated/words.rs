@@ -3,6 +3,8 @@
 use super::Device;
 use super::errors::{AXIS, CHANNEL, COUNT, NUMBER, RANGE, TWICE, refused};
 
+use std::collections::BTreeSet;
+
 impl Device {
     /// The place of the axis of this name.
     pub(super) fn axis(&self, name: &str) -> Result<usize, i32> {
@@ -14,8 +16,7 @@ impl Device {
         if names.is_empty() {
             return Ok((0..self.axes.len()).collect());
         }
-        once(names)?;
-        names.iter().map(|name| self.axis(name)).collect()
+        once(names.iter().map(|name| self.axis(name)).collect::<Result<_, _>>()?)
     }
 
     /// Places of output channels or generators by their numbers, or of all.
@@ -23,31 +24,34 @@ impl Device {
         if numbers.is_empty() {
             return Ok((0..self.axes.len()).collect());
         }
-        once(numbers)?;
-        numbers.iter().map(|number| self.channel(number)).collect()
+        once(numbers.iter().map(|number| self.channel(number)).collect::<Result<_, _>>()?)
     }
 
     pub(super) fn channel(&self, number: &str) -> Result<usize, i32> {
         whole(number)?.checked_sub(1).filter(|k| *k < self.axes.len()).ok_or(CHANNEL)
     }
 
+    /// Axes, each with an argument.
+    pub(super) fn with_axes<'a>(&self, arguments: &[&'a str]) -> Result<Vec<(usize, &'a str)>, i32> {
+        pairs(arguments, |name| self.axis(name))
+    }
+
     /// Axes, each with a number.
     pub(super) fn of_axes(&self, arguments: &[&str]) -> Result<Vec<(usize, f64)>, i32> {
-        pairs(arguments)?.into_iter().map(|(name, value)| Ok((self.axis(name)?, real(value)?))).collect()
+        self.with_axes(arguments)?.into_iter().map(|(k, value)| Ok((k, real(value)?))).collect()
     }
 
     /// Generators or channels, each with an argument.
     pub(super) fn of_channels<'a>(&self, arguments: &[&'a str]) -> Result<Vec<(usize, &'a str)>, i32> {
-        pairs(arguments)?.into_iter().map(|(number, value)| Ok((self.channel(number)?, value))).collect()
+        pairs(arguments, |number| self.channel(number))
     }
 }
 
-/// Arguments in pairs, whose first names differ.
-pub(super) fn pairs<'a>(arguments: &[&'a str]) -> Result<Vec<(&'a str, &'a str)>, i32> {
+/// Arguments in pairs, whose first ones are different places.
+fn pairs<'a>(arguments: &[&'a str], place: impl Fn(&str) -> Result<usize, i32>) -> Result<Vec<(usize, &'a str)>, i32> {
     refused(&[(arguments.is_empty() || arguments.len() % 2 == 1, COUNT)])?;
-    let pairs: Vec<_> = arguments.chunks(2).map(|pair| (pair[0], pair[1])).collect();
-    once(&pairs.iter().map(|(name, _)| *name).collect::<Vec<_>>())?;
-    Ok(pairs)
+    let places = once(arguments.iter().step_by(2).map(|name| place(name)).collect::<Result<_, _>>()?)?;
+    Ok(places.into_iter().zip(arguments.iter().skip(1).step_by(2).copied()).collect())
 }
 
 /// Arguments in threes.
@@ -56,10 +60,11 @@ pub(super) fn triples<'a, 'b>(arguments: &'b [&'a str]) -> Result<std::slice::Ch
     Ok(arguments.chunks(3))
 }
 
-/// Returns an error if a name comes twice. There are few names that are right.
-fn once(names: &[&str]) -> Result<(), i32> {
-    let again = names.iter().take(64).enumerate().any(|(k, name)| names[..k].contains(name));
-    refused(&[(again, TWICE)])
+/// Returns an error if one of these comes twice.
+pub(super) fn once(places: Vec<usize>) -> Result<Vec<usize>, i32> {
+    let different: BTreeSet<&usize> = places.iter().collect();
+    refused(&[(different.len() < places.len(), TWICE)])?;
+    Ok(places)
 }
 
 pub(super) fn real(word: &str) -> Result<f64, i32> {
