@@ -309,6 +309,13 @@ fn a_controller_that_another_program_uses_is_left_alone() {
     let message = refused(&AcquireOptions { connection, ..at(port) }, &drive(1e-3, &sine(50)));
     assert!(message.contains("no whole answer within 0.5 s") && message.contains("one program at a time"), "{message}");
     drop(other);
+    // One that says so.
+    let port = simulated(&Simulation { model: Model::E709, ..Simulation::default() });
+    let mut other = TcpStream::connect(("127.0.0.1", port)).unwrap();
+    other.write_all(b"CSV?\n").unwrap();
+    assert_eq!(other.read(&mut [0; 64]).unwrap(), 4);
+    let message = refused(&at(port), &drive(1e-3, &sine(50)));
+    assert!(message.contains("serves 1 at a time"), "{message}");
 }
 
 #[test]

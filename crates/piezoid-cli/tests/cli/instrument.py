@@ -17,6 +17,7 @@ with PISocket("127.0.0.1", int(sys.argv[1])) as gateway:
     # Started as the samples of PIPython do, then to both ends and the middle.
     assert device.devname == "E-727" and device.HasHLT() and not device.HasqFRF()
     pitools.startup(device, stages=None, refmodes=None)
+    pitools.waitontarget(device)
     assert device.qSVO("1")["1"] and device.qCST()["1"] == "PAPER"
     assert device.IsControllerReady() and not any(device.IsMoving().values())
     ends = device.qTMN("1")["1"], device.qTMX("1")["1"]
@@ -62,7 +63,7 @@ with PISocket("127.0.0.1", int(sys.argv[1])) as gateway:
         seglength=100,
     )
     device.WSL(1, 3)
-    assert device.qWAV(3)[3][1] == 100 and device.qWSL(1)[1] == 3
+    assert device.qWAV(3, 1)[3][1] == 100 and device.qWSL(1)[1] == 3
     device.WGC(1, 5)
     device.WOS(1, 2.5)
     assert device.qWGC(1)[1] == 5 and device.qWOS(1)[1] == 2.5 and not device.qWGO(1)[1]

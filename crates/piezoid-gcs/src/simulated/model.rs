@@ -24,9 +24,9 @@ pub enum Model {
 }
 
 pub(super) const MODELS: OptionKind = OptionKind::Choice(&[
-    ("e-727", "E-727, over Ethernet: several clients at once"),
-    ("e-754", "E-754, over Ethernet: several clients at once"),
-    ("e-709", "E-709, over a serial line: one client at a time, others are refused"),
+    ("e-727", "Over Ethernet: several clients at once"),
+    ("e-754", "Over Ethernet: several clients at once"),
+    ("e-709", "Over a serial line: one client at a time, others are refused"),
     ("open-loop", "An amplifier with a sensor, but without a servo"),
 ]);
 

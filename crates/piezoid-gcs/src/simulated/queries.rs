@@ -1,7 +1,7 @@
 //! Queries: what they answer is the state of the moment.
 
 use super::axis::Axis;
-use super::errors::{COUNT, NO_WAVE, RANGE, TOO_FEW_POINTS, UNKNOWN, refused};
+use super::errors::{CHANNEL, COUNT, NO_WAVE, RANGE, TOO_FEW_POINTS, UNKNOWN, refused};
 use super::generators::{Generator, POINTS, WAVES};
 use super::recorder::{RECORDED, SOURCES, TABLES, TRIGGERS, part, source, tables};
 use super::waves::wave_table;
@@ -34,18 +34,19 @@ impl Device {
             "TWG" | "TPC" => one(self.axes.len().to_string()),
             "SPA" => self.parameters(arguments, false),
             "SEP" => self.parameters(arguments, true),
-            "IFC" => Ok(["IPADR=127.0.0.1", "MACADR=00:00:00:00:00:00", "IPSTART=0"].map(String::from).into()),
-            "POS" | "TSP" => number(|axis| axis.position),
+            "IFC" => interface(arguments),
+            "POS" => number(|axis| axis.position),
             "MOV" => number(|axis| if axis.servo { axis.goal } else { axis.target }),
             "SVA" => number(|axis| axis.demand() / axis.gain),
             "VEL" => number(|axis| axis.velocity),
             "TMN" => number(|axis| axis.travel.0),
             "TMX" => number(|axis| axis.travel.1),
             "AOS" => number(|_| 0.0),
+            "TSP" => self.each_input(arguments, |axis| format!("{:.6}", axis.map_or(0.0, |axis| axis.position))),
             // The code of a converter of 20 bits over the travel.
-            "TAD" => self.each_axis(arguments, |axis| {
-                let share = (axis.position - axis.travel.0) / (axis.travel.1 - axis.travel.0);
-                ((share * f64::from(1 << 19)) as i64).to_string()
+            "TAD" => self.each_input(arguments, |axis| {
+                let share = |axis: &Axis| (axis.position - axis.travel.0) / (axis.travel.1 - axis.travel.0);
+                ((axis.map_or(0.0, share) * f64::from(1 << 19)) as i64).to_string()
             }),
             "ONT" => flag(Axis::is_on_target),
             "SVO" => flag(|axis| axis.servo),
@@ -82,6 +83,15 @@ impl Device {
         Ok(self.axes_of(names)?.into_iter().map(line).collect())
     }
 
+    /// Inputs: the sensors of the axes, then two analogue ones at 0.
+    fn each_input(&self, numbers: &[&str], text: impl Fn(Option<&Axis>) -> String) -> Outcome {
+        let last = self.axes.len() + 2;
+        let input = |word: &&str| whole(word).and_then(|k| if (1..=last).contains(&k) { Ok(k) } else { Err(CHANNEL) });
+        let these = numbers.iter().map(input).collect::<Result<Vec<_>, i32>>()?;
+        let these = if these.is_empty() { (1..=last).collect() } else { these };
+        Ok(these.into_iter().map(|k| format!("{k}={}", text(self.axes.get(k - 1)))).collect())
+    }
+
     fn each_generator(&self, numbers: &[&str], text: impl Fn(&Generator) -> String) -> Outcome {
         let line = |k: usize| format!("{}={}", k + 1, text(&self.generators[k]));
         Ok(self.channels(numbers)?.into_iter().map(line).collect())
@@ -115,12 +125,14 @@ impl Device {
     /// The lengths of wave tables, which are parameter 1 of each.
     fn wave_lengths(&self, arguments: &[&str]) -> Outcome {
         let line = |table: usize| format!("{table} 1={}", self.tables.get(&table).map_or(0, Vec::len));
-        match arguments {
-            [] => Ok((1..=WAVES).map(line).collect()),
-            [table, "1"] => Ok(vec![line(wave_table(table)?)]),
-            [_, _] => Err(RANGE),
-            _ => Err(COUNT),
+        if arguments.is_empty() {
+            return Ok((1..=WAVES).map(line).collect());
         }
+        refused(&[
+            (arguments.len() % 2 == 1, COUNT),
+            (arguments.iter().skip(1).step_by(2).any(|one| *one != "1"), RANGE),
+        ])?;
+        arguments.iter().step_by(2).map(|table| Ok(line(wave_table(table)?))).collect()
     }
 
     /// Points of wave tables: first point, number of points, tables.
@@ -141,6 +153,14 @@ fn waves_of(numbers: &[&str], value: impl Fn(usize) -> usize) -> Outcome {
     let these = numbers.iter().map(|word| wave_table(word)).collect::<Result<Vec<_>, i32>>()?;
     let these = if these.is_empty() { (1..=WAVES).collect() } else { these };
     Ok(these.into_iter().map(|table| format!("{table}={}", value(table))).collect())
+}
+
+/// The parameters of the interface, or those of these names.
+fn interface(names: &[&str]) -> Outcome {
+    let all = ["RSBAUD=115200", "IPADR=127.0.0.1", "IPSTART=0", "IPMASK=255.0.0.0", "MACADR=00:00:00:00:00:00"];
+    let of = |name: &&str| all.iter().find(|row| row.split('=').next() == Some(*name)).ok_or(RANGE);
+    let rows = names.iter().map(of).collect::<Result<Vec<_>, i32>>()?;
+    Ok(if rows.is_empty() { all.map(String::from).into() } else { rows.into_iter().map(ToString::to_string).collect() })
 }
 
 fn listed(head: &str, lines: Vec<String>) -> Vec<String> {

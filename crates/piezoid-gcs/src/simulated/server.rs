@@ -79,11 +79,11 @@ impl Simulated {
             // A client for which there is no thread is dropped.
             drop(Builder::new().spawn(move || {
                 let place = place.or_else(|| Place::soon(&served, most));
-                drop(waits);
+                let waits = waits.filter(|_| place.is_none());
                 // One that goes in the middle of a line has ended.
                 drop(if place.is_some() { converse(&device, &client) } else { refuse(&client, most) });
                 // Free before the client sees the end, because it may connect again at once.
-                drop(place);
+                drop((place, waits));
             }));
         }
     }

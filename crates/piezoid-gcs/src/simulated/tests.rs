@@ -1,7 +1,7 @@
 //! The controller without its line, with a virtual clock: each answer takes 0.01 s.
 
 use super::server::locked;
-use super::{Simulated, Simulation};
+use super::{Model, Simulated, Simulation};
 use piezoid::plant::PLANTS;
 
 pub(super) fn device(simulation: Simulation) -> Simulated {
@@ -157,4 +157,74 @@ fn the_recorder_fills_as_time_goes_from_its_trigger() {
     assert_eq!(ask(&device, "DRT 4 4 0\nDRL? 4\nDRT? 4\nDRT 4 9 0\nERR?"), "4=20\n4=0 0\n17");
     ask(&device, "STE 1 10");
     assert_eq!(ask(&device, "ERR?\nDRL? 4"), "0\n4=40");
+}
+
+#[test]
+fn the_servo_follows_a_slow_sine() {
+    let device = device(Simulation::default());
+    ask(&device, "SVO 1 1\nWAV 1 X SIN_P 400 200 -100 400 0 200\nWSL 1 1\nWGC 1 0\nWTR 1 20 1\nMOV 1 -100");
+    wait(&device, 2.0);
+    // The position error of 2.5 Hz, +-100 um.
+    ask(&device, "DRC 1 1 3\nRTR 100\nDRT 1 0\nWGO 1 1");
+    wait(&device, 2.0);
+    let rows = ask(&device, "DRR? 201 160 1");
+    let errors = rows.lines().filter(|row| !row.starts_with('#')).map(|row| row.parse::<f64>().unwrap());
+    let largest = errors.fold(0.0, |a: f64, b| a.max(b.abs()));
+    assert!(largest > 0.1 && largest < 20.0, "{largest} um");
+}
+
+#[test]
+fn no_line_makes_it_panic_and_none_takes_long() {
+    let device = device(Simulation { axes: 3, plant: "paper".into(), ..Simulation::default() });
+    let names: Vec<&str> = Model::E727.help().filter_map(|line| line.split(' ').next()).collect();
+    let words = [
+        "1",
+        "2",
+        "3",
+        "0",
+        "-1",
+        "17",
+        "1e300",
+        "-1e300",
+        "nan",
+        "inf",
+        "x",
+        "",
+        "X",
+        "&",
+        "+",
+        "PNT",
+        "LIN",
+        "RAMP",
+        "SIN_P",
+        "0x07000301",
+        "0x07000200",
+        "18446744073709551615",
+        "9223372036854775807",
+        "262144",
+        "1e-9",
+        "1e9",
+        "0.5",
+        "advanced",
+        "100",
+        "4",
+        "16",
+        "\u{fc}",
+    ];
+    let mut state = 1u64;
+    let mut random = |n: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % n
+    };
+    ask(&device, "CCL 1 advanced");
+    for _ in 0..20_000 {
+        let name = names[random(names.len())];
+        let line = (0..random(9)).fold(name.to_string(), |line, _| line + " " + words[random(words.len())]);
+        let begin = std::time::Instant::now();
+        let volts = { locked(&device.device).answer(&line) };
+        assert!(begin.elapsed().as_secs_f64() < 5.0, "{line}: {}", volts.len());
+    }
+    assert_eq!(ask(&device, "\x18\nERR?\nCSV?"), "10\n2.0");
+    let volts = ask(&device, "VOL?");
+    assert!(volts.lines().all(|line| line.split('=').nth(1).unwrap().parse::<f64>().unwrap().abs() <= 30.0), "{volts}");
 }

@@ -74,6 +74,10 @@ fn bliss_starts_an_e_754_and_plays_a_wave() {
          SPA? 1 0X02000300\nSPA? 1 0X07000A00\nSPA? 1 0X07000A01\nIFC? IPADR MACADR IPSTART\nTSP?\nTAD?
          SPA? 1 0xe000200\nSPA? 1 0x13000004\nWSL 1 1\nWAV 1 X LIN 1000 20 0 1000 0 2\nWTR 0 1 1\nWGC 1 2\nWGO 1 1",
     );
+    // It reads so many lines, in this order.
+    let lines = ["IFC?", "TSP?", "TAD?", "IFC? IPADR MACADR IPSTART"].map(|query| ask(&device, query));
+    assert_eq!(lines.each_ref().map(|lines| lines.lines().count()), [5, 3, 3, 3]);
+    assert!(lines[3].starts_with("IPADR=127.0.0.1\nMACADR="), "{}", lines[3]);
     // At rest it expects a bare 0.
     assert_eq!(ask(&device, "\x09"), "1");
     wait(&device, 0.2);
