@@ -188,8 +188,8 @@ impl Device {
             Ok((k, volts))
         };
         let all = (0..self.axes.len()).map(|k| (k, "NaN")).collect();
-        let given = if arguments.is_empty() { all } else { self.with_axes(arguments)? };
-        let goals = given.into_iter().map(read).collect::<Result<Vec<_>, i32>>()?;
+        let requested = if arguments.is_empty() { all } else { self.with_axes(arguments)? };
+        let goals = requested.into_iter().map(read).collect::<Result<Vec<_>, i32>>()?;
         for (k, volts) in goals {
             self.axes[k].go(volts);
             self.axes[k].is_zeroed = true;

@@ -5,7 +5,8 @@
 //! t <= n - s:    (t - s / 2) / (n - s)
 //! otherwise:     1 - (n - t)^2 / (2 s (n - s))
 //! ```
-//! `SIN_P` is 1 - cos, with its maximum at a point; `RAMP` is a line up and a line down. It does not do: `TAN`, `NOISE`.
+//! `SIN_P` is 1 - cos, with its maximum at a point; `RAMP` is a line up and a line down. It does not do: `TAN`,
+//! `NOISE`.
 
 use super::errors::{COUNT, RANGE, SYNTAX, WAVE_TOO_LARGE, refused};
 use super::generators::POINTS;
