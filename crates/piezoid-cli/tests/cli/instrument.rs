@@ -17,9 +17,14 @@ struct Controller(Child, String);
 
 impl Controller {
     fn new() -> Self {
+        Controller::with("--plant paper")
+    }
+
+    fn with(options: &str) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_piezoid"));
+        let options = options.split(' ');
         let mut child =
-            command.args(["instrument", "--plant", "paper", "--port", "0"]).stdout(Stdio::piped()).spawn().unwrap();
+            command.args(["instrument", "--port", "0"]).args(options).stdout(Stdio::piped()).spawn().unwrap();
         let mut line = String::new();
         BufReader::new(child.stdout.take().unwrap()).read_line(&mut line).unwrap();
         let port = line.trim().rsplit(' ').next().unwrap().to_string();
@@ -107,6 +112,18 @@ fn a_drive_becomes_a_record_and_a_model() {
     limited.says(&["slew 40000 V/s at 0.002 s, limit 1 V/s"]);
     drop(controller);
     bench.refused(&format!("acquire --port {port} --timeout 1")).says(&["no controller answers at 127.0.0.1"]);
+}
+
+#[test]
+fn a_virtual_clock_gives_the_same_numbers_again() {
+    let moves = format!("SAI?\nSVO 2 1\nMOV 2 300\n\x05{}", "POS? 2\n".repeat(50));
+    let wave =
+        format!("WAV 1 X LIN 100 20 0 100 0 0\nWSL 1 1\nWTR 1 50 0\nWGO 1 1\n{}\x18ERR?\nVOL?\n", "VOL? 1\n".repeat(9));
+    let run = || Controller::with("--model e-754 --axes 2 --virtual-time 0.01").text(&format!("*IDN?\n{moves}{wave}"));
+    let text = run();
+    assert!(text.starts_with("piezoid, E-754, simulated controller with pl140"), "{text}");
+    assert!(text.contains("\n1 \n2\n2\n2=") && text.contains("1=7.070707\n10\n1=7.070707 \n2="), "{text}");
+    assert_eq!(text, run());
 }
 
 #[test]
