@@ -19,7 +19,7 @@ pub(crate) fn simulated(simulation: &Simulation) -> u16 {
 }
 
 /// The same with its own clock.
-fn served(simulation: &Simulation) -> u16 {
+pub(crate) fn served(simulation: &Simulation) -> u16 {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
     let controller = simulation.controller().unwrap();

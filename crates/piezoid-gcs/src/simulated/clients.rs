@@ -1,20 +1,13 @@
 //! Clients of the controller over TCP.
 
 use super::{Model, Simulation};
+use crate::tests::served;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::{Shutdown, TcpListener, TcpStream};
+use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};
 
 /// So long must nothing take, even on a machine that is busy.
 const GENEROUS: Duration = Duration::from_secs(30);
-
-fn served(simulation: &Simulation) -> u16 {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let port = listener.local_addr().unwrap().port();
-    let controller = simulation.controller().unwrap();
-    std::thread::spawn(move || controller.serve(&listener));
-    port
-}
 
 fn connected(port: u16) -> TcpStream {
     let stream = TcpStream::connect(("127.0.0.1", port)).unwrap();

@@ -16,15 +16,16 @@ use std::time::{Duration, Instant};
 /// A line has at most so many bytes.
 const LONGEST: usize = 1 << 16;
 
-/// Time between two updates while something moves.
+/// Time between two updates while something moves, and between two looks whether it does.
 const TICK: Duration = Duration::from_millis(5);
+const IDLE: Duration = Duration::from_millis(50);
 
 /// Time in which a client must read some of its answer.
 const PATIENCE: Duration = Duration::from_secs(5);
 
 /// Time in which a place may become free, time in which a refused client may read why it is, and number of clients that
 /// wait so.
-const SOON: Duration = Duration::from_millis(200);
+const SOON: Duration = Duration::from_secs(1);
 const WORD: Duration = Duration::from_millis(500);
 const WAITING: usize = 64;
 
@@ -121,12 +122,13 @@ impl Drop for Place {
 fn tick(device: &Weak<Mutex<Device>>) {
     while let Some(device) = device.upgrade() {
         let mut now = locked(&device);
-        if !now.is_calm() {
+        let is_calm = now.is_calm();
+        if !is_calm {
             now.update();
         }
         drop(now);
         drop(device);
-        sleep(TICK);
+        sleep(if is_calm { IDLE } else { TICK });
     }
 }
 
