@@ -315,8 +315,8 @@ impl Model {
     }
 
     /// Standard deviation of the response to the input `u` from the state `x`, after each sample [output unit]; `None`
-    /// if the operator states none, and with mechanics in feedback. It is that of z times the static gain: the errors of
-    /// a hysteresis change as slowly as its input.
+    /// if the operator states none, and with mechanics in feedback. It is that of z times the static gain: errors of a
+    /// hysteresis change as slowly as its input.
     pub fn deviation(&self, x: &[f64], u: &[f64]) -> Option<Vec<f64>> {
         let mut x = x.to_vec();
         let creep: f64 = self.creep.lags().iter().map(|lag| lag.gain).sum();

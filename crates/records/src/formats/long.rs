@@ -221,8 +221,8 @@ impl<'a> LongRecord<'a> {
         &self.profile
     }
 
-    /// Ends of the sections, of equal length, in which `n` samples are analysed one after the other: each is at most half
-    /// of what may be held, because a spectrum needs as much again.
+    /// Ends of the sections, of equal length, in which `n` samples are analysed one after the other: each is at most
+    /// half of what may be held, because a spectrum needs as much again.
     pub fn section_ends(&self, n: usize) -> impl Iterator<Item = usize> + use<> {
         let count = n.div_ceil((self.held / 2).max(1)).max(1);
         (1..=count).map(move |k| (k as u128 * n as u128 / count as u128) as usize)
