@@ -149,7 +149,7 @@ test("drives of a plan are measured on a controller", { skip, timeout: 180_000 }
   await section.getByRole("status").getByText(place).waitFor();
   const drive = readdirSync(folder).find((name) => name.startsWith("measured-"));
   const text = readFileSync(join(folder, drive), "utf8");
-  assert.match(text, /^# piezoid: measured by the controller piezoid, paper/);
+  assert.match(text, /^# piezoid: measured by the controller piezoid, E-727, simulated controller with paper/);
   assert.deepEqual(faults, []);
   if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT, fullPage: true });
   await context.close();
