@@ -18,11 +18,10 @@ use super::floor::SectionNoise;
 use super::initial_condition::likeliest;
 use super::loops::LoopSums;
 use super::metrics::ErrorSums;
-use super::whiteness::LaggedSums;
+use super::whiteness::{LaggedSums, Whiteness};
 use super::{ComparedRun, Figures, Floor, Offset, ValidateOptions, Validation, errors, factor};
 use piezoid_models::hammerstein::{Domain, Model};
 use piezoid_numerics::error::Error;
-use piezoid_numerics::series::range;
 use piezoid_records::formats::LongRecord;
 use piezoid_records::quality::InSections;
 use piezoid_records::record::Record;
@@ -107,7 +106,7 @@ impl Validation {
             mean_error,
             by_frequency: if sections.search.is_none() { Bin::merged(&sections.spectra) } else { by_frequency },
             by_amplitude,
-            whiteness: lags.whiteness(),
+            whiteness: Whiteness::of_sums(&lags),
             floor: sections.noise.flatten().and_then(|noise| Floor::above(&noise, &metrics, &drift)),
             loops: sections.loops.loops(),
             facts: Some(facts),
@@ -284,10 +283,7 @@ impl<'a> Sections<'a> {
             if a.at < self.before {
                 continue;
             }
-            let [start, peak, end] = [a, peak, b].map(|turn| turn.at - self.before);
-            let hz = 1.0 / ((end - start) as f64 * self.record.ts());
-            let amplitude = 0.5 * range(&u[start..=end]);
-            let cycle = Cycle { samples: start..end + 1, peak, amplitude, hz };
+            let cycle = Cycle::of(u, [a, peak, b].map(|turn| turn.at - self.before), self.record.ts());
             self.bins.add(y, simulated, &cycle);
             self.loops.add(u, y, simulated, &cycle);
         }

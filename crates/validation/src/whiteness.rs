@@ -60,10 +60,11 @@ impl Whiteness {
         }
         let mut sums = LaggedSums::new(mean(u), mean(errors));
         sums.add(u, errors);
-        sums.whiteness()
+        Whiteness::of_sums(&sums)
     }
 
-    fn of_sums(sums: &LaggedSums) -> Option<Self> {
+    /// The same of sums over all samples.
+    pub(super) fn of_sums(sums: &LaggedSums) -> Option<Self> {
         let LaggedSums { n, largest: size, .. } = *sums;
         let [uu, ee, eu, ue] = sums.by_lag();
         let (power_u, power_e) = (uu[0], ee[0]);
@@ -206,11 +207,6 @@ impl LaggedSums {
             sums.reverse();
             sums
         })
-    }
-
-    /// The tests of these sums: see [`Whiteness::of`].
-    pub(super) fn whiteness(&self) -> Option<Whiteness> {
-        Whiteness::of_sums(self)
     }
 }
 

@@ -10,7 +10,7 @@ use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::round;
 use piezoid_records::record::Record;
-use piezoid_validation::{Validate, ValidateOptions, Validation};
+use piezoid_validation::{Validate, ValidateOptions, Validation, output_factor, require_finite};
 use serde_json::{Value, json};
 
 /// Least number of samples of the training part, and of the end that is held out.
@@ -86,11 +86,7 @@ impl Split {
             }
             let Some((first, own)) = self.training.first() else { continue };
             Record::same_sampling(first, own.ts(), name, record.ts())?;
-            let (own, units) = (own.units(), record.units());
-            if units.u != own.u {
-                return Err(Error::units("the input of the record", &units.u, &own.u).of(name));
-            }
-            record.output_in(&own.y).map_err(|error| error.of(name))?;
+            output_factor(own.units(), record.units()).map_err(|error| error.of(name))?;
         }
         Ok(())
     }
@@ -103,12 +99,8 @@ impl Split {
         self.each(options, |k, record, options| {
             let known = Some(self.tests[k].from).filter(|from| *from > 0).unwrap_or(record.len());
             let found = model.validate_end(record, known, options)?;
-            match found.simulated.iter().position(|y| !y.is_finite()) {
-                None => Ok(found),
-                Some(t) => {
-                    Err(Error::Content(format!("the free run is {} at sample {t}: it diverges", found.simulated[t])))
-                }
-            }
+            require_finite(&found.simulated)?;
+            Ok(found)
         })
     }
 

@@ -39,6 +39,7 @@ pub use parameters::OnlineParameters;
 use factor::Factor;
 use layout::Layout;
 use piezoid_models::hammerstein::Model;
+use piezoid_models::hysteresis::Real;
 use piezoid_models::linear::decays_within;
 use piezoid_numerics::error::{Error, positive};
 use piezoid_numerics::system::System;
@@ -237,14 +238,7 @@ impl Online {
 
     /// The state at the start, the actuator settled at the input `u`, which counts as in [`Online::step`].
     pub fn settled(&self, u: f64) -> Vec<f64> {
-        let (low, high) = self.scales.inputs;
-        let u = if u < low {
-            low
-        } else if u > high {
-            high
-        } else {
-            u
-        };
+        let u = Real::clamp(u, self.scales.inputs.0, self.scales.inputs.1);
         let hidden = self.model.hidden_settled(u);
         let mut parts = vec![0.0; self.groups.len()];
         parts_of(&self.model, &self.groups, &mut hidden.clone(), u, &mut parts);

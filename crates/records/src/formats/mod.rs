@@ -5,9 +5,8 @@
 //! error, which names the options that resolve it.
 //!
 //! The formats are the rows of [`FORMATS`], one file each. [`Table::read`] recognises a file by its content, whatever
-//! its name; [`InputPieces`] and [`LongRecord`] read a long one
-//! piece by piece. [`Table::write`] writes CSV, `.npz` or `.mat`, by the
-//! extension of the name.
+//! its name; [`InputPieces`] and [`LongRecord`] read a long one piece by piece. [`Table::write`] writes CSV, `.npz` or
+//! `.mat`, by the extension of the name.
 //!
 //! Why: docs/decisions/data-and-records.md, "HDF5 is read by a crate, other binary formats by piezoid".
 

@@ -25,6 +25,15 @@ pub struct Cycle {
     pub hz: f64,
 }
 
+impl Cycle {
+    /// The cycle of `u` between these samples, its minimum, its maximum and the next minimum, with sampling period `ts`
+    /// [s].
+    pub fn of(u: &[f64], [start, peak, end]: [usize; 3], ts: f64) -> Self {
+        let (amplitude, hz) = (0.5 * range(&u[start..=end]), 1.0 / ((end - start) as f64 * ts));
+        Cycle { samples: start..end + 1, peak, amplitude, hz }
+    }
+}
+
 /// The complete cycles of `u`, with sampling period `ts` [s]; empty if `u` is not regular.
 pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
     let reversals = reversals(u, MIN_REVERSAL_SHARE);
@@ -33,10 +42,7 @@ pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
     let found: Vec<Cycle> = reversals[first.min(reversals.len())..]
         .windows(3)
         .step_by(2)
-        .map(|w| {
-            let hz = 1.0 / ((w[2] - w[0]) as f64 * ts);
-            Cycle { samples: w[0]..w[2] + 1, peak: w[1], amplitude: 0.5 * range(&u[w[0]..=w[2]]), hz }
-        })
+        .map(|w| Cycle::of(u, [w[0], w[1], w[2]], ts))
         .collect();
     let median = |of: fn(&Cycle) -> f64| {
         let bend = |w: &[Cycle]| log(of(&w[0]) * of(&w[2]) / of(&w[1]).powi(2)).abs();
