@@ -3,7 +3,7 @@
 use crate::words::REFERENCE;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
-use piezoid_gcs::Simulation;
+use piezoid_instruments::Simulation;
 use piezoid_numerics::options::{OptionKind, OptionRow, Options};
 use piezoid_operations::catalogue;
 

@@ -3,7 +3,7 @@
 use super::prelude::*;
 use crate::values::{Ended, record};
 use piezoid::Error;
-use piezoid_gcs::{AcquireOptions, Acquired, Controller};
+use piezoid_instruments::{AcquireOptions, Acquired, Controller};
 use piezoid_numerics::number::{round, short};
 
 const EXAMPLES: &str = "\

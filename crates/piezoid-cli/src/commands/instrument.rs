@@ -3,7 +3,7 @@
 use super::lists;
 use super::prelude::*;
 use anyhow::Context;
-use piezoid_gcs::Simulation;
+use piezoid_instruments::Simulation;
 use std::net::TcpListener;
 
 const EXAMPLES: &str = "\

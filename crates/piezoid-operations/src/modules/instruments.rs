@@ -4,7 +4,7 @@ use super::{named, one};
 use crate::{Inputs, Operation, Output};
 use piezoid::Error;
 use piezoid::progress::Progress;
-use piezoid_gcs::{AcquireOptions, ConnectOptions};
+use piezoid_instruments::{AcquireOptions, ConnectOptions};
 use piezoid_numerics::options::Options;
 use piezoid_verbs::File;
 

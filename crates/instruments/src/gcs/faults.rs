@@ -1,8 +1,8 @@
 //! The client on lines that are cut, go silent or drip, and work that is cancelled. The simulated controller keeps what
 //! it was given, as a witness.
 
-use crate::simulated::Entry;
-use crate::{AcquireOptions, Acquired, ConnectOptions, Rest, Simulation};
+use crate::gcs::simulated::Entry;
+use crate::gcs::{AcquireOptions, Acquired, ConnectOptions, Rest, Simulation};
 use piezoid::Error;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::progress::{Progress, Stage};
@@ -94,7 +94,7 @@ impl Bench {
     /// Puts the axis into closed loop, perhaps.
     fn close(&self, is_closed: bool) {
         if is_closed {
-            self.text(&crate::tests::at_rest("SVO 1 1\nMOV 1 100\n"));
+            self.text(&crate::gcs::tests::at_rest("SVO 1 1\nMOV 1 100\n"));
         }
     }
 

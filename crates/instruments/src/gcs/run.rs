@@ -14,9 +14,9 @@
 //! ```
 //! The voltage of the record is the one that the controller measured at its output, not the requested one.
 
-use crate::controller::Axis;
-use crate::line::Line;
-use crate::recording::Sources;
+use crate::gcs::controller::Axis;
+use crate::gcs::line::Line;
+use crate::gcs::recording::Sources;
 use piezoid::Error;
 use std::f64::consts::FRAC_PI_2;
 use std::time::{Duration, Instant};

@@ -1,7 +1,7 @@
 //! What a drive must keep before anything is changed or moves.
 
-use crate::controller::{Axis, Controller};
-use crate::run::Play;
+use crate::gcs::controller::{Axis, Controller};
+use crate::gcs::run::Play;
 use piezoid::Error;
 use piezoid::excitation::Limits;
 use piezoid_numerics::number::round;

@@ -1,4 +1,4 @@
-//! Numbers of errors that the controller answers to `ERR?`. What they mean: [`meaning`](crate::codes::meaning).
+//! Numbers of errors that the controller answers to `ERR?`. What they mean: [`meaning`](crate::gcs::codes::meaning).
 
 pub(super) const SYNTAX: i32 = 1;
 pub(super) const UNKNOWN: i32 = 2;

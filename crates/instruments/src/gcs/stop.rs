@@ -8,8 +8,8 @@
 //! VOL? 1, SVO? 1
 //! ```
 
-use crate::controller::RUNNING;
-use crate::run::Run;
+use crate::gcs::controller::RUNNING;
+use crate::gcs::run::Run;
 use piezoid::Error;
 use std::time::{Duration, Instant};
 

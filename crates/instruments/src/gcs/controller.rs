@@ -1,8 +1,8 @@
 //! A controller, and what it reports about itself.
 
-use crate::codes::meaning;
-use crate::line::Line;
-use crate::watch::Watch;
+use crate::gcs::codes::meaning;
+use crate::gcs::line::Line;
+use crate::gcs::watch::Watch;
 use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid_numerics::number::join;

@@ -1,8 +1,8 @@
 //! Where the axis goes after the drive: slowly to a voltage, which is then measured.
 
-use crate::run::Run;
-use crate::start::NOISE;
-use crate::stop::Left;
+use crate::gcs::run::Run;
+use crate::gcs::start::NOISE;
+use crate::gcs::stop::Left;
 use piezoid::Error;
 use piezoid_numerics::options::OptionKind;
 use serde::{Deserialize, Serialize};

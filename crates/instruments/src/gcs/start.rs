@@ -1,6 +1,6 @@
 //! The beginning of a measurement: where the axis is, its loop is opened, and its gain is checked by a small move.
 
-use crate::run::{Play, Run};
+use crate::gcs::run::{Play, Run};
 use piezoid::Error;
 use std::time::Duration;
 

@@ -2,12 +2,12 @@
 //!
 //! All checks come before the first move, and the loop is opened after them. [`Run`] makes the moves.
 
-use crate::checks::{cycles, fits, range, speed, within};
-use crate::controller::{Axis, ConnectOptions, Controller, MOVING, RUNNING};
-use crate::recording::{Sources, read};
-use crate::rest::{Before, RESTS, Rest};
-use crate::run::{Play, Run};
-use crate::stop::Left;
+use crate::gcs::checks::{cycles, fits, range, speed, within};
+use crate::gcs::controller::{Axis, ConnectOptions, Controller, MOVING, RUNNING};
+use crate::gcs::recording::{Sources, read};
+use crate::gcs::rest::{Before, RESTS, Rest};
+use crate::gcs::run::{Play, Run};
+use crate::gcs::stop::Left;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;

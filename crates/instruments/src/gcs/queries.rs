@@ -3,9 +3,9 @@
 //! A command is a line. It has no answer; `ERR?` answers the number of its error, or 0. A query ends with `?`. An
 //! unknown query has no answer.
 
-use crate::codes::meaning;
-use crate::controller::RUNNING;
-use crate::line::Line;
+use crate::gcs::codes::meaning;
+use crate::gcs::controller::RUNNING;
+use crate::gcs::line::Line;
 use piezoid::Error;
 
 /// An answer has at most so many bytes, unless it has tables.

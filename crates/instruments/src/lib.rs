@@ -4,7 +4,7 @@
 //! ```
 //! use piezoid::{formats::ColumnSelection, progress::Stage};
 //! use piezoid_verbs::{DataFile, File};
-//! use piezoid_gcs::{AcquireOptions, ConnectOptions, Simulation};
+//! use piezoid_instruments::{AcquireOptions, ConnectOptions, Simulation};
 //! use std::net::TcpListener;
 //!
 //! let listener = TcpListener::bind("127.0.0.1:0")?;
@@ -17,7 +17,7 @@
 //! let options = AcquireOptions { connection, ramp: 0.0, settle: 0.0, ..AcquireOptions::default() };
 //! // The record is kept before the axis moves back to where it was.
 //! let (mut notes, mut kept) = (Vec::new(), None);
-//! let mut keep = |measured: &piezoid_gcs::Acquired| Ok(kept = Some(measured.record.clone()));
+//! let mut keep = |measured: &piezoid_instruments::Acquired| Ok(kept = Some(measured.record.clone()));
 //! let acquired =
 //!     options.run(&drive, &ColumnSelection::default(), &mut notes, &mut keep, &mut Stage::ignore)?;
 //! assert_eq!(acquired.record.u(), [0.0, 5.0, 10.0, 5.0, 0.0]);
@@ -25,29 +25,7 @@
 //! assert_eq!((kept, acquired.unfinished, acquired.voltage), (Some(acquired.record), None, Some(0.0)));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//!
-//! Reference: Physik Instrumente, GCS 2.0 commands manual PZ281E, GCS array data format SM146E, E-727 user manual
-//! E727T0005. It does not do: closed loop, several axes at once, serial ports and USB.
 
-mod acquire;
-mod checks;
-mod codes;
-mod controller;
-#[cfg(test)]
-mod faults;
-mod line;
-mod queries;
-mod recording;
-mod rest;
-mod run;
-mod simulated;
-mod start;
-mod stop;
-#[cfg(test)]
-mod tests;
-mod watch;
+mod gcs;
 
-pub use acquire::{AcquireOptions, Acquired, Keep};
-pub use controller::{Axis, ConnectOptions, Controller};
-pub use rest::Rest;
-pub use simulated::{Model, Simulated, Simulation};
+pub use gcs::{AcquireOptions, Acquired, Axis, ConnectOptions, Controller, Keep, Model, Rest, Simulated, Simulation};

@@ -1,6 +1,6 @@
 //! The recorder of a controller: which of its quantities are recorded, and the tables it answers.
 
-use crate::line::Line;
+use crate::gcs::line::Line;
 use piezoid::formats::ColumnSelection;
 use piezoid::{Error, Record};
 use piezoid_verbs::{DataFile, File};
