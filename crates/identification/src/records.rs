@@ -22,11 +22,18 @@ pub(super) struct Records {
 
 impl Records {
     /// # Errors
-    /// Returns an error if sampling periods differ, units cannot be converted, or there is no record.
+    /// Returns an error if sampling periods are no multiples of the shortest one, units cannot be converted, or there is no record.
     pub(crate) fn of(small: &[Record], large_signal: &[Record]) -> Result<Self, Error> {
-        let units = common_units(small.iter().chain(large_signal))?;
-        let convert = |records: &[Record]| records.iter().map(|r| r.output_in(&units.y)).collect::<Result<Vec<_>, _>>();
+        // Records that were sampled less often have all samples of the model, of which those measured are fitted.
+        let ts = small.iter().chain(large_signal).map(Record::ts).fold(f64::INFINITY, f64::min);
+        let convert = |records: &[Record]| {
+            let one = |record: &Record| record.at("the record that is sampled most often", ts);
+            records.iter().map(one).collect::<Result<Vec<_>, _>>()
+        };
         let (small, large_signal) = (convert(small)?, convert(large_signal)?);
+        let units = common_units(small.iter().chain(&large_signal))?;
+        let convert = |records: &[Record]| records.iter().map(|r| r.output_in(&units.y)).collect::<Result<Vec<_>, _>>();
+        let (small, large_signal) = (convert(&small)?, convert(&large_signal)?);
         if small.is_empty() && large_signal.is_empty() {
             let remedy = "give small-signal records, large-signal records, or both".into();
             return Err(Error::TooShort { what: "the list of records".into(), have: 0, need: 1, remedy });
@@ -51,7 +58,7 @@ impl Records {
             // Each is twice as long as the one before.
             let lengths = std::iter::successors(Some(least), |length| Some(2 * length));
             let length = lengths.take_while(|length| *length < n).find(|length| is_most(n - length)).unwrap_or(n);
-            record.slice(n - length..n)
+            record.slice((n - length) / record.every() * record.every()..n)
         };
         let [small, large_signal] =
             [&self.small, &self.large_signal].map(|records| records.iter().map(end).collect::<Result<Vec<_>, _>>());

@@ -26,6 +26,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
+mod acquire;
+mod checks;
 mod gcs;
+mod instrument;
+mod rest;
+mod watch;
 
-pub use gcs::{AcquireOptions, Acquired, Axis, ConnectOptions, Controller, Keep, Model, Rest, Simulated, Simulation};
+pub use acquire::{AcquireOptions, Acquired, Keep};
+pub use gcs::{Axis, ConnectOptions, Controller, Model, Simulated, Simulation};
+pub use instrument::{Drive, Instrument, Left, Setup};
+pub use rest::Rest;

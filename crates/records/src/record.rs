@@ -7,6 +7,9 @@ use piezoid_numerics::number::{ascii_unit, exact, round};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// Most samples of a record whose samples are joined: 1.6 GB.
+const MAX_SAMPLES: f64 = 1e8;
+
 /// The units of a record. A record keeps the units of its file; models inherit them.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -71,6 +74,7 @@ pub struct Record {
     y: Arc<[f64]>,
     units: Units,
     history: Vec<String>,
+    every: usize,
 }
 
 /// Records are equal if their samples, sampling periods and units are.
@@ -96,7 +100,7 @@ impl Record {
         }
         finite("u", &u)?;
         finite("y", &y)?;
-        Ok(Record { ts, u: u.into(), y: y.into(), units: Units::default(), history: Vec::new() })
+        Ok(Record { ts, u: u.into(), y: y.into(), units: Units::default(), history: Vec::new(), every: 1 })
     }
 
     /// The same numbers with other units. The Greek letter of micro is written as `u`.
@@ -176,7 +180,67 @@ impl Record {
             // All samples are shared, not copied.
             return Ok(self.clone());
         }
-        self.with_samples(self.ts, self.u[range.clone()].to_vec(), self.y[range].to_vec())
+        let every = if range.start.is_multiple_of(self.every) { self.every } else { 1 };
+        let part = self.with_samples(self.ts, self.u[range.clone()].to_vec(), self.y[range].to_vec())?;
+        Ok(Record { every, ..part })
+    }
+
+    /// The same record with the sampling period `ts` [s], of which its own is a multiple: straight lines join its
+    /// samples, and [`Record::every`] says which of them were measured.
+    ///
+    /// ```
+    /// let slow = piezoid::Record::new(2e-3, vec![0.0, 4.0], vec![10.0, 20.0])?;
+    /// let record = slow.at("the model", 1e-3)?;
+    /// assert_eq!((record.u(), record.y(), record.every()), (&[0.0, 2.0, 4.0][..], &[10.0, 15.0, 20.0][..], 2));
+    /// assert_eq!(record.measured()?, slow);
+    /// # Ok::<(), piezoid::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error::Sampling`], with the name of what has this period, if its own is no multiple of `ts`; an error if the
+    /// record would have more than 10^8 samples.
+    pub fn at(&self, of: &str, ts: f64) -> Result<Self, Error> {
+        let every = (self.ts / ts).round().max(1.0);
+        Record::same_sampling(of, ts, "the record", self.ts / every).map_err(|error| match error {
+            Error::Sampling { .. } => {
+                Error::Sampling { left: of.into(), left_ts: ts, right: "the record".into(), right_ts: self.ts }
+            }
+            other => other,
+        })?;
+        let length = every * (self.len() - 1) as f64;
+        if length >= MAX_SAMPLES {
+            let rule = format!("gives {length:.0} samples for a record of period {} s: decimate the others", self.ts);
+            return Err(Error::parameter("ts", format!("{ts} s"), rule));
+        }
+        let every = every as usize;
+        if every == 1 {
+            return Ok(self.clone());
+        }
+        let joined = |x: &[f64]| {
+            let between = |w: &[f64]| {
+                let (from, to) = (w[0], w[1]);
+                (0..every).map(move |k| from + (to - from) * (k as f64 / every as f64))
+            };
+            x.windows(2).flat_map(between).chain(x.last().copied()).collect()
+        };
+        Ok(Record { every: every * self.every, ..self.with_samples(ts, joined(&self.u), joined(&self.y))? })
+    }
+
+    /// One of so many samples was measured, beginning with the first; 1 unless [`Record::at`] joined them.
+    pub fn every(&self) -> usize {
+        self.every
+    }
+
+    /// The measured samples alone.
+    ///
+    /// # Errors
+    /// Those of [`Record::new`].
+    pub fn measured(&self) -> Result<Self, Error> {
+        if self.every == 1 {
+            return Ok(self.clone());
+        }
+        let [u, y] = [&self.u, &self.y].map(|x| x.iter().step_by(self.every).copied().collect());
+        self.with_samples(self.ts * self.every as f64, u, y)
     }
 
     /// The same record with its output in another length unit.

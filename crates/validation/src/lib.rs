@@ -134,7 +134,7 @@ pub trait Validate {
     /// Compares the free run of this model with `record`.
     ///
     /// # Errors
-    /// Returns an error if the sampling period differs, the units cannot be converted, or the record is shorter than
+    /// Returns an error if the sampling period of the record is no multiple of that of the model, the units cannot be converted, or the record is shorter than
     /// `skip`.
     fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
         self.validate_end(record, record.len(), options)
@@ -149,9 +149,14 @@ pub trait Validate {
 
 impl Validate for Model {
     fn validate_end(&self, record: &Record, from: usize, options: &ValidateOptions) -> Result<Validation, Error> {
-        let k = factor(self, record.ts(), record.units())?;
-        let (simulated, initial_condition) =
-            initial_condition::free_run_from(self, record, from, k, options.offset != Offset::Kept);
+        let whole = record.at("the model", self.ts())?;
+        let every = whole.every() / record.every();
+        let k = factor(self, whole.ts(), record.units())?;
+        let free = options.offset != Offset::Kept;
+        let (mut simulated, initial_condition) = initial_condition::free_run_from(self, &whole, from * every, k, free);
+        if every > 1 {
+            simulated = simulated.into_iter().step_by(every).collect();
+        }
         Validation::compared(Some(self), record, (simulated, initial_condition), options)
     }
 }

@@ -132,7 +132,7 @@ pub(crate) fn training_records<'a>(
         [("small-signal record", small, false), ("large-signal record", large_signal, true)]
     {
         for (k, record) in records.iter().enumerate() {
-            let (inspection, name) = (inspect(record), called(kind, k, records.len()));
+            let (inspection, name) = (inspect(&record.measured()?), called(kind, k, records.len()));
             let refused = |because: String| Error::Unidentifiable {
                 what: "a model".into(),
                 because: format!("{name}: {because}"),
@@ -143,7 +143,9 @@ pub(crate) fn training_records<'a>(
             }
             notes.extend(inspection.findings.iter().map(|finding| format!("{name}: {}", finding.text)));
             let drifts = inspection.has(&DRIFT);
-            let run = TrainingRecord::new(record, &name, is_large, inspection.usable);
+            let every = record.every();
+            let is_usable = |t: usize| t.is_multiple_of(every) && inspection.usable[t / every];
+            let run = TrainingRecord::new(record, &name, is_large, (0..record.len()).map(is_usable).collect());
             let still = || refused("the valid samples of the output are constant: measure again".into());
             runs.push(TrainingRecord { drifts, ..run.ok_or_else(still)? });
         }

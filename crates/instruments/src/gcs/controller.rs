@@ -2,7 +2,7 @@
 
 use crate::gcs::codes::meaning;
 use crate::gcs::line::Line;
-use crate::gcs::watch::Watch;
+use crate::watch::Watch;
 use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid_numerics::number::join;

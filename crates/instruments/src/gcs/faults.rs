@@ -2,7 +2,7 @@
 //! it was given, as a witness.
 
 use crate::gcs::simulated::Entry;
-use crate::gcs::{AcquireOptions, Acquired, ConnectOptions, Rest, Simulation};
+use crate::{AcquireOptions, Acquired, ConnectOptions, Rest, Simulation};
 use piezoid::Error;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::progress::{Progress, Stage};

@@ -3,7 +3,7 @@
 //! An answer has one line or more: all but the last end with a space before the line feed. Every answer has a deadline
 //! as a whole. While it is awaited, the progress is checked every [`TICK`].
 
-use crate::gcs::watch::{TICK, Watch};
+use crate::watch::{TICK, Watch};
 use piezoid::Error;
 use std::fmt::Display;
 use std::io::{ErrorKind, Read, Write};

@@ -3,8 +3,6 @@
 //! Reference: Physik Instrumente, GCS 2.0 commands manual PZ281E, GCS array data format SM146E, E-727 user manual
 //! E727T0005. It does not do: closed loop, several axes at once, serial ports and USB.
 
-mod acquire;
-mod checks;
 mod codes;
 mod controller;
 #[cfg(test)]
@@ -14,14 +12,13 @@ mod queries;
 mod recording;
 mod rest;
 mod run;
+mod session;
 mod simulated;
 mod start;
 mod stop;
 #[cfg(test)]
 mod tests;
-mod watch;
 
-pub use acquire::{AcquireOptions, Acquired, Keep};
 pub use controller::{Axis, ConnectOptions, Controller};
-pub use rest::Rest;
+pub(crate) use session::Gcs;
 pub use simulated::{Model, Simulated, Simulation};

@@ -1,31 +1,10 @@
-//! Where the axis goes after the drive: slowly to a voltage, which is then measured.
+//! The move to rest: slowly to a voltage, which is then measured.
 
 use crate::gcs::run::Run;
 use crate::gcs::start::NOISE;
-use crate::gcs::stop::Left;
+use crate::{Left, Rest};
 use piezoid::Error;
-use piezoid_numerics::options::OptionKind;
-use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
-
-/// Where the axis goes after the drive.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Rest {
-    /// To the voltage that it had before; in closed loop again if it was.
-    #[default]
-    Start,
-    /// To 0 V.
-    Zero,
-    /// Nowhere: it stays at the last voltage of the drive.
-    Stay,
-}
-
-pub(crate) const RESTS: OptionKind = OptionKind::Choice(&[
-    ("start", "To the voltage that it had before; in closed loop again if it was"),
-    ("zero", "To 0 V, in open loop"),
-    ("stay", "It stays at the last voltage of the drive, in open loop"),
-]);
 
 /// Error of a voltage at rest, as a share of the range; [`NOISE`] is added.
 const ERROR: f64 = 1e-3;
@@ -47,37 +26,39 @@ pub(crate) struct Before {
     pub(crate) first: Option<f64>,
 }
 
-impl Rest {
+impl Before {
     /// The voltage of rest, and what is then measured, if the axis moves [V].
-    fn target(self, before: &Before) -> Option<(f64, f64)> {
-        match self {
-            Rest::Start => Some((before.start, before.first.unwrap_or(before.start))),
+    fn target(&self, rest: Rest) -> Option<(f64, f64)> {
+        match rest {
+            Rest::Start => Some((self.start, self.first.unwrap_or(self.start))),
             Rest::Zero => Some((0.0, 0.0)),
             Rest::Stay => None,
         }
     }
+}
 
+impl Run<'_> {
     /// Moves the axis from the last voltage of a drive to its rest in this time [s], and checks that it is there.
-    pub(crate) fn reach(self, run: &mut Run, before: &Before, last: f64, time: f64) -> Result<Left, Error> {
-        let Some((target, expected)) = self.target(before) else { return run.left() };
-        let (low, high) = run.range;
-        let from = run.measured()?.unwrap_or(last).max(low).min(high);
-        run.ramp(from, target, time)?;
+    pub(crate) fn reach(&mut self, rest: Rest, before: &Before, last: f64, time: f64) -> Result<Left, Error> {
+        let Some((target, expected)) = before.target(rest) else { return self.left() };
+        let (low, high) = self.range;
+        let from = self.measured()?.unwrap_or(last).max(low).min(high);
+        self.ramp(from, target, time)?;
         let (begin, allowed) = (Instant::now(), NOISE + ERROR * (high - low));
         loop {
-            let voltage = run.measured()?.map_or_else(|| run.requested(), Ok)?;
+            let voltage = self.measured()?.map_or_else(|| self.requested(), Ok)?;
             if (voltage - expected).abs() <= allowed {
                 break;
             }
             if begin.elapsed() > TIME {
                 return Err(Error::Content(format!("the voltage is {voltage:.3} V after the move to {expected:.3} V")));
             }
-            run.line.watch.pause(PAUSE)?;
+            self.line.watch.pause(PAUSE)?;
         }
-        if self == Rest::Start && run.axis.servo == Some(true) {
-            close(run, expected)?;
+        if rest == Rest::Start && self.axis.servo == Some(true) {
+            close(self, expected)?;
         }
-        run.left()
+        self.left()
     }
 }
 

@@ -4,7 +4,7 @@
 //! WAV 1 X PNT 1 10 v_1 ...         the drive to wave table 1
 //! DRT 0 0 0, WOS 1 0               no other trigger, no offset
 //! DRC 1 1 16, DRC 2 1 2, RTR k     voltage and position to tables 1 and 2, every k servo cycles
-//! WSL 1 1, WGC 1 1, WTR 1 k 0      generator 1: table 1, once, each point for k servo cycles
+//! WSL 1 1, WGC 1 1, WTR 1 k 0      generator 1: table 1, once, each point for k servo cycles; 1 joins the points
 //! SVO 1 0                          open loop
 //! SVA 1 ..., VOL? 1                what an open-loop value gives, checked by a small move
 //! SVA 1 ...                        slowly to the first voltage
@@ -14,6 +14,7 @@
 //! ```
 //! The voltage of the record is the one that the controller measured at its output, not the requested one.
 
+use crate::Drive;
 use crate::gcs::controller::Axis;
 use crate::gcs::line::Line;
 use crate::gcs::recording::Sources;
@@ -32,16 +33,6 @@ const PAUSE: Duration = Duration::from_millis(50);
 
 /// Points in a line of a wave table.
 const POINTS: usize = 10;
-
-/// A drive.
-pub(crate) struct Play<'a> {
-    /// Voltages [V].
-    pub(crate) u: &'a [f64],
-    /// Sampling period [s].
-    pub(crate) ts: f64,
-    /// Servo cycles in it.
-    pub(crate) cycles: u64,
-}
 
 /// A measurement at work.
 pub(crate) struct Run<'a> {
@@ -72,9 +63,9 @@ impl Run<'_> {
     }
 
     /// The drive to wave table 1, as open-loop values.
-    pub(crate) fn upload(&mut self, play: &Play) -> Result<(), Error> {
-        let lines = play.u.len().div_ceil(POINTS);
-        for (k, points) in play.u.chunks(POINTS).enumerate() {
+    pub(crate) fn upload(&mut self, drive: &Drive) -> Result<(), Error> {
+        let lines = drive.u.len().div_ceil(POINTS);
+        for (k, points) in drive.u.chunks(POINTS).enumerate() {
             self.line.watch.stage("upload of the drive", k, lines)?;
             let (mode, first, count) = (if k == 0 { 'X' } else { '&' }, k * POINTS + 1, points.len());
             let points: Vec<String> = points.iter().map(|u| format!("{:.6}", u / self.gain())).collect();
@@ -83,9 +74,9 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Sets recorder and generator. Nothing moves.
-    pub(crate) fn configure(&mut self, play: &Play, sources: &Sources) -> Result<(), Error> {
-        let (k, axis, cycles) = (self.channel, &self.axis.name, play.cycles);
+    /// Sets recorder and generator, with so many servo cycles a sample. Nothing moves.
+    pub(crate) fn configure(&mut self, drive: &Drive, cycles: u64, sources: &Sources) -> Result<(), Error> {
+        let (k, axis, joined) = (self.channel, &self.axis.name, u8::from(drive.joined));
         // What others have left there; not every controller has it.
         for command in ["DRT 0 0 0".to_string(), format!("WOS {k} 0")] {
             self.line.command_if_known(&command)?;
@@ -96,7 +87,7 @@ impl Run<'_> {
             format!("RTR {cycles}"),
             format!("WSL {k} 1"),
             format!("WGC {k} 1"),
-            format!("WTR {k} {cycles} 0"),
+            format!("WTR {k} {cycles} {joined}"),
         ];
         commands.iter().try_for_each(|command| self.line.command(command))
     }
@@ -134,8 +125,8 @@ impl Run<'_> {
     }
 
     /// Starts generator and recorder, and waits until the drive has ended and is recorded.
-    pub(crate) fn play(&mut self, play: &Play) -> Result<(), Error> {
-        let (k, length) = (self.channel, play.u.len() as f64 * play.ts);
+    pub(crate) fn play(&mut self, drive: &Drive) -> Result<(), Error> {
+        let (k, length) = (self.channel, drive.u.len() as f64 * drive.ts);
         self.line.watch.stage("the drive is played [ms]", 0, (1e3 * length) as usize)?;
         self.line.command(&format!("WGO {k} 1"))?;
         let begin = Instant::now();
@@ -145,7 +136,7 @@ impl Run<'_> {
             self.line.watch.stage("the drive is played [ms]", passed, (1e3 * length) as usize)?;
             // Asked all the time, so that a lost line is noticed. Points of a recording before this one are none of it.
             let is_over = !self.line.runs(k)? && time >= length;
-            if is_over && self.line.needed("DRL? 1")? as usize >= play.u.len() {
+            if is_over && self.line.needed("DRL? 1")? as usize >= drive.u.len() {
                 return Ok(());
             }
             if time > 1.5 * length + 10.0 {

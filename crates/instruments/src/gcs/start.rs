@@ -1,6 +1,7 @@
 //! The beginning of a measurement: where the axis is, its loop is opened, and its gain is checked by a small move.
 
-use crate::gcs::run::{Play, Run};
+use crate::Drive;
+use crate::gcs::run::Run;
 use piezoid::Error;
 use std::time::Duration;
 
@@ -66,9 +67,9 @@ impl Run<'_> {
     }
 
     /// Moves from `start` by a small part of the drive and back, and checks what the output does.
-    pub(crate) fn check_gain(&mut self, play: &Play, start: f64, first: f64) -> Result<(), Error> {
+    pub(crate) fn check_gain(&mut self, drive: &Drive, start: f64, first: f64) -> Result<(), Error> {
         let farther = |far: f64, u: f64| if (u - start).abs() > (far - start).abs() { u } else { far };
-        let way = play.u.iter().copied().fold(start, farther) - start;
+        let way = drive.u.iter().copied().fold(start, farther) - start;
         let probe = way.signum() * (PROBE * way.abs()).max(LEAST_PROBE).min(way.abs());
         let step = STEP.max(probe.abs() / PROBES as f64 / self.fastest);
         let (mut wrong, mut moved) = (None, 0.0);

@@ -8,6 +8,7 @@
 //! VOL? 1, SVO? 1
 //! ```
 
+use crate::Left;
 use crate::gcs::controller::RUNNING;
 use crate::gcs::run::Run;
 use piezoid::Error;
@@ -27,23 +28,6 @@ const QUERIES: usize = 10;
 
 /// The command that stops all axes.
 const STOP_ALL: u8 = 24;
-
-/// Where an axis is, as the controller reports it.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Left {
-    pub(crate) voltage: Option<f64>,
-    pub(crate) servo: Option<bool>,
-}
-
-impl Left {
-    /// The same as text.
-    pub(crate) fn text(self, axis: &str) -> String {
-        let place =
-            self.voltage.map_or("at a voltage that the controller does not report".into(), |v| format!("at {v:.3} V"));
-        let state = if self.servo == Some(true) { "closed" } else { "open" };
-        format!("axis {axis} is {place}, in {state} loop")
-    }
-}
 
 impl Run<'_> {
     /// Where the axis is.

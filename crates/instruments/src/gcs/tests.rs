@@ -1,6 +1,6 @@
 //! The client against the simulated controller, over TCP.
 
-use crate::gcs::{AcquireOptions, Acquired, ConnectOptions, Model, Rest, Simulation};
+use crate::{AcquireOptions, Acquired, ConnectOptions, Model, Rest, Simulation};
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::plant::Plant;

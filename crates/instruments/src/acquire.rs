@@ -1,13 +1,10 @@
-//! A drive played by the wave generator of a controller in open loop, while its recorder measures.
+//! A drive played by a controller in open loop, while it records.
 //!
-//! All checks come before the first move, and the loop is opened after them. [`Run`] makes the moves.
+//! All checks come before the first move, and the loop is opened after them.
 
-use crate::gcs::checks::{cycles, fits, range, speed, within};
-use crate::gcs::controller::{Axis, ConnectOptions, Controller, MOVING, RUNNING};
-use crate::gcs::recording::{Sources, read};
-use crate::gcs::rest::{Before, RESTS, Rest};
-use crate::gcs::run::{Play, Run};
-use crate::gcs::stop::Left;
+use crate::gcs::Gcs;
+use crate::rest::RESTS;
+use crate::{ConnectOptions, Drive, Instrument, Left, Rest};
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
@@ -90,13 +87,14 @@ impl AcquireOptions {
             Error::Units { what, found, expected: "V".into() }
         })?;
         let u: Vec<f64> = signal.samples.iter().map(|u| u * factor).collect();
-        let (mut run, play, identity) = self.ready(&u, signal.ts, progress).inspect_err(|error| {
+        let drive = Drive { u: &u, ts: signal.ts, ramp: self.ramp, settle: self.settle, joined: false };
+        let mut instrument = self.ready(&drive, progress).inspect_err(|error| {
             if let Error::Cancelled { .. } = error {
                 notes.push("nothing has moved".into());
             }
         })?;
-        let (before, record) = self.measure(&mut run, &play, &identity).map_err(|error| {
-            let (_, state) = run.stop();
+        let record = instrument.play(&drive).map_err(|error| {
+            let (_, state) = instrument.stop();
             match error {
                 Error::Cancelled { .. } => {
                     notes.push(state);
@@ -105,121 +103,75 @@ impl AcquireOptions {
                 other => Error::Content(format!("{other}; {state}")),
             }
         })?;
-        notes.extend(remarks(&play, &record));
+        notes.extend(remarks(&drive, &record));
         let unfinished = Some("the axis has not moved to its rest yet".into());
-        let (axis, notes_now) = (run.axis.name.clone(), notes.clone());
+        let setup = instrument.setup().clone();
+        let (identity, axis, notes_now) = (setup.identity, setup.axis.clone(), notes.clone());
         let mut acquired =
             Acquired { record, identity, axis, notes: notes_now, unfinished, voltage: None, servo: None };
         let kept = keep(&acquired);
-        let last = play.u.last().copied().unwrap_or_default();
-        let (left, unfinished) = match self.rest.reach(&mut run, &before, last, self.ramp) {
-            Ok(left) => (left, None),
-            Err(error) => {
-                let (left, state) = run.stop();
-                (left, Some(format!("{error}; {state}")))
-            }
-        };
-        if run.axis.servo == Some(true) {
-            let state = match left.servo {
-                Some(true) => "is on again",
-                Some(false) => "is off now",
-                None => "may be off now",
-            };
-            notes.push(format!("the servo of axis {} was on; it {state}", run.axis.name));
-        }
+        let (left, unfinished) = at_rest(&mut *instrument, self.rest);
+        notes.extend(servo_remark(setup.servo, left, &setup.axis));
         if kept.is_err() {
-            notes.push(unfinished.clone().unwrap_or_else(|| left.text(&run.axis.name)));
+            notes.push(unfinished.clone().unwrap_or_else(|| left.text(&setup.axis)));
         }
         (acquired.unfinished, acquired.notes) = (unfinished, notes.clone());
         Left { voltage: acquired.voltage, servo: acquired.servo } = left;
         kept.map(|()| acquired)
     }
 
-    /// Checks everything, then writes the drive to the controller and sets it. Nothing moves, and the servo stays as it
-    /// is.
-    fn ready<'a, 'u>(
-        &self,
-        u: &'u [f64],
-        ts: f64,
-        progress: &'a mut Progress<'_>,
-    ) -> Result<(Run<'a>, Play<'u>, String), Error> {
-        let limits = self.limits.limits()?.unwrap_or_default();
-        let (line, controller) = self.connection.open(progress)?;
-        if let Some(signs) = controller.in_use() {
-            return Err(in_use(&signs));
-        }
-        let (axis, number) = self.axis(&controller)?;
-        let cycle = self.cycle.or(controller.cycle).ok_or_else(|| {
-            let message = "must be given, because the controller does not report it (parameter 0x0E000200)";
-            Error::parameter("cycle", "(not given)", message)
-        })?;
-        let play = Play { u, ts, cycles: cycles(ts, cycle)? };
-        let range = range(&limits, &axis)?;
-        within(&play, range)?;
-        fits(&play, &controller)?;
-        speed(&play, &limits, range)?;
-        if self.rest == Rest::Zero && !(range.0..=range.1).contains(&0.0) {
-            let rule = format!("is outside {} to {} V: let the axis rest elsewhere", range.0, range.1);
+    /// The controller, ready to play the drive. Nothing has moved, and the servo is as it was.
+    fn ready<'a>(&self, drive: &Drive, progress: &'a mut Progress<'_>) -> Result<Box<dyn Instrument + 'a>, Error> {
+        let mut instrument = self.open(progress)?;
+        instrument.prepare(drive)?;
+        Ok(instrument)
+    }
+
+    /// Connects to the controller. Nothing moves.
+    ///
+    /// # Errors
+    /// Returns an error for a controller that does not answer or is in use, an unknown axis, and limits that leave no
+    /// voltage, or not that of [`AcquireOptions::rest`].
+    pub fn open<'a>(&self, progress: &'a mut Progress<'_>) -> Result<Box<dyn Instrument + 'a>, Error> {
+        let instrument = Gcs::open(self, progress)?;
+        let (low, high) = instrument.setup().range;
+        if self.rest == Rest::Zero && !(low..=high).contains(&0.0) {
+            let rule = format!("is outside {low} to {high} V: let the axis rest elsewhere");
             return Err(Error::parameter("rest", "zero", rule));
         }
-        let (channel, fastest) = (self.channel.unwrap_or(number), limits.fastest());
-        let mut run = Run { line, axis, channel, gain: self.gain, range, fastest };
-        let sources = Sources::of(&mut run.line)?;
-        let place = run.place()?;
-        run.upload(&play)?;
-        run.configure(&play, &sources)?;
-        let is_open = run.axis.servo != Some(true);
-        let has_moved = run.line.bits(MOVING)? != 0 || is_open && run.place()? != place;
-        if has_moved || run.line.bits(RUNNING)? != 0 {
-            return Err(in_use("it moves while it is being set"));
-        }
-        Ok((run, play, controller.identity))
-    }
-
-    /// Moves the axis to the first voltage, plays the drive, and reads the record.
-    fn measure(&self, run: &mut Run, play: &Play, identity: &str) -> Result<(Before, Record), Error> {
-        let (start, first) = run.open_loop()?;
-        if let Some(first) = first {
-            run.check_gain(play, start, first)?;
-        }
-        run.ramp(start, play.u[0], self.ramp)?;
-        run.settle(self.settle)?;
-        run.play(play)?;
-        let unit = run.axis.unit.clone();
-        let record = read(&mut run.line, play.u.len(), &unit, identity)?;
-        Ok((Before { start, first }, record))
-    }
-
-    /// The axis, and its number: its name if that is one, otherwise its place.
-    fn axis(&self, controller: &Controller) -> Result<(Axis, usize), Error> {
-        let axes = &controller.axes;
-        if axes.is_empty() {
-            return Err(Error::Content("the controller reports no axes: configure its stages first".into()));
-        }
-        let k = self.axis.as_ref().map_or(Some(0), |name| axes.iter().position(|axis| axis.name == *name));
-        let unknown = || {
-            let name = self.axis.as_deref().unwrap_or_default();
-            Error::unknown("axis", name, axes.iter().map(|axis| &*axis.name))
-        };
-        let k = k.ok_or_else(unknown)?;
-        let number = axes[k].name.parse().ok().filter(|number| (1..=64).contains(number));
-        Ok((axes[k].clone(), number.unwrap_or(k + 1)))
+        Ok(Box::new(instrument))
     }
 }
 
-fn in_use(signs: &str) -> Error {
-    let advice = "end the program that uses it, then try again";
-    Error::Content(format!("the controller is in use: {signs}; nothing has moved: {advice}"))
+/// Moves the axis to its rest. Where it is then, and why that is not its rest.
+pub(crate) fn at_rest(instrument: &mut dyn Instrument, rest: Rest) -> (Left, Option<String>) {
+    match instrument.rest(rest) {
+        Ok(left) => (left, None),
+        Err(error) => {
+            let (left, state) = instrument.stop();
+            (left, Some(format!("{error}; {state}")))
+        }
+    }
+}
+
+/// What became of a servo that was on.
+pub(crate) fn servo_remark(before: Option<bool>, left: Left, axis: &str) -> Option<String> {
+    let state = match left.servo {
+        Some(true) => "is on again",
+        Some(false) => "is off now",
+        None => "may be off now",
+    };
+    (before == Some(true)).then(|| format!("the servo of axis {axis} was on; it {state}"))
 }
 
 /// What to say if the record is not what was requested.
-fn remarks(play: &Play, record: &Record) -> Vec<String> {
-    let (target, found) = (play.ts, record.ts());
+fn remarks(drive: &Drive, record: &Record) -> Vec<String> {
+    let (target, found) = (drive.ts, record.ts());
     let period = (found / target - 1.0).abs() > 1e-3;
     let period =
         period.then(|| format!("the controller reports a sampling period of {found} s, not {target} s as requested"));
-    let largest = play.u.iter().zip(record.u()).map(|(a, m)| (a - m).abs()).fold(0.0, f64::max);
-    let peak = play.u.iter().fold(0.0, |peak: f64, u| peak.max(u.abs()));
+    let largest = drive.u.iter().zip(record.u()).map(|(a, m)| (a - m).abs()).fold(0.0, f64::max);
+    let peak = drive.u.iter().fold(0.0, |peak: f64, u| peak.max(u.abs()));
     let difference = (largest > DIFFERENCE * peak).then(|| {
         format!("the recorded voltage, which the record contains, differs from the drive by up to {largest:.3} V")
     });

@@ -1,7 +1,6 @@
 //! What a drive must keep before anything is changed or moves.
 
-use crate::gcs::controller::{Axis, Controller};
-use crate::gcs::run::Play;
+use crate::{Drive, Setup};
 use piezoid::Error;
 use piezoid::excitation::Limits;
 use piezoid_numerics::number::round;
@@ -10,9 +9,9 @@ use serde_json::Value;
 /// Share of the range by which a drive may jump from sample to sample without a limit of slew.
 const JUMP: f64 = 0.5;
 
-/// Lowest and highest voltage: the limits, within what the controller reports.
-pub(crate) fn range(limits: &Limits, axis: &Axis) -> Result<(f64, f64), Error> {
-    let (lowest, highest) = axis.range.unzip();
+/// Lowest and highest voltage: the limits, within what the instrument reports.
+pub(crate) fn range(limits: &Limits, reported: Option<(f64, f64)>) -> Result<(f64, f64), Error> {
+    let (lowest, highest) = reported.unzip();
     let narrower = |a: Option<f64>, b: Option<f64>, narrow: fn(f64, f64) -> f64| match (a, b) {
         (Some(a), Some(b)) => Some(narrow(a, b)),
         (a, b) => a.or(b),
@@ -27,10 +26,36 @@ pub(crate) fn range(limits: &Limits, axis: &Axis) -> Result<(f64, f64), Error> {
     }
 }
 
+impl Setup {
+    /// Returns an error if the instrument cannot play the drive within the limits.
+    pub(crate) fn check(&self, drive: &Drive) -> Result<(), Error> {
+        cycles(drive.ts, self.cycle)?;
+        within(drive, self.range)?;
+        self.fits(drive)?;
+        speed(drive, &self.limits, self.range)
+    }
+
+    /// Most samples of a drive, if that is limited.
+    pub fn most_samples(&self) -> Option<usize> {
+        self.holds.iter().map(|(_, samples)| *samples).min()
+    }
+
+    /// Returns an error if the drive has more samples than the instrument holds.
+    fn fits(&self, drive: &Drive) -> Result<(), Error> {
+        let n = drive.u.len();
+        let Some((what, points)) = self.holds.iter().find(|(_, points)| *points < n) else { return Ok(()) };
+        let longest = *points as f64 * drive.ts;
+        Err(Error::Content(format!(
+            "the drive has {n} samples, but {what} of the controller holds {points}: make it {longest} s or shorter, \
+             or sample it less often"
+        )))
+    }
+}
+
 /// Returns an error if the drive leaves the range.
-pub(crate) fn within(play: &Play, (low, high): (f64, f64)) -> Result<(), Error> {
-    let Some((k, value)) = play.u.iter().enumerate().find(|(_, u)| !(low..=high).contains(*u)) else { return Ok(()) };
-    let time = k as f64 * play.ts;
+fn within(drive: &Drive, (low, high): (f64, f64)) -> Result<(), Error> {
+    let Some((k, value)) = drive.u.iter().enumerate().find(|(_, u)| !(low..=high).contains(*u)) else { return Ok(()) };
+    let time = k as f64 * drive.ts;
     Err(Error::Content(format!(
         "the drive is {value:.4} V at {time:.6} s, outside {low} to {high} V: make it smaller, or give other limits"
     )))
@@ -38,9 +63,9 @@ pub(crate) fn within(play: &Play, (low, high): (f64, f64)) -> Result<(), Error> 
 
 /// Returns an error if the drive changes faster than the limits allow; without such limits, if it jumps over half the
 /// range.
-pub(crate) fn speed(play: &Play, limits: &Limits, (low, high): (f64, f64)) -> Result<(), Error> {
-    let usage = limits.check(play.u, play.ts)?;
-    let time = |sample: usize| round(sample as f64 * play.ts);
+fn speed(drive: &Drive, limits: &Limits, (low, high): (f64, f64)) -> Result<(), Error> {
+    let usage = limits.check(drive.u, drive.ts)?;
+    let time = |sample: usize| round(sample as f64 * drive.ts);
     let over: Vec<String> = [Some(usage.slew), usage.current]
         .into_iter()
         .flatten()
@@ -54,27 +79,13 @@ pub(crate) fn speed(play: &Play, limits: &Limits, (low, high): (f64, f64)) -> Re
         let over = over.join("; ");
         return Err(Error::Content(format!("the drive exceeds its limits: {over}; make it slower or smaller")));
     }
-    let jump = usage.slew.value * play.ts;
+    let jump = usage.slew.value * drive.ts;
     if limits.fastest().is_finite() || jump <= JUMP * (high - low) {
         return Ok(());
     }
     let (jump, at) = (round(jump), time(usage.slew.sample));
     let message = format!("the drive jumps by {jump} V at {at} s, over half of {low} to {high} V: to check it, ");
     Err(Error::Content(message).advised(vec![("driver", Value::Null), ("slew", Value::Null)]))
-}
-
-/// Returns an error if the drive has more samples than the controller holds.
-pub(crate) fn fits(play: &Play, controller: &Controller) -> Result<(), Error> {
-    for (what, points) in [("a wave table", controller.table), ("a table of the recorder", controller.recorder)] {
-        if let Some(points) = points.filter(|points| *points < play.u.len()) {
-            let (n, longest) = (play.u.len(), points as f64 * play.ts);
-            return Err(Error::Content(format!(
-                "the drive has {n} samples, but {what} of the controller holds {points}: make it {longest} s or \
-                 shorter, or sample it less often"
-            )));
-        }
-    }
-    Ok(())
 }
 
 /// The servo cycles in a sampling period [s].

@@ -1,0 +1,89 @@
+//! What plays voltages on an actuator and records what it does: a controller behind its protocol.
+
+use crate::Rest;
+use piezoid::excitation::Limits;
+use piezoid::{Error, Record};
+
+/// An actuator at work on one axis, in open loop.
+///
+/// Work is cancelled by the progress that opened it. After an error of [`play`](Self::play) or [`rest`](Self::rest),
+/// [`stop`](Self::stop) is all that is allowed.
+pub trait Instrument {
+    /// What it is, and what it can play.
+    fn setup(&self) -> &Setup;
+
+    /// Checks a drive, and sends it to the instrument. Nothing moves, and the servo stays as it is.
+    ///
+    /// # Errors
+    /// Returns an error for a drive that it cannot play or record, or that exceeds the limits.
+    fn prepare(&mut self, drive: &Drive) -> Result<(), Error>;
+
+    /// Opens the loop, moves slowly to the first voltage of the drive that was prepared, waits there, plays it, and
+    /// returns what was measured. The axis stays at the last voltage.
+    ///
+    /// # Errors
+    /// Returns an error if the instrument does not answer, refuses, does not follow, or if work was cancelled.
+    fn play(&mut self, drive: &Drive) -> Result<Record, Error>;
+
+    /// Moves the axis slowly to its rest, and checks that it is there.
+    ///
+    /// # Errors
+    /// Returns an error if it is not, and the errors of [`play`](Self::play).
+    fn rest(&mut self, rest: Rest) -> Result<Left, Error>;
+
+    /// Stops what plays, whatever the line and the user do. Where the axis is then, also as text.
+    fn stop(&mut self) -> (Left, String);
+}
+
+/// A drive, and the slow move before it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drive<'u> {
+    /// Voltages [V].
+    pub u: &'u [f64],
+    /// Sampling period [s].
+    pub ts: f64,
+    /// Least time of the move to the first voltage, and of the move to rest after the drive [s].
+    pub ramp: f64,
+    /// Wait at the first voltage [s].
+    pub settle: f64,
+    /// True if straight lines join the voltages; otherwise each is held for a sampling period.
+    pub joined: bool,
+}
+
+/// An instrument, and what limits a drive.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Setup {
+    /// What it says it is.
+    pub identity: String,
+    /// Name of the axis.
+    pub axis: String,
+    /// Lowest and highest voltage [V].
+    pub range: (f64, f64),
+    /// Limits of slew and current.
+    pub limits: Limits,
+    /// Sampling periods are multiples of this one [s].
+    pub cycle: f64,
+    /// What holds a drive or its record, and how many samples.
+    pub holds: Vec<(&'static str, usize)>,
+    /// True if the axis was in closed loop; `None` if that is unknown.
+    pub servo: Option<bool>,
+}
+
+/// Where an axis is, as the instrument reports it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Left {
+    /// Voltage, if it is reported [V].
+    pub voltage: Option<f64>,
+    /// True in closed loop, if that is known.
+    pub servo: Option<bool>,
+}
+
+impl Left {
+    /// The same as text.
+    pub fn text(self, axis: &str) -> String {
+        let place =
+            self.voltage.map_or("at a voltage that the controller does not report".into(), |v| format!("at {v:.3} V"));
+        let state = if self.servo == Some(true) { "closed" } else { "open" };
+        format!("axis {axis} is {place}, in {state} loop")
+    }
+}

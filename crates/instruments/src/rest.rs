@@ -1,0 +1,23 @@
+//! Where an axis goes after a drive.
+
+use piezoid_numerics::options::OptionKind;
+use serde::{Deserialize, Serialize};
+
+/// Where the axis goes after the drive.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Rest {
+    /// To the voltage that it had before; in closed loop again if it was.
+    #[default]
+    Start,
+    /// To 0 V.
+    Zero,
+    /// Nowhere: it stays at the last voltage of the drive.
+    Stay,
+}
+
+pub(crate) const RESTS: OptionKind = OptionKind::Choice(&[
+    ("start", "To the voltage that it had before; in closed loop again if it was"),
+    ("zero", "To 0 V, in open loop"),
+    ("stay", "It stays at the last voltage of the drive, in open loop"),
+]);
