@@ -17,8 +17,8 @@ const SECONDS: OptionRow =
     OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: false, below: 3600.0 }) };
 
 options! {
-    /// How to measure on a controller.
-    pub struct AcquireOptions {
+    /// How to drive an axis of a controller.
+    pub struct InstrumentOptions {
         /// Axis to drive.
         axis: Option<String> = None, OptionRow::new(OptionKind::Text("AXIS")).absent("the first");
         /// Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres.
@@ -27,13 +27,21 @@ options! {
         channel: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, 64)).absent("that of the axis");
         /// Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it.
         ramp: f64 = 1.0, SECONDS;
-        /// Wait at the first voltage before the drive.
-        settle: f64 = 0.5, SECONDS;
         /// Where the axis goes after the drive.
         rest: Rest = Rest::Start, OptionRow::new(RESTS);
         /// Servo cycle of the controller.
         cycle: Option<f64> = None, OptionRow::positive("s").absent("the one it reports");
     } with connection: ConnectOptions with limits: LimitOptions
+}
+
+options! {
+    /// How to measure on a controller.
+    pub struct AcquireOptions {
+        /// Wait at the first voltage before the drive.
+        settle: f64 = 0.5, SECONDS;
+        /// Join the voltages by straight lines, instead of holding each for a sampling period.
+        join: bool = false, OptionRow::new(OptionKind::Switch);
+    } with instrument: InstrumentOptions
 }
 
 /// A record from a controller.
@@ -47,7 +55,7 @@ pub struct Acquired {
     pub axis: String,
     /// What the user should know.
     pub notes: Vec<String>,
-    /// Why the axis is not where [`AcquireOptions::rest`] says, and where it is instead; `None` if it is there.
+    /// Why the axis is not where [`InstrumentOptions::rest`] says, and where it is instead; `None` if it is there.
     pub unfinished: Option<String>,
     /// Voltage at the end, as the controller measures it, if it does [V].
     pub voltage: Option<f64>,
@@ -87,8 +95,8 @@ impl AcquireOptions {
             Error::Units { what, found, expected: "V".into() }
         })?;
         let u: Vec<f64> = signal.samples.iter().map(|u| u * factor).collect();
-        let drive = Drive { u: &u, ts: signal.ts, ramp: self.ramp, settle: self.settle, joined: false };
-        let mut instrument = self.ready(&drive, progress).inspect_err(|error| {
+        let drive = Drive { u: &u, ts: signal.ts, ramp: self.instrument.ramp, settle: self.settle, joined: self.join };
+        let mut instrument = self.instrument.ready(&drive, progress).inspect_err(|error| {
             if let Error::Cancelled { .. } = error {
                 notes.push("nothing has moved".into());
             }
@@ -110,7 +118,7 @@ impl AcquireOptions {
         let mut acquired =
             Acquired { record, identity, axis, notes: notes_now, unfinished, voltage: None, servo: None };
         let kept = keep(&acquired);
-        let (left, unfinished) = at_rest(&mut *instrument, self.rest);
+        let (left, unfinished) = at_rest(&mut *instrument, self.instrument.rest);
         notes.extend(servo_remark(setup.servo, left, &setup.axis));
         if kept.is_err() {
             notes.push(unfinished.clone().unwrap_or_else(|| left.text(&setup.axis)));
@@ -119,7 +127,9 @@ impl AcquireOptions {
         Left { voltage: acquired.voltage, servo: acquired.servo } = left;
         kept.map(|()| acquired)
     }
+}
 
+impl InstrumentOptions {
     /// The controller, ready to play the drive. Nothing has moved, and the servo is as it was.
     fn ready<'a>(&self, drive: &Drive, progress: &'a mut Progress<'_>) -> Result<Box<dyn Instrument + 'a>, Error> {
         let mut instrument = self.open(progress)?;
@@ -131,7 +141,7 @@ impl AcquireOptions {
     ///
     /// # Errors
     /// Returns an error for a controller that does not answer or is in use, an unknown axis, and limits that leave no
-    /// voltage, or not that of [`AcquireOptions::rest`].
+    /// voltage, or not that of [`InstrumentOptions::rest`].
     pub fn open<'a>(&self, progress: &'a mut Progress<'_>) -> Result<Box<dyn Instrument + 'a>, Error> {
         let instrument = Gcs::open(self, progress)?;
         let (low, high) = instrument.setup().range;

@@ -4,7 +4,7 @@
 //! ```
 //! use piezoid::{formats::ColumnSelection, progress::Stage};
 //! use piezoid_verbs::{DataFile, File};
-//! use piezoid_instruments::{AcquireOptions, ConnectOptions, Simulation};
+//! use piezoid_instruments::{AcquireOptions, ConnectOptions, InstrumentOptions, Simulation};
 //! use std::net::TcpListener;
 //!
 //! let listener = TcpListener::bind("127.0.0.1:0")?;
@@ -14,7 +14,8 @@
 //!
 //! let drive: DataFile = File::new("drive.csv", "t_s,u_V\n0,0\n0.001,5\n0.002,10\n0.003,5\n0.004,0\n").into();
 //! let connection = ConnectOptions { port, ..ConnectOptions::default() };
-//! let options = AcquireOptions { connection, ramp: 0.0, settle: 0.0, ..AcquireOptions::default() };
+//! let instrument = InstrumentOptions { connection, ramp: 0.0, ..InstrumentOptions::default() };
+//! let options = AcquireOptions { instrument, settle: 0.0, ..AcquireOptions::default() };
 //! // The record is kept before the axis moves back to where it was.
 //! let (mut notes, mut kept) = (Vec::new(), None);
 //! let mut keep = |measured: &piezoid_instruments::Acquired| Ok(kept = Some(measured.record.clone()));
@@ -33,7 +34,7 @@ mod instrument;
 mod rest;
 mod watch;
 
-pub use acquire::{AcquireOptions, Acquired, Keep};
+pub use acquire::{AcquireOptions, Acquired, InstrumentOptions, Keep};
 pub use gcs::{Axis, ConnectOptions, Controller, Model, Simulated, Simulation};
 pub use instrument::{Drive, Instrument, Left, Setup};
 pub use rest::Rest;

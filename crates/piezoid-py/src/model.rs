@@ -199,7 +199,7 @@ fn initial_condition(begin: &str, u: &[f64]) -> PyResult<InitialCondition> {
     match begin {
         "likely" => Ok(InitialCondition::of(u)[0]),
         name => serde_json::from_value(json!(name)).map_err(|_| {
-            let rule = "must be rest, settled, from-above, from-below, motion or likely";
+            let rule = "must be rest, settled, from-above, from-below, demagnetised, motion or likely";
             refused(&format!("begin = {begin}: {rule}"))
         }),
     }

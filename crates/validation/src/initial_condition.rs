@@ -1,6 +1,6 @@
 //! The free run from the initial condition that fits the first part of a record.
 //!
-//! Why: docs/decisions/initial-conditions.md, "Five initial conditions are tried, and the one used is named".
+//! Why: docs/decisions/initial-conditions.md, "Six initial conditions are tried, and the one used is named".
 
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::series::mean;

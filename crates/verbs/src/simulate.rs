@@ -17,6 +17,7 @@ const INITIAL_CONDITIONS: OptionKind = OptionKind::Choice(&[
     ("settled", "Settled at the first input"),
     ("from-above", "Settled at the first input, after a fall from the top of the range"),
     ("from-below", "Settled at the first input, after a rise from the bottom of the range"),
+    ("demagnetised", "Settled at the first input, after a decaying sine about it"),
     ("motion", "In motion as in the record, as if the record had begun earlier"),
 ]);
 
@@ -186,7 +187,7 @@ impl SimulateOptions {
                 plant.resume(&mut x, u);
                 x
             }
-            InitialCondition::FromAbove | InitialCondition::FromBelow => {
+            InitialCondition::FromAbove | InitialCondition::FromBelow | InitialCondition::Demagnetised => {
                 let mut x = settled();
                 let sweep = self.begin.inputs_before(u, ends(u.iter().copied()));
                 let waits = std::iter::repeat_n(sweep[sweep.len() - 1], sweep.len());

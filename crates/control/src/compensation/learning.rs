@@ -23,6 +23,7 @@
 use super::{FeedForward, FeedForwardSettings};
 use nalgebra::Complex;
 use piezoid_models::creep::Creep;
+use piezoid_models::hammerstein::InitialCondition;
 use piezoid_numerics::complex::{modulus, polar};
 use piezoid_numerics::error::{Error, finite, positive};
 use piezoid_numerics::fourier::Transform;
@@ -138,7 +139,7 @@ impl FeedForward {
     /// One period of the input for the periodic `z` of the reference `r`.
     fn period(&self, z: &[f64], r: &[f64]) -> Result<Vec<f64>, Error> {
         let start = self.model.static_input_before_linear(z[0], self.ends);
-        let twice = self.invert_path(&[z, z].concat(), start.u);
+        let twice = self.invert_path(&[z, z].concat(), InitialCondition::Settled, start.u);
         match twice.missed.filter(|_| !self.settings.clip) {
             Some(sample) => Err(self.unreachable(r, sample % r.len())),
             None => {

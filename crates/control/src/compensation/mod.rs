@@ -30,7 +30,7 @@ pub use learning::{Learned, Learning};
 pub(crate) use preview::{FirDesign, Preview};
 pub use sample::Causal;
 
-use piezoid_models::hammerstein::Model;
+use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_models::hysteresis::Real;
 use piezoid_numerics::error::{Error, finite};
 use piezoid_numerics::number::{round, short};
@@ -246,23 +246,32 @@ impl FeedForward {
     /// [`Error::Unreachable`] if no allowed voltage gives the reference, [`Error::Limits`] if slew or current exceed
     /// their limits (neither of them with clipping), and errors for a reference that is empty or not finite.
     pub fn whole(&self, r: &[f64]) -> Result<Compensated, Error> {
-        finite("reference", r)?;
-        let Some(&first) = r.first() else {
-            let (what, remedy) = ("the reference".into(), "it must not be empty".into());
-            return Err(Error::TooShort { what, have: 0, need: 1, remedy });
-        };
+        let first = first_of(r)?;
         if let Some(flat) = self.flat() {
             return self.in_feedback(&flat, r);
         }
-        let offset = self.model.offset();
-        let mut target = self.preview.fir().whole(&self.extended_past_end(r));
-        target.truncate(r.len());
-        let held = (first - offset) / self.model.linear().dc_gain();
+        let held = (first - self.model.offset()) / self.model.linear().dc_gain();
         let start = self.model.static_input_before_linear(held, self.ends);
         if !self.within(start.z - held) && (start.u <= self.ends.0 || start.u >= self.ends.1) && !self.settings.clip {
             return Err(self.unreachable(r, 0));
         }
-        let invert = |target: &[f64]| self.invert_path(target, start.u);
+        self.whole_from(InitialCondition::Settled, start.u, r)
+    }
+
+    /// The same from an initial condition in which the input is `start` [input unit]. Let the reference begin with the
+    /// displacement there, because nothing corrects a jump to it.
+    ///
+    /// # Errors
+    /// The same; and an error with mechanics in feedback.
+    pub fn whole_from(&self, initial_condition: InitialCondition, start: f64, r: &[f64]) -> Result<Compensated, Error> {
+        first_of(r)?;
+        if self.flat().is_some() {
+            let because = "its hysteresis is inside the mechanics: take the inverse from the settled state".into();
+            return Err(Error::Unsuited { what: "inverse from a given state".into(), because });
+        }
+        let mut target = self.preview.fir().whole(&self.extended_past_end(r));
+        target.truncate(r.len());
+        let invert = |target: &[f64]| self.invert_path(target, initial_condition, start);
         let more = |residual: &[f64]| self.preview.fir().whole(residual);
         let (best, iterations, first_rms) = self.corrected(r, target, self.settings.iterations, invert, more)?;
         let mut notes = self.notes.clone();
@@ -324,9 +333,9 @@ impl FeedForward {
         r.iter().copied().chain(after).map(|r| r - self.model.offset()).collect()
     }
 
-    /// Inverts a series of creep outputs to inputs, from the model settled at `start`.
-    fn invert_path(&self, target: &[f64], start: f64) -> InverseRun {
-        let mut x = self.model.settled(start);
+    /// Inverts a series of creep outputs to inputs, from this initial condition at the input `start`.
+    fn invert_path(&self, target: &[f64], initial_condition: InitialCondition, start: f64) -> InverseRun {
+        let mut x = self.model.before(&[start], initial_condition);
         let mut run = InverseRun { u: Vec::with_capacity(target.len()), ..Default::default() };
         let mut before = start;
         for (t, z) in target.iter().enumerate() {
@@ -342,7 +351,7 @@ impl FeedForward {
             before = found.u;
             run.u.push(before);
         }
-        run.reached = self.whole.follow(&mut self.whole.settled(start), &run.u);
+        run.reached = self.whole.follow(&mut self.whole.before(&[start], initial_condition), &run.u);
         run
     }
 
@@ -368,6 +377,13 @@ impl FeedForward {
     fn within(&self, error: f64) -> bool {
         error.abs() <= REACHED * (self.crept.1 - self.crept.0)
     }
+}
+
+/// The first value of a reference, whose values must be finite.
+fn first_of(r: &[f64]) -> Result<f64, Error> {
+    finite("reference", r)?;
+    let (what, remedy) = ("the reference".into(), "it must not be empty".into());
+    r.first().copied().ok_or(Error::TooShort { what, have: 0, need: 1, remedy })
 }
 
 /// Result of one inversion.

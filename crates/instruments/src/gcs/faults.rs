@@ -2,7 +2,7 @@
 //! it was given, as a witness.
 
 use crate::gcs::simulated::Entry;
-use crate::{AcquireOptions, Acquired, ConnectOptions, Rest, Simulation};
+use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Rest, Simulation};
 use piezoid::Error;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::progress::{Progress, Stage};
@@ -88,7 +88,8 @@ impl Bench {
 
     fn options(&self, timeout: f64) -> AcquireOptions {
         let connection = ConnectOptions { port: self.port, timeout, ..ConnectOptions::default() };
-        AcquireOptions { connection, ramp: 0.0, settle: 0.0, ..AcquireOptions::default() }
+        let instrument = InstrumentOptions { connection, ramp: 0.0, ..InstrumentOptions::default() };
+        AcquireOptions { instrument, settle: 0.0, ..AcquireOptions::default() }
     }
 
     /// Puts the axis into closed loop, perhaps.
@@ -311,7 +312,8 @@ fn cancelling_at_any_moment_leaves_a_stopped_generator_and_a_true_voltage() {
 #[test]
 fn cancelling_on_the_way_to_the_rest_keeps_the_record() {
     let bench = Bench::new(Fault::None, 0);
-    let options = AcquireOptions { ramp: 1.0, rest: Rest::Zero, ..bench.options(10.0) };
+    let instrument = InstrumentOptions { ramp: 1.0, rest: Rest::Zero, ..bench.options(10.0).instrument };
+    let options = AcquireOptions { instrument, ..bench.options(10.0) };
     let mut is_read = false;
     let (outcome, text, kept) = run(&options, &mut |stage: Stage| {
         is_read |= stage.what == "the record is read";
@@ -341,7 +343,7 @@ fn a_controller_that_is_gone_is_said_to_be_perhaps_in_motion() {
         drop((client.shutdown(Shutdown::Both), controller.shutdown(Shutdown::Both)));
     });
     let mut options = bench.options(5.0);
-    options.connection.port = port;
+    options.instrument.connection.port = port;
     let (_, text, _) = run(&options, &mut Stage::ignore);
     assert!(text.contains("wave generator 1 could not be stopped, and may run on"), "{text}");
     assert!(begin.elapsed() < GENEROUS);

@@ -5,7 +5,7 @@ use super::recording::{Sources, read};
 use super::rest::Before;
 use super::run::Run;
 use crate::checks::{cycles, range};
-use crate::{AcquireOptions, Drive, Instrument, Left, Rest, Setup};
+use crate::{Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
 use piezoid::progress::Progress;
 use piezoid::{Error, Record};
 
@@ -22,7 +22,7 @@ pub(crate) struct Gcs<'a> {
 
 impl<'a> Gcs<'a> {
     /// Connects, and checks that nothing else uses the controller. Nothing moves.
-    pub(crate) fn open(options: &AcquireOptions, progress: &'a mut Progress<'_>) -> Result<Self, Error> {
+    pub(crate) fn open(options: &InstrumentOptions, progress: &'a mut Progress<'_>) -> Result<Self, Error> {
         let limits = options.limits.limits()?.unwrap_or_default();
         let (line, controller) = options.connection.open(progress)?;
         if let Some(signs) = controller.in_use() {
@@ -98,7 +98,7 @@ impl Instrument for Gcs<'_> {
 }
 
 /// The axis, and its number: its name if that is one, otherwise its place.
-fn axis(options: &AcquireOptions, controller: &Controller) -> Result<(Axis, usize), Error> {
+fn axis(options: &InstrumentOptions, controller: &Controller) -> Result<(Axis, usize), Error> {
     let axes = &controller.axes;
     if axes.is_empty() {
         return Err(Error::Content("the controller reports no axes: configure its stages first".into()));

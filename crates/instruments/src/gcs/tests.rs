@@ -1,6 +1,6 @@
 //! The client against the simulated controller, over TCP.
 
-use crate::{AcquireOptions, Acquired, ConnectOptions, Model, Rest, Simulation};
+use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Model, Rest, Simulation};
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::plant::Plant;
@@ -45,9 +45,17 @@ fn strange(answer: &'static [u8]) -> u16 {
     port
 }
 
-fn at(port: u16) -> AcquireOptions {
+fn controller(port: u16) -> InstrumentOptions {
     let connection = ConnectOptions { port, ..ConnectOptions::default() };
-    AcquireOptions { connection, ramp: 0.1, settle: 0.0, ..AcquireOptions::default() }
+    InstrumentOptions { connection, ramp: 0.1, ..InstrumentOptions::default() }
+}
+
+fn on(instrument: InstrumentOptions) -> AcquireOptions {
+    AcquireOptions { instrument, settle: 0.0, ..AcquireOptions::default() }
+}
+
+fn at(port: u16) -> AcquireOptions {
+    on(controller(port))
 }
 
 fn limits(values: serde_json::Value) -> LimitOptions {
@@ -105,7 +113,7 @@ fn every_model_is_measured_with_the_clock_and_without() {
         for virtual_time in [None, Some(0.05)] {
             let port =
                 served(&Simulation { model, axes: 2, virtual_time, plant: "paper".into(), ..Simulation::default() });
-            let second = AcquireOptions { axis: Some("2".into()), ..at(port) };
+            let second = on(InstrumentOptions { axis: Some("2".into()), ..controller(port) });
             let u = sine(100);
             let acquired = run(&second, &drive(1e-3, &u), &mut Stage::ignore).unwrap();
             assert_eq!((acquired.unfinished, &*acquired.axis), (None, "2"), "{model:?}");
@@ -140,11 +148,11 @@ fn a_gain_that_is_not_that_of_the_controller_is_refused_before_the_drive() {
     let expected = "gain = 1: the controller gives about 2.5000 V for an open-loop value of 1: give this gain; axis 1";
     assert!(message.starts_with(expected), "{message}");
     assert!(text(port, "VOL?\n").starts_with("1=0.000000"), "the axis is back where it was");
-    let with = AcquireOptions { gain: Some(2.5), ..at(port) };
+    let with = on(InstrumentOptions { gain: Some(2.5), ..controller(port) });
     let record = run(&with, &drive(1e-3, &sine(100)), &mut Stage::ignore).unwrap().record;
     assert!(sine(100).iter().zip(record.u()).all(|(requested, had)| (requested - had).abs() < 1e-5));
     // A gain that is far too small would make the first move a large one: it is seen in its first step.
-    let far = AcquireOptions { gain: Some(0.1), ..at(port) };
+    let far = on(InstrumentOptions { gain: Some(0.1), ..controller(port) });
     let message = refused(&far, &drive(1e-3, &sine(100)));
     assert!(message.contains("the controller gives about 2.5"), "{message}");
 }
@@ -179,7 +187,7 @@ fn drives_that_a_controller_cannot_play_are_refused_with_what_to_do() {
     for (options, ts, u, message) in [
         (at(port), 1e-3, vec![0.0, 31.0], "the drive is 31.0000 V at 0.001000 s, outside -30 to 30 V: make it smaller"),
         (
-            AcquireOptions { limits: limits(json!({"low": 0, "high": 5})), ..at(port) },
+            on(InstrumentOptions { limits: limits(json!({"low": 0, "high": 5})), ..controller(port) }),
             1e-3,
             vec![0.0, -1.0],
             "outside 0 to 5 V",
@@ -187,7 +195,7 @@ fn drives_that_a_controller_cannot_play_are_refused_with_what_to_do() {
         (at(port), 3.3e-4, vec![0.0, 1.0], "servo cycle of 0.00005 s: sample the drive every 0.00035 s"),
         (at(port), 1e-3, vec![0.0; 40_000], "a table of the recorder of the controller holds 32768: make it 32.768 s"),
         (
-            AcquireOptions { axis: Some("X".into()), ..at(port) },
+            on(InstrumentOptions { axis: Some("X".into()), ..controller(port) }),
             1e-3,
             vec![0.0, 1.0],
             "no axis called `X`: known are 1",
@@ -212,7 +220,7 @@ fn a_measurement_that_is_cancelled_stops_the_generator() {
 fn the_servo_is_opened_and_that_is_told() {
     let port = simulated(&Simulation::default());
     text(port, &at_rest("SVO 1 1\nMOV 1 100\n"));
-    let stay = AcquireOptions { rest: Rest::Stay, ..at(port) };
+    let stay = on(InstrumentOptions { rest: Rest::Stay, ..controller(port) });
     let acquired = run(&stay, &drive(1e-3, &sine(50)), &mut Stage::ignore).unwrap();
     assert_eq!(
         (&*acquired.notes, acquired.servo),
@@ -240,7 +248,7 @@ fn the_loop_is_closed_again_where_the_axis_was() {
 fn a_refused_drive_leaves_the_servo_on() {
     let port = simulated(&Simulation::default());
     text(port, &at_rest("SVO 1 1\nMOV 1 600\n"));
-    let narrow = AcquireOptions { limits: limits(json!({"low": -5, "high": 5})), ..at(port) };
+    let narrow = on(InstrumentOptions { limits: limits(json!({"low": -5, "high": 5})), ..controller(port) });
     let message = refused(&narrow, &drive(1e-3, &[0.0, 1.0]));
     assert!(message.contains("outside -5 to 5 V: move it there first"), "{message}");
     assert!(text(port, "SVO?\n").starts_with("1=1"));
@@ -253,7 +261,8 @@ fn the_axis_rests_where_it_is_to() {
     for (rest, expected) in [(Rest::Start, 4.0), (Rest::Zero, 0.0), (Rest::Stay, 12.5)] {
         let port = simulated(&Simulation::default());
         text(port, "SVA 1 4\n");
-        let acquired = run(&AcquireOptions { rest, ..at(port) }, &drive(1e-3, &u), &mut Stage::ignore).unwrap();
+        let acquired =
+            run(&on(InstrumentOptions { rest, ..controller(port) }), &drive(1e-3, &u), &mut Stage::ignore).unwrap();
         assert_eq!((acquired.voltage, acquired.servo, acquired.unfinished), (Some(expected), Some(false), None));
         assert_eq!(text(port, "VOL?\n").trim(), format!("1={expected:.6}"));
     }
@@ -264,7 +273,7 @@ fn a_record_that_cannot_be_kept_is_an_error_after_the_move_to_the_rest() {
     let port = simulated(&Simulation::default());
     let mut notes = Vec::new();
     let mut keep = |_: &Acquired| Err(Error::Content("the disk is full".into()));
-    let rest = AcquireOptions { rest: Rest::Zero, ..at(port) };
+    let rest = on(InstrumentOptions { rest: Rest::Zero, ..controller(port) });
     text(port, "SVA 1 4\n");
     let columns = ColumnSelection::default();
     let outcome = rest.run(&drive(1e-3, &sine(50)), &columns, &mut notes, &mut keep, &mut Stage::ignore);
@@ -283,11 +292,11 @@ fn limits_of_slew_and_current_are_checked_before_anything_moves() {
         (json!({"driver": "pl140", "current": 0.1}), &square, "current 0.2378 A at 0.05 s, limit 0.1 A"),
         (json!({}), &saw, "jumps by 32 V at 0.05 s, over half of -30 to 30 V: to check it, give `driver` or `slew`"),
     ] {
-        let message = refused(&AcquireOptions { limits: limits(values), ..at(port) }, &drive(1e-3, u));
+        let message = refused(&on(InstrumentOptions { limits: limits(values), ..controller(port) }), &drive(1e-3, u));
         assert!(message.contains(expected), "{message}");
     }
     assert!(text(port, "VOL?\n").starts_with("1=0.000000"));
-    let allowed = AcquireOptions { limits: limits(json!({"slew": 4e4})), ..at(port) };
+    let allowed = on(InstrumentOptions { limits: limits(json!({"slew": 4e4})), ..controller(port) });
     run(&allowed, &drive(1e-3, &saw), &mut Stage::ignore).unwrap();
 }
 
@@ -306,7 +315,7 @@ fn a_controller_that_another_program_uses_is_left_alone() {
     let other = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = other.local_addr().unwrap().port();
     let connection = ConnectOptions { port, timeout: 0.5, ..ConnectOptions::default() };
-    let message = refused(&AcquireOptions { connection, ..at(port) }, &drive(1e-3, &sine(50)));
+    let message = refused(&on(InstrumentOptions { connection, ..controller(port) }), &drive(1e-3, &sine(50)));
     assert!(message.contains("no whole answer within 0.5 s") && message.contains("one program at a time"), "{message}");
     drop(other);
     // One that says so.

@@ -44,7 +44,7 @@ impl Run for Acquire {
         let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &drives)?;
         let options = self.options.0;
         let Some(drive) = &self.drive else {
-            let controller = console.work(|progress| options.connection.connect(progress))?;
+            let controller = console.work(|progress| options.instrument.connection.connect(progress))?;
             if is_free {
                 console.print(&summary(&controller, console))?;
             }

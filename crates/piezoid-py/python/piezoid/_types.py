@@ -31,4 +31,4 @@ Progress: TypeAlias = "bool | OnProgress | Bar | type[Any] | None"
 Units: TypeAlias = tuple[str, str]
 """Units of input and output."""
 
-Begin: TypeAlias = Literal["rest", "settled", "from-above", "from-below", "motion", "likely"]
+Begin: TypeAlias = Literal["rest", "settled", "from-above", "from-below", "demagnetised", "motion", "likely"]

@@ -196,8 +196,8 @@ class Model:
         `read` finds it, or is the column `input_col`; its times must fit to the model, if it has times.
 
         begin: initial condition: "rest"; "settled" at the first input, from rest, or after cycles over the whole range
-        that ended with a fall ("from-above") or a rise ("from-below"); in "motion" as in `u`; or "likely": "settled" or
-        "motion", chosen from `u`
+        that ended with a fall ("from-above") or a rise ("from-below"), or after a decaying sine about it
+        ("demagnetised"); in "motion" as in `u`; or "likely": "settled" or "motion", chosen from `u`
         """
         if not hasattr(u, "columns"):
             if input_col is not None:

@@ -1,7 +1,7 @@
 //! Excitations: voltages that drive an actuator for its identification.
 //!
 //! Small broad-band excitations ([`Prbs`], [`Multisine`]) identify the linear block; large ones ([`RisingSine`],
-//! [`Sine`], [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`Chirp`] sweeps through the
+//! [`Sine`], [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`DecayingSine`] demagnetises it; a [`Chirp`] sweeps through the
 //! resonance; `moves` is a path through points. [`Limits`] checks that a driver can deliver them; [`DRIVERS`] and
 //! [`ACTUATORS`] have figures of data sheets. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts as
 //! its documentation says, and is the same for the same settings.
@@ -15,6 +15,7 @@
 mod actuators;
 mod chirp;
 mod crest;
+mod decaying_sine;
 mod drive;
 mod drivers;
 mod limits;
@@ -30,6 +31,7 @@ mod triangle;
 
 pub use actuators::{ACTUATORS, Actuator};
 pub use chirp::Chirp;
+pub use decaying_sine::DecayingSine;
 pub use drivers::{Amplifier, DRIVERS, LimitOptions};
 pub use limits::{Limits, Peak, Usage};
 pub use moves::minimum_jerk;
@@ -69,6 +71,7 @@ pub static EXCITATIONS: &[Excitation] = &[
     chirp::ROW,
     sine::ROW,
     rising_sine::ROW,
+    decaying_sine::ROW,
     triangle::ROW,
     staircase::ROW,
     stepped_sine::ROW,

@@ -1,10 +1,10 @@
 //! The drives of a plan: a shape between -1 and 1 about the middle, with the amplitude that the limits allow.
 
-use super::{MAX_DRIVE_SAMPLES, PlannedDrive, Rig};
+use super::{MAX_SAMPLES, PlannedDrive, Rig};
 use libm::{cos, sin};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::{quantity, round};
-use piezoid_records::excitation::{Multisine, RisingSine, minimum_jerk};
+use piezoid_records::excitation::{DecayingSine, Multisine, RisingSine, minimum_jerk};
 use std::f64::consts::TAU;
 
 /// Part of the slew and current limits that is used: the rest is for capacitance at large signals and for ripple.
@@ -38,6 +38,12 @@ const PERIODS: [usize; 3] = [12, 20, 40];
 /// Fewest periods with which a sine still grows slowly enough.
 const FEWEST: usize = 4;
 
+/// Fewest samples of a period that is sampled less often than the others.
+const SMOOTH: f64 = 50.0;
+
+/// Periods of a demagnetisation: its steps are a 25th of the amplitude.
+const DECAY: f64 = 25.0;
+
 /// Periods in which a rising sine falls again.
 const FALL: f64 = 2.0;
 
@@ -57,8 +63,10 @@ pub(super) fn all(rig: &Rig, notes: &mut Vec<String>) -> Result<Vec<PlannedDrive
 
 /// A multisine up to nine tenths of the Nyquist frequency. Its lowest line is a tenth of the bandwidth or less.
 fn small(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
-    let period = ((10.0 / (rig.bandwidth * rig.ts)).max(2048.0).min(MAX_DRIVE_SAMPLES as f64 / 4.0) as usize)
-        .next_power_of_two();
+    let mut period = ((10.0 / (rig.bandwidth * rig.ts)).max(2048.0) as usize).next_power_of_two();
+    while 9 * period > 4 * rig.points && period > 64 {
+        period /= 2;
+    }
     let (lead, ts) = (period / 8, rig.ts);
     let whole = Multisine {
         frequency_low: 0.99 / (period as f64 * ts),
@@ -69,18 +77,24 @@ fn small(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     let sines = whole.samples(ts, period)?;
     let n = 2 * period + 2 * lead;
     let shape: Vec<f64> = (0..n).map(|t| sines[(t + period - lead) % period] * faded(t, n, lead)).collect();
-    let purpose = "linear dynamics";
-    rig.drive("small", purpose, &shape, 2.0 * SMALL_SIGNAL_RANGE_SHARE * rig.half(), "a small signal", notes)
+    rig.drive(
+        ("small", "linear dynamics"),
+        (ts, &shape),
+        2.0 * SMALL_SIGNAL_RANGE_SHARE * rig.half(),
+        "a small signal",
+        notes,
+    )
 }
 
 /// A sine that rises to its amplitude, and falls to zero in its last periods.
 fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
-    let period = 1.0 / (hz * rig.ts);
-    let room = (MAX_DRIVE_SAMPLES as f64 / period - FALL) as usize;
+    let ts = rig.rare((PERIODS[k] as f64 + FALL) / hz, hz) * rig.ts;
+    let (period, most) = (1.0 / (hz * ts), rig.points as f64);
+    let room = (most.min(rig.longest() / ts) / period - FALL) as usize;
     if room < FEWEST {
-        let least = (FEWEST as f64 + FALL) / (hz * MAX_DRIVE_SAMPLES as f64);
+        let least = (FEWEST as f64 + FALL) / (hz * most);
         let rule = format!(
-            "{FEWEST} periods of {} Hz, the slowest sine, would have more than {MAX_DRIVE_SAMPLES} samples: take {} s or more, or \
+            "{FEWEST} periods of {} Hz, the slowest sine, would have more than {most} samples: take {} s or more, or \
              raise the bandwidth",
             round(hz),
             round(least)
@@ -89,10 +103,10 @@ fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<Planned
     }
     let n = (PERIODS[k].min(room) as f64 * period).round() as usize;
     let fall = (FALL * period).round() as usize;
-    let mut shape = RisingSine { amplitude: 1.0, frequency: hz, offset: 0.0 }.samples(rig.ts, n)?;
+    let mut shape = RisingSine { amplitude: 1.0, frequency: hz, offset: 0.0 }.samples(ts, n)?;
     shape.extend((n..=n + fall).map(|t| {
         let left = 1.0 - eased((t - n) as f64 / fall as f64);
-        left * sin(TAU * (hz * rig.ts * t as f64).fract())
+        left * sin(TAU * (hz * ts * t as f64).fract())
     }));
     let (name, purpose) = [
         ("rise1", "hysteresis, slow"),
@@ -111,15 +125,17 @@ fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<Planned
         ));
     }
     let what = format!("a sine of {} Hz", round(hz));
-    rig.drive(name, purpose, &shape, RISE * rig.half(), &what, notes)
+    rig.drive((name, purpose), (ts, &shape), RISE * rig.half(), &what, notes)
 }
 
 /// A step up and a step down, each held. Nothing rings: the moves take two periods of the bandwidth, or
 /// a 24th of the record if that is shorter.
 fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     const STEEPEST: f64 = 1.875; // slope of `moved`
-    let (ts, a) = (rig.ts, STEP * rig.half());
-    let n = ((CREEP / ts) as usize).clamp(POINTS, MAX_DRIVE_SAMPLES);
+    let a = STEP * rig.half();
+    let longest = CREEP.min(rig.longest());
+    let ts = rig.rare(longest, 0.0) * rig.ts;
+    let n = ((longest / ts) as usize).clamp(POINTS, rig.points.max(POINTS));
     let unhurried = (2.0 / rig.bandwidth).min(MOVES * n as f64 * ts);
     let fastest = PART * rig.limits.fastest();
     let move_of = |volts: f64| ((STEEPEST * volts / fastest).max(unhurried) / ts).ceil() as usize + 1;
@@ -142,32 +158,54 @@ fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     if (n as f64) * ts < 0.99 * CREEP {
         let (whole, each) = (round(n as f64 * ts), round(hold as f64 * ts));
         notes.push(format!(
-            "creep_u.csv: shortened from {CREEP} s to {whole} s, because it has at most {MAX_DRIVE_SAMPLES} samples; it shows creep \
+            "creep_u.csv: shortened from {CREEP} s to {whole} s, because it has at most {MAX_SAMPLES} samples; it shows creep \
              up to {each} s. A longer sampling period shows slower creep"
         ));
     }
-    rig.drive("creep", "creep", &shape, a, "the steps", notes)
+    rig.drive(("creep", "creep"), (ts, &shape), a, "the steps", notes)
 }
 
 /// Sines up to the bandwidth with random phases, whose amplitude swells twice.
 fn path(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     let (ts, b) = (rig.ts, rig.bandwidth);
-    let n = (((60.0 / b).max(1.0) / ts).round() as usize).min(MAX_DRIVE_SAMPLES);
+    let n = (((60.0 / b).max(1.0) / ts).round() as usize).min(rig.points);
     let sines = Multisine { frequency_low: b / 20.0, frequency_high: b, seed: 1, ..Multisine::default() };
     let sines = sines.samples(ts, n)?;
     let lead = ((2.0 / (b * ts)) as usize).clamp(1, n / 4);
     let swell = |t: usize| 1.0 - 0.375 * (1.0 + cos(2.0 * TAU * t as f64 / n as f64));
     let shape: Vec<f64> = (0..n).map(|t| sines[t] * swell(t) * faded(t, n, lead)).collect();
-    rig.drive("path", "validation only", &shape, PATH * rig.half(), "the path", notes)
+    rig.drive(("path", "validation only"), (ts, &shape), PATH * rig.half(), "the path", notes)
+}
+
+/// Demagnetisation about the middle: a decaying sine, as fast as the limits allow at most of the range.
+pub(super) fn demagnetisation(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
+    let a = RISE * rig.half();
+    let fastest = rig.limits.fastest().min(rig.continuous * std::f64::consts::SQRT_2);
+    let hz = two_digits((rig.bandwidth / 3.0).min(0.95 * PART * fastest / (TAU * a)).max(0.1 * rig.bandwidth));
+    let ts = rig.rare(DECAY / hz, hz) * rig.ts;
+    let n = ((DECAY / (hz * ts)).round() as usize + 1).min(rig.points);
+    let shape = DecayingSine { amplitude: 1.0, frequency: hz, offset: 0.0 }.samples(ts, n)?;
+    rig.drive(("demagnetisation", "before each record"), (ts, &shape), a, "a decaying sine", notes)
 }
 
 impl Rig {
+    /// The smallest multiple of the sampling period with which so long a drive [s] fits into the samples, or the
+    /// largest with which a sine of this frequency is still smooth.
+    fn rare(&self, duration: f64, hz: f64) -> f64 {
+        let needed = (duration.min(self.longest()) / (self.ts * self.points as f64) - 1e-9).ceil();
+        needed.min((1.0 / (SMOOTH * hz * self.ts)).floor()).max(1.0)
+    }
+
+    /// The longest drive [s].
+    fn longest(&self) -> f64 {
+        MAX_SAMPLES as f64 * self.ts
+    }
+
     /// The drive of this shape, with the amplitude that is wanted [V], or the one that the limits allow.
     fn drive(
         &self,
-        name: &'static str,
-        purpose: &'static str,
-        shape: &[f64],
+        (name, purpose): (&'static str, &'static str),
+        (ts, shape): (f64, &[f64]),
         expected: f64,
         what: &str,
         notes: &mut Vec<String>,
@@ -176,15 +214,15 @@ impl Rig {
         let step = shape.windows(2).fold(0.0, |most: f64, w| most.max((w[1] - w[0]).abs()));
         // Of peak and rms, that which leaves less.
         let peaks = (self.limits.fastest(), step);
-        let lasting = (self.continuous, busiest(shape, (WARM / self.ts) as usize));
-        let left = |(limit, step): (f64, f64)| PART * limit * self.ts * peak / step;
+        let lasting = (self.continuous, busiest(shape, (WARM / ts) as usize));
+        let left = |(limit, step): (f64, f64)| PART * limit * ts * peak / step;
         let ((fastest, step), kind) =
             if left(lasting) < left(peaks) { (lasting, " continuously") } else { (peaks, "") };
         let allowed = left((fastest, step));
         let amplitude = expected.min(allowed);
         let [wants, allows] = [expected, allowed].map(|volts| quantity((1e3 * volts).round() / 1e3, "V"));
         if amplitude < LEAST * expected {
-            let (slew, limit) = (quantity(step / peak * expected / self.ts, "V/s"), quantity(fastest, "V/s"));
+            let (slew, limit) = (quantity(step / peak * expected / ts, "V/s"), quantity(fastest, "V/s"));
             let rule = format!(
                 "{what} of {wants} needs {slew}{kind}, but driver and load allow {limit} (at most {allows}): lower \
                  the bandwidth or the range, or take a driver with more current"
@@ -201,8 +239,8 @@ impl Rig {
         }
         let middle = self.middle();
         let u: Vec<f64> = shape.iter().map(|s| middle + amplitude * (s / peak)).collect();
-        let usage = self.limits.refuse(&u, self.ts)?;
-        Ok(PlannedDrive { name, purpose, u, usage })
+        let usage = self.limits.refuse(&u, ts)?;
+        Ok(PlannedDrive { name, purpose, ts, u, usage })
     }
 }
 

@@ -20,8 +20,8 @@ use piezoid_records::formats::Table;
 use piezoid_records::record::Record;
 use serde_json::{Value, json};
 
-/// Maximum number of samples of a drive: identification takes minutes beyond it.
-const MAX_DRIVE_SAMPLES: usize = 200_000;
+/// Samples of the longest drive at the sampling period of the plan: identification takes minutes beyond it.
+const MAX_SAMPLES: usize = 200_000;
 
 /// Sampling rate over bandwidth: half of it, the Nyquist frequency, is ten times the bandwidth.
 const OVER_BANDWIDTH: f64 = 20.0;
@@ -54,16 +54,22 @@ options! {
         bandwidth: f64 = 50.0, OptionRow::positive("Hz").required();
         /// The actuator, for its range, capacitance and resonance (see {list}).
         actuator: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).list("actuators");
-        /// Sampling period of all drives.
+        /// Sampling period; drives with too many samples have a multiple of it.
         ts: Option<f64> = None, OptionRow::positive("s").absent("from bandwidth and resonance");
+        /// Samples that the controller holds of a drive and of a record.
+        points: usize = MAX_SAMPLES, OptionRow::new(OptionKind::Integer(500, MAX_SAMPLES as u64));
+        /// Servo cycle of the controller: sampling periods are multiples of it.
+        cycle: Option<f64> = None, OptionRow::positive("s").absent("any sampling period");
     } with limits: LimitOptions
 }
 
 /// The drives for an identification.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plan {
-    /// Sampling period of all drives [s].
+    /// Sampling period of the model [s]; drives that would have too many samples have a multiple of it.
     pub ts: f64,
+    /// What brings the hysteresis to the middle of its loop before each record.
+    pub demagnetisation: PlannedDrive,
     /// The drives, in the order in which they are measured.
     pub drives: Vec<PlannedDrive>,
     /// What was shortened or reduced, and what to watch; one sentence each.
@@ -80,6 +86,8 @@ pub struct PlannedDrive {
     pub name: &'static str,
     /// What it is measured for.
     pub purpose: &'static str,
+    /// Sampling period, a multiple of that of the plan [s]. Straight lines join the voltages of a longer one.
+    pub ts: f64,
     /// The voltages [V].
     pub u: Vec<f64>,
     /// Use of the limits.
@@ -102,6 +110,8 @@ impl PlannedDrive {
 #[derive(Debug, Clone, PartialEq)]
 struct Rig {
     ts: f64,
+    /// Most samples of a drive.
+    points: usize,
     low: f64,
     high: f64,
     bandwidth: f64,
@@ -112,6 +122,9 @@ struct Rig {
     driver: Option<String>,
     actuator: Option<&'static Actuator>,
 }
+
+/// Rounding of a quotient of decimal numbers.
+const ROUNDING: f64 = 1e-9;
 
 impl Rig {
     fn middle(&self) -> f64 {
@@ -135,7 +148,8 @@ impl PlanOptions {
         let mut notes = Vec::new();
         let rig = self.rig(model, &mut notes)?;
         let drives = drives::all(&rig, &mut notes)?;
-        let mut plan = Plan { ts: rig.ts, drives, notes, advice: None, rig };
+        let demagnetisation = drives::demagnetisation(&rig, &mut Vec::new())?;
+        let mut plan = Plan { ts: rig.ts, demagnetisation, drives, notes, advice: None, rig };
         plan.advice = model.map(|model| advice::advise(model, &plan)).transpose()?;
         Ok(plan)
     }
@@ -194,6 +208,17 @@ impl PlanOptions {
             (Some(ts), None) | (None, Some(ts)) => ts,
             (None, None) => self.period(resonance, notes),
         };
+        // A text of the product, not the product, is the decimal number.
+        let cycles = self.cycle.map(|cycle| (ts / cycle, (ts / cycle + ROUNDING).floor().max(1.0), cycle));
+        let ts = match cycles {
+            Some((exact, whole, cycle)) if (self.ts.is_some() || model.is_some()) && (exact - whole).abs() > 1e-6 => {
+                let rule =
+                    format!("must be a multiple of the servo cycle of {cycle} s, such as {} s", round(whole * cycle));
+                return Err(Error::parameter("ts", format!("{ts} s"), rule));
+            }
+            Some((_, whole, cycle)) => format!("{:.9e}", whole * cycle).parse().unwrap_or(whole * cycle),
+            None => ts,
+        };
         let highest = 0.1 / ts;
         if self.bandwidth >= highest {
             let rule = format!(
@@ -206,7 +231,7 @@ impl PlanOptions {
         let amplifier = driver.as_deref().map(Amplifier::find).transpose()?;
         let current = amplifier.and_then(|amplifier| amplifier.continuous);
         let continuous = current.zip(limits.capacitance).map_or(f64::INFINITY, |(current, farad)| current / farad);
-        Ok(Rig { ts, low, high, bandwidth, resonance, limits, continuous, driver, actuator })
+        Ok(Rig { ts, points: self.points, low, high, bandwidth, resonance, limits, continuous, driver, actuator })
     }
 
     /// The sampling period: 1, 2 or 5 times a power of ten.
@@ -227,7 +252,6 @@ impl PlanOptions {
             ),
         }
         // A product of 5 and a power of ten below 1 is not the decimal number; its text is.
-        const ROUNDING: f64 = 1e-9;
         let power = (libm::log10(longest) + ROUNDING).floor();
         let mantissa = longest / libm::pow(10.0, power) * (1.0 + ROUNDING);
         let step = [5, 2, 1].into_iter().find(|step| f64::from(*step) <= mantissa).unwrap_or(1);
@@ -243,27 +267,28 @@ impl Plan {
     pub fn files(&self) -> Result<Vec<File>, Error> {
         let drive = |drive: &PlannedDrive| {
             let name = drive.file();
-            let bytes = Table::write(&name, self.ts, &[("u_V", &drive.u)])?;
+            let bytes = Table::write(&name, drive.ts, &[("u_V", &drive.u)])?;
             Ok(File::new(name, bytes))
         };
         let page = || Ok(File::new("plan.md", self.page()));
-        self.drives.iter().map(drive).chain(std::iter::once_with(page)).collect()
+        let drives = std::iter::once(&self.demagnetisation).chain(&self.drives);
+        drives.map(drive).chain(std::iter::once_with(page)).collect()
     }
 
     /// The plan as a document, without the voltages.
     pub fn to_json(&self) -> Value {
         let one = |drive: &PlannedDrive| {
             json!({
-                "name": drive.name, "file": drive.file(), "purpose": drive.purpose, "duration": self.duration(drive),
+                "name": drive.name, "file": drive.file(), "purpose": drive.purpose, "ts": drive.ts, "duration": self.duration(drive),
                 "percent": drive.percent(), "usage": drive.usage,
             })
         };
         let drives: Vec<_> = self.drives.iter().map(one).collect();
-        json!({"ts": self.ts, "drives": drives, "notes": self.notes, "advice": self.advice})
+        json!({"ts": self.ts, "demagnetisation": one(&self.demagnetisation), "drives": drives, "notes": self.notes, "advice": self.advice})
     }
 
     /// Length of a drive [s].
     pub fn duration(&self, drive: &PlannedDrive) -> f64 {
-        drive.u.len() as f64 * self.ts
+        drive.u.len() as f64 * drive.ts
     }
 }

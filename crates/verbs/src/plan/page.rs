@@ -59,12 +59,19 @@ impl Plan {
                  back to 0 V only after the last record: a jump exceeds the current limit."
             ),
         };
-        let creep = "Wait ten seconds before each record, so that creep of the record before it decays.";
-        let record = format!(
+        let creep = "Play `demagnetisation_u.csv` before each record, which need not be recorded, then wait ten seconds: the \
+                     hysteresis is in the middle of its loop then, and creep of the record before has decayed.";
+        let mut record = format!(
             "Play each drive sample by sample, every {} s, and record the voltage at the actuator and the displacement \
              at the same instants.",
             self.ts
         );
+        let rare = self.drives.iter().filter(|drive| drive.ts > self.ts);
+        for PlannedDrive { name, ts, .. } in rare {
+            record += &format!(
+                " `{name}_u.csv` has {ts} s between its samples; straight lines join them (`piezoid acquire --join`)."
+            );
+        }
         let small = "Measure in the order of the table: the small signal before any large one.";
         let path = "`path.csv` takes no part in the identification: only then does it test the model.";
         for line in [&*first, creep, &record, small, path] {

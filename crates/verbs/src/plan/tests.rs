@@ -1,5 +1,5 @@
 use super::advice::{expected, information, uncertain};
-use super::{MAX_DRIVE_SAMPLES, Plan, PlanOptions, PlannedDrive};
+use super::{Plan, PlanOptions, PlannedDrive};
 use piezoid_models::creep::{Creep, Lag};
 use piezoid_models::hammerstein::Model;
 use piezoid_models::hysteresis::Proportional;
@@ -41,7 +41,7 @@ fn every_drive_is_within_the_limits_and_starts_and_ends_at_the_middle() {
             assert!(usage.slew.value <= 0.9 * fastest * (1.0 + 1e-9), "{request} {name}: {usage:?}");
             assert!(usage.lowest.value >= plan.rig.low && usage.highest.value <= plan.rig.high, "{request} {name}");
             assert_close(&[u[0], u[u.len() - 1]], &[middle; 2], 0.0, 1e-3 * plan.rig.half());
-            assert!(u.len() <= MAX_DRIVE_SAMPLES && u.len() as f64 * plan.ts < 60.01, "{request} {name}: {}", u.len());
+            assert!(u.len() <= 200_000 && u.len() as f64 * plan.ts < 60.01, "{request} {name}: {}", u.len());
         }
         assert_eq!(plan, planned(request).unwrap());
     }
@@ -58,6 +58,24 @@ fn amplitudes_are_those_of_the_request_unless_the_driver_is_too_slow() {
     let message = scarce.notes.join("\n");
     assert!(message.contains("rise3_u.csv: amplitude reduced from 71.25 V to 7.176 V (10 %)"), "{message}");
     assert!(message.contains("creep_u.csv: shortened from 60 s to 40 s"), "{message}");
+}
+
+#[test]
+fn drives_that_a_controller_cannot_hold_are_sampled_less_often() {
+    for points in [32_768, 8192] {
+        let request = json!({"bandwidth": 80, "driver": "pl140", "actuator": "pl140", "points": points, "cycle": 5e-5});
+        let plan = planned(request).unwrap();
+        assert_eq!(plan.ts, 5e-4);
+        for PlannedDrive { name, ts, u, .. } in plan.drives.iter().chain([&plan.demagnetisation]) {
+            assert!(u.len() <= points, "{name}: {}", u.len());
+            assert!((ts / plan.ts).fract().abs() < 1e-9, "{name}: {ts}");
+        }
+        let creep = &plan.drives[4];
+        assert!(plan.duration(creep) > 59.9 && creep.ts == 5e-4 * f64::ceil(120_000.0 / points as f64), "{}", creep.ts);
+        assert!(plan.page().contains("`creep_u.csv` has "), "{}", plan.page());
+    }
+    let message = refusal(json!({"bandwidth": 5, "range": [0, 1], "ts": 1.3e-4, "cycle": 5e-5}));
+    assert!(message.contains("must be a multiple of the servo cycle of 0.00005 s, such as 0.0001 s"), "{message}");
 }
 
 #[test]
@@ -104,9 +122,9 @@ fn files_and_page_are_complete() {
     let files = plan.files().unwrap();
     let names: Vec<&str> = files.iter().map(|file| &*file.name).collect();
     let drives = ["small_u.csv", "rise1_u.csv", "rise2_u.csv", "rise3_u.csv", "creep_u.csv", "path_u.csv"];
-    assert_eq!((&names[..6], names[6]), (&drives[..], "plan.md"));
+    assert_eq!((names[0], &names[1..7], names[7]), ("demagnetisation_u.csv", &drives[..], "plan.md"));
     assert!(files[0].bytes.starts_with(b"t_s,u_V\n"));
-    let page = files[6].text().unwrap();
+    let page = files[7].text().unwrap();
     assert!(drives.iter().all(|name| page.contains(&format!("| `{name}` |"))), "{page}");
     assert!(page.contains("identify rise1.csv rise2.csv rise3.csv creep.csv --small-signal small.csv -o model.json\n"));
     assert!(page.contains("piezoid validate path.csv --model model.json\n"));
