@@ -28,13 +28,17 @@
 //! ```
 
 mod acquire;
+mod campaign;
 mod checks;
+mod function;
 mod gcs;
 mod instrument;
 mod rest;
 mod watch;
 
 pub use acquire::{AcquireOptions, Acquired, InstrumentOptions, Keep};
+pub use campaign::{Campaign, CampaignOptions, Journal, Track};
+pub use function::Function;
 pub use gcs::{Axis, ConnectOptions, Controller, Model, Simulated, Simulation};
 pub use instrument::{Drive, Instrument, Left, Setup};
 pub use rest::Rest;

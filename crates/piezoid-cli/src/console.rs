@@ -133,6 +133,11 @@ impl Console {
     }
 }
 
+/// True once a signal came.
+pub(crate) fn is_interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
+}
+
 /// Signals within this time are one: programs that start others may pass Ctrl-C on a second time.
 const BOUNCE: Duration = Duration::from_millis(300);
 

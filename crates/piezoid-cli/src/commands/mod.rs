@@ -2,6 +2,7 @@
 //! becomes a verb by its row alone ([`derived`]).
 
 mod acquire;
+mod campaign;
 mod compare;
 mod compensate;
 mod control;
@@ -94,6 +95,7 @@ const VERBS: &[Verb] = &[
     Verb { name: "excite", about: "", arguments: excite::arguments, parse: excite::parse },
     operation::<simulate::Simulate>("simulate"),
     operation::<acquire::Acquire>("acquire"),
+    operation::<campaign::Campaign>("campaign"),
     own::<instrument::Instrument>("instrument", "Simulate a GCS controller with a plant on this machine"),
     operation::<identify::Identify>("identify"),
     operation::<validate::Validate>("validate"),

@@ -1,12 +1,13 @@
 //! Controllers in the network.
 
-use super::{named, one};
-use crate::{Inputs, Operation, Output};
+use super::{named, one, optional};
+use crate::{Inputs, Operation, Output, Role};
 use piezoid::Error;
 use piezoid::progress::Progress;
-use piezoid_instruments::{AcquireOptions, ConnectOptions};
+use piezoid_instruments::{AcquireOptions, CampaignOptions, ConnectOptions, Journal, Setup};
 use piezoid_numerics::options::Options;
-use piezoid_verbs::File;
+use piezoid_verbs::{DataFile, File, Plan};
+use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {
@@ -28,7 +29,38 @@ pub(super) const OPERATIONS: &[Operation] = &[
         options: AcquireOptions::rows,
         run: acquire,
     },
+    Operation {
+        name: "campaign",
+        summary: "Measure, identify and straighten an actuator on a controller, and measure how well it follows a path",
+        module: "instruments",
+        roles: &[optional("reference"), Role { name: "earlier", least: 0, many: true }],
+        options: CampaignOptions::rows,
+        run: campaign,
+    },
 ];
+
+/// The files of a campaign; the caller has agreed to it.
+struct Kept {
+    earlier: Vec<File>,
+    files: Vec<File>,
+}
+
+impl Journal for Kept {
+    fn agree(&mut self, _: &Setup, _: &Plan, _: f64) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn earlier(&self, name: &str) -> Option<File> {
+        let same = |file: &&File| file.name.rsplit('/').next() == Some(name);
+        self.earlier.iter().find(same).map(|file| File::new(name, file.bytes.clone()))
+    }
+
+    fn keep(&mut self, files: Vec<File>) -> Result<(), Error> {
+        self.files.retain(|kept| files.iter().all(|file| file.name != kept.name));
+        self.files.extend(files);
+        Ok(())
+    }
+}
 
 fn acquire(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let options = inputs.options::<AcquireOptions>()?;
@@ -42,4 +74,30 @@ fn acquire(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let record = &outcome.record;
     let file = File::new("record.csv", record.written("record.csv")?);
     Ok(Output { result: outcome.to_json(), series: named([("u", record.u()), ("y", record.y())]), files: vec![file] })
+}
+
+/// A campaign that ended early returns what it has kept, with the reason as `failed`.
+fn campaign(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let options = inputs.options::<CampaignOptions>()?;
+    let (reference, columns, mut notes) =
+        (inputs.some("reference")?.map(DataFile::from), inputs.columns()?, Vec::new());
+    let mut kept = Kept { earlier: inputs.all("earlier")?, files: Vec::new() };
+    let outcome = options.run(reference.as_ref().map(|file| (file, &columns)), &mut kept, &mut notes, progress);
+    let files = kept.files;
+    match outcome {
+        Err(error) if files.is_empty() => Err(error),
+        Err(error) => {
+            let result = json!({"failed": format!("{error}; {}", notes.join("; "))});
+            Ok(Output { result, files, ..Output::default() })
+        }
+        Ok(found) => {
+            let (straight, compensated) = (&found.straight, &found.compensated);
+            let series = named([
+                ("r", &compensated.r),
+                ("straight", straight.record.y()),
+                ("compensated", compensated.record.y()),
+            ]);
+            Ok(Output { result: found.to_json(), series, files })
+        }
+    }
 }

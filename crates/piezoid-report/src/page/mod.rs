@@ -57,6 +57,12 @@ impl Page {
         Page { subtitle: text.into(), ..self }
     }
 
+    /// The sections of another page after those of this one.
+    pub fn followed_by(mut self, other: Page) -> Self {
+        self.sections.extend(other.sections);
+        self
+    }
+
     /// One more section.
     pub fn section(mut self, section: Section) -> Self {
         self.sections.push(section);

@@ -287,6 +287,22 @@ impl Plan {
         json!({"ts": self.ts, "demagnetisation": one(&self.demagnetisation), "drives": drives, "notes": self.notes, "advice": self.advice})
     }
 
+    /// The middle of the range, at which all drives start and end [V].
+    pub fn middle(&self) -> f64 {
+        self.rig.middle()
+    }
+
+    /// Lowest and highest voltage of the application [V].
+    pub fn range(&self) -> (f64, f64) {
+        (self.rig.low, self.rig.high)
+    }
+
+    /// The share of half of the range that a drive uses.
+    pub fn used(&self, drive: &PlannedDrive) -> f64 {
+        let farthest = (drive.usage.highest.value - self.middle()).max(self.middle() - drive.usage.lowest.value);
+        farthest / self.rig.half()
+    }
+
     /// Length of a drive [s].
     pub fn duration(&self, drive: &PlannedDrive) -> f64 {
         drive.u.len() as f64 * drive.ts

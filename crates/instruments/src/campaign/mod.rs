@@ -1,0 +1,326 @@
+//! A campaign: from an instrument to a model, and to a path that is measured with and without compensation.
+//!
+//! ```text
+//! for each record:   demagnetisation, wait, record        small, rise1 to rise3, creep, path
+//! identification from all records but path, validation on path
+//! for each drive:    demagnetisation, wait, rest, path    straight line, compensated
+//! ```
+//! The hysteresis is in the middle of its loop before each drive, creep has decayed, and the inverse begins in that
+//! state. The displacement at rest is measured right before a path is played: the offset of the model is corrected by
+//! it, so that an error is one of the path, not one of the zero of the sensor.
+//!
+//! It does not do: mechanics with hysteresis in feedback, several axes, closed loop.
+
+mod page;
+mod path;
+#[cfg(test)]
+mod tests;
+
+pub use path::Track;
+
+use crate::acquire::{at_rest, servo_remark};
+use crate::{Drive, Instrument, InstrumentOptions, Left, Setup};
+use path::Path;
+use piezoid::formats::ColumnSelection;
+use piezoid::progress::Progress;
+use piezoid::validation::{Offset, ValidateOptions};
+use piezoid::{Error, Identification, IdentifyOptions, Record};
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_verbs::{DataFile, File, Plan, PlanOptions, PlannedDrive, Source, ValidateRecords, Validated};
+use serde_json::{Value, json};
+use std::cell::RefCell;
+
+options! {
+    /// How to measure, identify and straighten an actuator.
+    pub struct CampaignOptions {
+        /// Highest frequency of the application.
+        bandwidth: f64 = 50.0, OptionRow::positive("Hz").required();
+        /// Lowest and highest voltage of the application.
+        range: Option<(f64, f64)> = None, OptionRow { unit: "V", ..OptionRow::new(OptionKind::Pair) }.absent("those of \
+            the actuator, or of the controller");
+        /// The actuator, for its range, capacitance and resonance (see {list}).
+        actuator: Option<String> = None, OptionRow::new(OptionKind::Text("NAME")).list("actuators");
+        /// Sampling period of the model.
+        period: Option<f64> = None, OptionRow::positive("s").absent("from bandwidth and resonance");
+        /// Wait after each demagnetisation, until creep has decayed.
+        wait: f64 = 10.0, OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: false, below: 3600.0 }) };
+        /// Hysteresis operators to identify: auto, names separated by commas, or auto,-NAME.
+        operator: String = "auto".into(), OptionRow::new(OptionKind::Text("NAME")).list("operators");
+    } with instrument: InstrumentOptions
+}
+
+/// Who runs a campaign: agrees to it, and keeps its files.
+pub trait Journal {
+    /// Agrees to what will move, before anything does.
+    ///
+    /// # Errors
+    /// Its own, which ends the campaign.
+    fn agree(&mut self, setup: &Setup, plan: &Plan, seconds: f64) -> Result<(), Error>;
+
+    /// A file that an earlier campaign has kept under this name.
+    fn earlier(&self, name: &str) -> Option<File>;
+
+    /// Keeps files, all of them or none.
+    ///
+    /// # Errors
+    /// Its own, which ends the campaign.
+    fn keep(&mut self, files: Vec<File>) -> Result<(), Error>;
+}
+
+/// What a campaign found.
+#[derive(Debug, Clone)]
+pub struct Campaign {
+    /// The instrument.
+    pub setup: Setup,
+    /// What was planned.
+    pub plan: Plan,
+    /// Names of the records that an earlier campaign had measured.
+    pub resumed: Vec<String>,
+    /// The model.
+    pub identification: Identification,
+    /// The model on the record `path`, which took no part in its identification.
+    pub validated: Validated,
+    /// The path with the voltages of a straight line.
+    pub straight: Track,
+    /// The path with the voltages of the inverse.
+    pub compensated: Track,
+    /// Where the axis is at the end.
+    pub left: Left,
+    /// Why the axis is not at its rest; `None` if it is.
+    pub unfinished: Option<String>,
+    /// What the user should know.
+    pub notes: Vec<String>,
+}
+
+/// Time at rest over which the displacement is averaged before a path [s].
+const STILL: f64 = 0.2;
+
+impl CampaignOptions {
+    /// Connects to the controller and runs the campaign. `reference` is the path to follow [unit of the sensor]; without
+    /// it, the campaign has one of its own.
+    ///
+    /// After an error, and if `progress` cancels, nothing moves any more; where the axis is stands in the error or in
+    /// `notes`. Records that were kept are not measured again by the next campaign with the same options.
+    ///
+    /// # Errors
+    /// Returns the errors of [`InstrumentOptions::open`], [`PlanOptions::run`], [`IdentifyOptions::run`], those of the
+    /// inverse for a path that cannot be reached, and those of the journal.
+    pub fn run(
+        &self,
+        reference: Option<(&DataFile, &ColumnSelection)>,
+        journal: &mut dyn Journal,
+        notes: &mut Vec<String>,
+        progress: &mut Progress,
+    ) -> Result<Campaign, Error> {
+        let shared = RefCell::new(progress);
+        let mut of_line = |stage: piezoid::progress::Stage| (shared.borrow_mut())(stage);
+        let mut own = |stage: piezoid::progress::Stage| (shared.borrow_mut())(stage);
+        let mut instrument = self.instrument.open(&mut of_line)?;
+        self.on(&mut *instrument, reference, journal, notes, &mut own)
+    }
+
+    /// The same on an instrument that is open. Its progress is its own.
+    ///
+    /// # Errors
+    /// Those of [`CampaignOptions::run`].
+    pub fn on(
+        &self,
+        instrument: &mut dyn Instrument,
+        reference: Option<(&DataFile, &ColumnSelection)>,
+        journal: &mut dyn Journal,
+        notes: &mut Vec<String>,
+        progress: &mut Progress,
+    ) -> Result<Campaign, Error> {
+        let setup = instrument.setup().clone();
+        let plan = self.plan(&setup)?;
+        notes.extend(plan.notes.iter().cloned());
+        for drive in plan.drives.iter().chain([&plan.demagnetisation]) {
+            setup.check(&self.drive(&plan, &drive.u, drive.ts, 0.0)).map_err(|error| error.of(&drive.file()))?;
+        }
+        journal.agree(&setup, &plan, self.duration(&plan))?;
+        let mut bench = Bench { options: self, instrument, plan: &plan };
+        let found = bench.found(reference, journal, notes, progress).map_err(|error| {
+            let (_, state) = bench.instrument.stop();
+            match error {
+                Error::Cancelled { .. } => {
+                    notes.push(state);
+                    error
+                }
+                other => Error::Content(format!("{other}; {state}")),
+            }
+        })?;
+        let (left, unfinished) = at_rest(bench.instrument, self.instrument.rest);
+        notes.extend(servo_remark(setup.servo, left, &setup.axis));
+        let Found { resumed, identification, validated, straight, compensated } = found;
+        let notes = notes.clone();
+        let campaign = Campaign {
+            setup,
+            plan,
+            resumed,
+            identification,
+            validated,
+            straight,
+            compensated,
+            left,
+            unfinished,
+            notes,
+        };
+        journal.keep(campaign.files()?)?;
+        Ok(campaign)
+    }
+
+    /// The drives, within what the instrument can play.
+    fn plan(&self, setup: &Setup) -> Result<Plan, Error> {
+        let range = self.range.or((self.actuator.is_none()).then_some(setup.range));
+        let defaults = PlanOptions::default();
+        PlanOptions {
+            range,
+            bandwidth: self.bandwidth,
+            actuator: self.actuator.clone(),
+            ts: self.period,
+            points: setup.most_samples().unwrap_or(defaults.points).min(defaults.points),
+            cycle: Some(setup.cycle),
+            limits: self.instrument.limits.clone(),
+        }
+        .run(None)
+    }
+
+    /// A drive of this sampling period [s], with a wait before it [s].
+    fn drive<'u>(&self, plan: &Plan, u: &'u [f64], ts: f64, settle: f64) -> Drive<'u> {
+        Drive { u, ts, ramp: self.instrument.ramp, settle, joined: ts > 1.5 * plan.ts }
+    }
+
+    /// The time that everything takes that moves [s].
+    fn duration(&self, plan: &Plan) -> f64 {
+        let path = plan.drives.last().map_or(0.0, |path| plan.duration(path));
+        let records: f64 = plan.drives.iter().map(|drive| plan.duration(drive)).sum();
+        let demagnetisations = (plan.drives.len() + 2) as f64;
+        records + 2.0 * path + demagnetisations * (plan.duration(&plan.demagnetisation) + self.wait)
+    }
+}
+
+/// What is found before the axis returns to its rest.
+struct Found {
+    resumed: Vec<String>,
+    identification: Identification,
+    validated: Validated,
+    straight: Track,
+    compensated: Track,
+}
+
+/// An instrument with what it is to play.
+struct Bench<'b> {
+    options: &'b CampaignOptions,
+    instrument: &'b mut dyn Instrument,
+    plan: &'b Plan,
+}
+
+impl Bench<'_> {
+    fn found(
+        &mut self,
+        reference: Option<(&DataFile, &ColumnSelection)>,
+        journal: &mut dyn Journal,
+        notes: &mut Vec<String>,
+        progress: &mut Progress,
+    ) -> Result<Found, Error> {
+        let (mut files, mut resumed) = (Vec::new(), Vec::new());
+        for drive in &self.plan.drives {
+            files.push(match self.kept(drive, journal)? {
+                Some(file) => {
+                    resumed.push(drive.name.into());
+                    file
+                }
+                None => self.record(drive, journal)?,
+            });
+        }
+        let mut sources = Source::all(files, &ColumnSelection::default());
+        let (path, small) = (sources.pop(), sources.remove(0));
+        let options = IdentifyOptions { operator: self.options.operator.clone(), ..IdentifyOptions::default() };
+        let identification = options.run((vec![small], sources), "campaign", progress)?;
+        let model = &identification.found.model;
+        journal.keep(vec![File::new("model.json", model.to_json())])?;
+        // The zero of the sensor is measured before each path.
+        let options = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };
+        let validated = options.run(model, path.into_iter().collect())?;
+        let path = Path::new(self.options, self.plan, model, reference)?;
+        let gain = path::gain(&validated.files);
+        let straight = path.on(self, |r, rest| path.straight(r, rest, gain), notes)?;
+        let compensated = path.on(self, |r, rest| path.inverse(r, rest), notes)?;
+        Ok(Found { resumed, identification, validated, straight, compensated })
+    }
+
+    /// The record of a drive that was kept earlier, if the drive is still the same.
+    fn kept(&self, drive: &PlannedDrive, journal: &dyn Journal) -> Result<Option<File>, Error> {
+        let [played, record] = [drive.file(), format!("{}.csv", drive.name)].map(|name| journal.earlier(&name));
+        let same = played.is_some_and(|played| self.file(drive).is_ok_and(|file| file.bytes == played.bytes));
+        Ok(record.filter(|record| same && DataFile::from(record.clone()).record(&ColumnSelection::default()).is_ok()))
+    }
+
+    /// Measures the record of a drive, and keeps both.
+    fn record(&mut self, drive: &PlannedDrive, journal: &mut dyn Journal) -> Result<File, Error> {
+        self.demagnetise()?;
+        let record = self.play(&drive.u, drive.ts, self.options.wait)?;
+        let name = format!("{}.csv", drive.name);
+        let file = File::new(name.clone(), record.written(&name)?);
+        journal.keep(vec![self.file(drive)?, file.clone()])?;
+        Ok(file)
+    }
+
+    /// The file of a drive.
+    fn file(&self, drive: &PlannedDrive) -> Result<File, Error> {
+        let name = drive.file();
+        Ok(File::new(name.clone(), piezoid::formats::Table::write(&name, drive.ts, &[("u_V", &drive.u)])?))
+    }
+
+    fn demagnetise(&mut self) -> Result<(), Error> {
+        let PlannedDrive { u, ts, .. } = &self.plan.demagnetisation;
+        self.play(u, *ts, 0.0).map(drop)
+    }
+
+    /// Plays voltages after a wait [s], and returns what was measured.
+    fn play(&mut self, u: &[f64], ts: f64, settle: f64) -> Result<Record, Error> {
+        let drive = self.options.drive(self.plan, u, ts, settle);
+        self.instrument.prepare(&drive)?;
+        self.instrument.play(&drive)
+    }
+
+    /// Demagnetises, waits, and returns the mean displacement at rest.
+    fn at_rest(&mut self) -> Result<f64, Error> {
+        self.demagnetise()?;
+        let ts = self.plan.ts;
+        let still = vec![self.plan.middle(); (STILL / ts).ceil().max(2.0) as usize];
+        let record = self.play(&still, ts, self.options.wait)?;
+        Ok(piezoid_numerics::series::mean(record.y()))
+    }
+}
+
+impl Campaign {
+    /// How many times better the compensated path is than that of a straight line.
+    pub fn better(&self) -> f64 {
+        self.straight.metrics.rmse / self.compensated.metrics.rmse
+    }
+
+    /// The results as a document.
+    pub fn to_json(&self) -> Value {
+        let (verdict, found) = (self.validated.verdict(&self.identification.found.model), &self.identification.found);
+        json!({
+            "identity": self.setup.identity, "axis": self.setup.axis, "plan": self.plan.to_json(),
+            "resumed": self.resumed, "operator": found.model.hysteresis().operator().name, "verdict": verdict,
+            "path": self.validated.to_json(), "straight": self.straight.to_json(),
+            "compensated": self.compensated.to_json(), "better": self.better(),
+            "voltage": self.left.voltage, "servo": self.left.servo, "unfinished": self.unfinished, "notes": self.notes,
+        })
+    }
+
+    /// The model, both paths, the results, and the page.
+    fn files(&self) -> Result<Vec<File>, Error> {
+        let track = |name: &str, track: &Track| Ok(File::new(name, track.written(name)?));
+        Ok(vec![
+            File::new("model.json", self.identification.found.model.to_json()),
+            track("straight.csv", &self.straight)?,
+            track("compensated.csv", &self.compensated)?,
+            File::new("campaign.json", format!("{:#}\n", self.to_json())),
+            File::new("campaign.html", self.page().html()),
+        ])
+    }
+}

@@ -1,0 +1,121 @@
+use super::*;
+use crate::Function;
+use piezoid::System;
+use piezoid::plant::{Plant, Preset};
+use piezoid::progress::Stage;
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+
+/// Files in memory.
+#[derive(Default)]
+struct Memory {
+    files: BTreeMap<String, File>,
+    /// The number of files from which on no more are kept.
+    most: Option<usize>,
+    is_refused: bool,
+}
+
+impl Journal for Memory {
+    fn agree(&mut self, _: &Setup, plan: &Plan, seconds: f64) -> Result<(), Error> {
+        let records: f64 = plan.drives.iter().map(|drive| plan.duration(drive)).sum();
+        assert!(seconds > records + 16.0, "{seconds} s with 8 waits of 2 s");
+        if self.is_refused { Err(Error::Content("not agreed".into())) } else { Ok(()) }
+    }
+
+    fn earlier(&self, name: &str) -> Option<File> {
+        self.files.get(name).cloned()
+    }
+
+    fn keep(&mut self, files: Vec<File>) -> Result<(), Error> {
+        if self.most.is_some_and(|most| self.files.len() >= most) {
+            return Err(Error::Content("the folder is full".into()));
+        }
+        self.files.extend(files.into_iter().map(|file| (file.name.clone(), file)));
+        Ok(())
+    }
+}
+
+/// A campaign on a plant, and how many voltages it was given.
+fn campaign(
+    plant: &str,
+    range: (f64, f64),
+    memory: &mut Memory,
+    progress: &mut Progress,
+) -> (Result<Campaign, Error>, Vec<String>, usize) {
+    let (played, mut notes) = (Cell::new(0), Vec::new());
+    let plant = Plant::new(&Preset::find(plant).unwrap().spec(), 5e-4).unwrap();
+    let mut x = plant.initial();
+    let call = |u: &[f64]| {
+        played.set(played.get() + u.len());
+        Ok(plant.resume(&mut x, u))
+    };
+    let options =
+        CampaignOptions { bandwidth: 40.0, wait: 2.0, operator: "preisach".into(), ..CampaignOptions::default() };
+    let mut function = Function::new(range, 5e-4, Box::new(call), progress).unwrap();
+    let found = options.on(&mut function, None, memory, &mut notes, &mut Stage::ignore);
+    drop(function);
+    (found, notes, played.get())
+}
+
+/// Of a bender about 0 V and of a stack about the middle of its range, whose states differ from that of a first rise.
+#[test]
+fn a_compensated_path_is_twenty_times_better_than_a_straight_line() {
+    for (plant, range) in [("pl140", (-30.0, 30.0)), ("p885", (0.0, 100.0))] {
+        let mut memory = Memory::default();
+        let found = campaign(plant, range, &mut memory, &mut Stage::ignore).0.unwrap();
+        let paths = (found.straight.text(), found.compensated.text());
+        assert!(found.better() > 20.0, "{plant}: {paths:?}");
+        let of_model = found.validated.total().rmse;
+        assert!(found.compensated.metrics.rmse < 1.5 * of_model, "{plant}: {paths:?}, model {of_model}");
+        assert_eq!((found.unfinished.clone(), found.left.voltage), (None, Some(0.0)));
+        for name in ["small_u.csv", "path.csv", "model.json", "compensated.csv", "campaign.json"] {
+            assert!(memory.files.contains_key(name), "{name}");
+        }
+        let page = memory.files["campaign.html"].text().unwrap().to_string();
+        assert!(page.contains("smaller rms error than with a straight line") && page == found.page().html());
+        assert_eq!(found.to_json()["better"], found.better());
+    }
+}
+
+#[test]
+fn what_was_measured_is_not_measured_again_unless_its_drive_changed() {
+    let (mut memory, range) = (Memory { most: Some(6), ..Memory::default() }, (-30.0, 30.0));
+    let (error, _, all) = campaign("paper", range, &mut memory, &mut Stage::ignore);
+    let error = error.unwrap_err().to_string();
+    assert_eq!(error, "the folder is full; the last voltage of the function was 0.000 V");
+    memory.most = None;
+    memory.files.get_mut("rise1_u.csv").unwrap().bytes.push(b'\n');
+    let (found, _, again) = campaign("paper", range, &mut memory, &mut Stage::ignore);
+    let found = found.unwrap();
+    assert_eq!(found.resumed, ["small", "rise2"]);
+    assert!(again > all, "{again} {all}");
+}
+
+#[test]
+fn nothing_moves_before_it_is_agreed_or_after_it_is_cancelled() {
+    let mut memory = Memory { is_refused: true, ..Memory::default() };
+    let (error, _, played) = campaign("paper", (-30.0, 30.0), &mut memory, &mut Stage::ignore);
+    assert_eq!((error.unwrap_err().to_string(), played), ("not agreed".into(), 0));
+    let calls = Cell::new(0);
+    let mut progress = |_: Stage| {
+        calls.set(calls.get() + 1);
+        if calls.get() > 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    };
+    let mut memory = Memory::default();
+    let (error, notes, _) = campaign("paper", (-30.0, 30.0), &mut memory, &mut progress);
+    assert!(matches!(error, Err(Error::Cancelled { .. })), "{error:?}");
+    assert_eq!(notes.last().unwrap(), "the last voltage of the function was 0.000 V");
+    // One record after its demagnetisation; then the next demagnetisation.
+    assert_eq!((calls.get(), memory.files.len()), (4, 2));
+}
+
+#[test]
+fn a_function_that_returns_too_few_displacements_is_refused() {
+    let mut ignore = Stage::ignore;
+    let call = |u: &[f64]| Ok(u[1..].to_vec());
+    let mut function = Function::new((-1.0, 1.0), 1e-3, Box::new(call), &mut ignore).unwrap();
+    let drive = Drive { u: &[0.0, 0.5], ts: 1e-3, ramp: 0.0, settle: 0.0, joined: false };
+    let message = function.play(&drive).unwrap_err().to_string();
+    assert_eq!(message, "the function returns 1 displacements for 2 voltages: return one for each");
+}
