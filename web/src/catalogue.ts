@@ -174,8 +174,12 @@ export interface CallOptions {
     bandwidth: number | string;
     /** The actuator, for its range, capacitance and resonance (see {list}) */
     actuator?: string;
-    /** Sampling period of all drives [s] */
+    /** Sampling period; drives with too many samples have a multiple of it [s] */
     ts?: number | string;
+    /** Samples that the controller holds of a drive and of a record */
+    points?: number;
+    /** Servo cycle of the controller: sampling periods are multiples of it [s] */
+    cycle?: number | string;
     /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
@@ -194,7 +198,7 @@ export interface CallOptions {
     /** The plant to simulate, unless a model is given */
     plant?: string;
     /** Initial condition: at rest; settled at the first input, directly or after cycles over the whole range; or in motion as in the record */
-    begin?: "rest" | "settled" | "from-above" | "from-below" | "motion";
+    begin?: "rest" | "settled" | "from-above" | "from-below" | "demagnetised" | "motion";
     /** Seed of the plant's noise */
     seed?: number;
     /** Add the standard deviation of a model's response, which the operator gaussian-process states */
@@ -447,6 +451,10 @@ export interface CallOptions {
   };
   /** Play a drive on a controller with PI's GCS 2.0, and record what the actuator does. */
   acquire: {
+    /** Wait at the first voltage before the drive [s] */
+    settle?: number | string;
+    /** Join the voltages by straight lines, instead of holding each for a sampling period */
+    join?: boolean;
     /** Axis to drive */
     axis?: string;
     /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres [V] */
@@ -455,8 +463,51 @@ export interface CallOptions {
     channel?: number;
     /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
     ramp?: number | string;
-    /** Wait at the first voltage before the drive [s] */
-    settle?: number | string;
+    /** Where the axis goes after the drive */
+    rest?: "start" | "zero" | "stay";
+    /** Servo cycle of the controller [s] */
+    cycle?: number | string;
+    /** Address or name of the controller in the network */
+    host?: string;
+    /** TCP port of the controller */
+    port?: number;
+    /** Time for a whole answer [s] */
+    timeout?: number | string;
+    /** The driver whose limits the voltage must keep (see {list}) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs {capacitance} [A] */
+    current?: number | string;
+  };
+  /** Measure, identify and straighten an actuator on a controller, and measure how well it follows a path. */
+  campaign: {
+    /** Highest frequency of the application [Hz] */
+    bandwidth: number | string;
+    /** Lowest and highest voltage of the application [V] */
+    range?: [number, number];
+    /** The actuator, for its range, capacitance and resonance (see {list}) */
+    actuator?: string;
+    /** Sampling period of the model [s] */
+    period?: number | string;
+    /** Wait after each demagnetisation, until creep has decayed [s] */
+    wait?: number | string;
+    /** Hysteresis operators to identify: auto, names separated by commas, or auto,-NAME */
+    operator?: string;
+    /** Axis to drive */
+    axis?: string;
+    /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres [V] */
+    gain?: number | string;
+    /** Number of the output channel and wave generator of the axis */
+    channel?: number;
+    /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
+    ramp?: number | string;
     /** Where the axis goes after the drive */
     rest?: "start" | "zero" | "stay";
     /** Servo cycle of the controller [s] */

@@ -3,6 +3,7 @@
 //!
 //! Why: docs/decisions/front-ends-and-serve.md, "Python has a compiled and a typed layer".
 
+mod campaign;
 mod compare;
 mod compensation;
 mod control;
@@ -25,6 +26,7 @@ mod watch;
 mod _piezoid {
     #[pymodule_export]
     use crate::{
+        campaign::campaign,
         compare::{compare, contest, split},
         compensation::FeedForward,
         control::{control, follow},

@@ -44,15 +44,15 @@ fn campaign(
     progress: &mut Progress,
 ) -> (Result<Campaign, Error>, Vec<String>, usize) {
     let (played, mut notes) = (Cell::new(0), Vec::new());
-    let plant = Plant::new(&Preset::find(plant).unwrap().spec(), 5e-4).unwrap();
+    let plant = Plant::new(&Preset::find(plant).unwrap().spec(), 1e-3).unwrap();
     let mut x = plant.initial();
     let call = |u: &[f64]| {
         played.set(played.get() + u.len());
         Ok(plant.resume(&mut x, u))
     };
     let options =
-        CampaignOptions { bandwidth: 40.0, wait: 2.0, operator: "preisach".into(), ..CampaignOptions::default() };
-    let mut function = Function::new(range, 5e-4, Box::new(call), progress).unwrap();
+        CampaignOptions { bandwidth: 20.0, wait: 2.0, operator: "preisach".into(), ..CampaignOptions::default() };
+    let mut function = Function::new(range, 1e-3, Box::new(call), progress).unwrap();
     let found = options.on(&mut function, None, memory, &mut notes, &mut Stage::ignore);
     drop(function);
     (found, notes, played.get())

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from . import excite, linear
 from ._piezoid import PiezoidError, __version__
+from .campaign import Campaign, campaign
 from .compare import ModelComparison, compare
 from .control import Comparison, control, reference
 from .export import export
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
     from . import plot as plot
 
 __all__ = [
+    "Campaign",
     "Comparison",
     "Compensation",
     "FeedForward",
@@ -53,6 +55,7 @@ __all__ = [
     "Verdict",
     "__version__",
     "actuators",
+    "campaign",
     "compare",
     "control",
     "controllers",

@@ -310,7 +310,9 @@ class PlanOptions(TypedDict, total=False):
     range: Lowest and highest voltage of the application [V]; default: those of the actuator
     bandwidth: Highest frequency of the application [Hz]
     actuator: The actuator, for its range, capacitance and resonance (see `pz.actuators`)
-    ts: Sampling period of all drives [s]; default: from bandwidth and resonance
+    ts: Sampling period; drives with too many samples have a multiple of it [s]; default: from bandwidth and resonance
+    points: Samples that the controller holds of a drive and of a record; default: 200000
+    cycle: Servo cycle of the controller: sampling periods are multiples of it [s]; default: any sampling period
 
     Driver:
 
@@ -326,6 +328,8 @@ class PlanOptions(TypedDict, total=False):
     bandwidth: Required[float | str]
     actuator: str | None
     ts: float | str | None
+    points: int
+    cycle: float | str | None
     driver: str | None
     capacitance: float | str | None
     low: float | str | None
@@ -363,11 +367,12 @@ class SimulateOptions(TypedDict, total=False):
     """Keywords of `Plant.simulate`.
 
     begin: Initial condition: at rest; settled at the first input, directly or after cycles over the whole range; or in
-        motion as in the record ["rest" or "settled" or "from-above" or "from-below" or "motion"]; default: rest
+        motion as in the record ["rest" or "settled" or "from-above" or "from-below" or "demagnetised" or "motion"];
+        default: rest
     seed: Seed of the plant's noise; default: 1
     """
 
-    begin: Literal["rest", "settled", "from-above", "from-below", "motion"]
+    begin: Literal["rest", "settled", "from-above", "from-below", "demagnetised", "motion"]
     seed: int
 
 
@@ -532,6 +537,8 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "bandwidth": 50.0,
         "actuator": None,
         "ts": None,
+        "points": 200000,
+        "cycle": None,
         "driver": None,
         "capacitance": None,
         "low": None,

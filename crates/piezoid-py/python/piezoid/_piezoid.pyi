@@ -1,5 +1,5 @@
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -114,6 +114,13 @@ class FeedForward:
     def reset(self, reference: float | None = None) -> None:
         """Resets the state: at rest, or settled at `reference`."""
 
+def campaign(
+    call: Callable[[Array], Any],
+    rig: tuple[float, str],
+    settings: dict[str, Any],
+    paths: tuple[str | os.PathLike[str] | None, list[float] | None],
+    progress: OnProgress | None,
+) -> tuple[Model, dict[str, Array], dict[str, Array], dict[str, Any], str]: ...
 @final
 class Online:
     def __new__(cls, model: Model, settings: dict[str, Any]) -> Online: ...

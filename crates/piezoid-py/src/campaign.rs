@@ -1,0 +1,91 @@
+//! A campaign on a Python function that plays voltages and returns displacements.
+
+use crate::error::raised;
+use crate::json::{object, options};
+use crate::model::Model;
+use crate::samples::array;
+use crate::watch::watched;
+use piezoid::Error;
+use piezoid::formats::{ColumnSelection, Table};
+use piezoid::progress::Stage;
+use piezoid_host::files::FileSet;
+use piezoid_instruments::{CampaignOptions, Function, Journal, Setup, Track};
+use piezoid_verbs::{DataFile, File, Plan};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::cell::RefCell;
+use std::path::PathBuf;
+
+/// A folder, or nothing.
+struct Folder(Option<PathBuf>);
+
+impl Journal for Folder {
+    fn agree(&mut self, _: &Setup, _: &Plan, _: f64) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn earlier(&self, name: &str) -> Option<File> {
+        Some(File::new(name, std::fs::read(self.0.as_ref()?.join(name)).ok()?))
+    }
+
+    fn keep(&mut self, files: Vec<File>) -> Result<(), Error> {
+        let Some(folder) = &self.0 else { return Ok(()) };
+        FileSet::in_folder(folder, &files).and_then(FileSet::write).map_err(|error| Error::Content(error.to_string()))
+    }
+}
+
+/// Voltage, requested and measured displacement of a path, by name.
+fn track<'py>(py: Python<'py>, track: &Track) -> PyResult<Bound<'py, PyDict>> {
+    let columns = PyDict::new(py);
+    for (name, samples) in [("u", track.record.u()), ("r", &track.r), ("y", track.record.y())] {
+        columns.set_item(name, array(py, samples.to_vec()))?;
+    }
+    Ok(columns)
+}
+
+/// The model, the path with a straight line and the compensated one, the results as a document, and the page.
+type Found<'py> = (Model, Bound<'py, PyDict>, Bound<'py, PyDict>, Py<PyAny>, String);
+
+/// Runs a campaign on `call(u)`, which is sampled every `ts` [s] and returns displacements in `unit`.
+#[pyfunction]
+pub(crate) fn campaign<'py>(
+    py: Python<'py>,
+    call: Py<PyAny>,
+    rig: (f64, String),
+    settings: &Bound<'py, PyDict>,
+    paths: (Option<PathBuf>, Option<Vec<f64>>),
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Found<'py>> {
+    let ((ts, unit), (folder, reference)) = (rig, paths);
+    let options = options::<CampaignOptions>(settings)?;
+    let rule = "is needed: give the lowest and highest voltage";
+    let range = options.range.ok_or_else(|| raised(Error::parameter("range", "(not given)", rule)))?;
+    let limits = options.instrument.limits.limits().map_err(raised)?.unwrap_or_default();
+    let of_path = |r: Vec<f64>| Table::write("reference.csv", ts, &[(&format!("r_{unit}"), &r)]);
+    let reference = reference.map(of_path).transpose().map_err(raised)?;
+    let reference =
+        reference.map(|bytes| (DataFile::from(File::new("reference.csv", bytes)), ColumnSelection::default()));
+    let (mut exception, mut notes) = (None, Vec::new());
+    let found = watched(py, progress, |progress| {
+        let shared = RefCell::new(progress);
+        let mut of_function = |stage: Stage| (shared.borrow_mut())(stage);
+        let mut own = |stage: Stage| (shared.borrow_mut())(stage);
+        let measure = |u: &[f64]| {
+            let answer = Python::attach(|py| call.call1(py, (array(py, u.to_vec()),))?.extract::<Vec<f64>>(py));
+            answer.map_err(|error| {
+                let text = error.to_string();
+                exception = Some(error);
+                Error::Content(text)
+            })
+        };
+        let function = Function::new(range, ts, Box::new(measure), &mut of_function)?;
+        let mut function = function.in_unit(unit).within(limits);
+        let reference = reference.as_ref().map(|(file, columns)| (file, columns));
+        options.on(&mut function, reference, &mut Folder(folder), &mut notes, &mut own)
+    });
+    // What the function itself raised is raised again.
+    let found = found.map_err(|error| exception.unwrap_or(error))?;
+    let (straight, compensated) = (track(py, &found.straight)?, track(py, &found.compensated)?);
+    let (document, page) = (object(py, &found.to_json())?, found.page().html());
+    Ok((found.identification.found.model.into(), straight, compensated, document, page))
+}
