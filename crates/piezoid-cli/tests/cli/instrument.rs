@@ -230,3 +230,29 @@ fn the_axis_rests_where_the_option_says() {
         assert_eq!((controller.voltage(), bench.json("r.json")["voltage"].as_f64()), (expected, Some(expected)));
     }
 }
+
+/// A period of 50 us makes a campaign short: 10 s of creep, which the table holds only sampled less often.
+#[test]
+fn one_command_measures_identifies_and_straightens_an_actuator() {
+    let (bench, controller) = (Bench::new(), Controller::with("--plant pl140 --model e-754"));
+    let line = format!(
+        "campaign --port {} --bandwidth 50 --actuator pl140 --driver pl140 --period 5e-5 --wait 1 --operator preisach \
+         -o all",
+        controller.1
+    );
+    let asked = ["axis 1 is to move between -28.5 and 28.5 V, for ", "Add --yes to agree to it; nothing has moved"];
+    bench.run(&line).exits(1).says(&asked);
+    assert_eq!(controller.voltage(), 0.0);
+    let line = format!("{line} --yes");
+    let child = bench.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // Broken off once the first record is there.
+    awaited(&bench, "all/small.csv");
+    signal(&child, "-INT");
+    let run = ended(&line, child).exits(130).says(&["the records so far are in all"]);
+    witness(&controller, &run);
+    bench.run(&line).ok();
+    let results = bench.json("all/campaign.json");
+    assert_eq!(results["resumed"], serde_json::json!(["small"]));
+    assert!(results["better"].as_f64().unwrap() > 20.0, "{}", results["better"]);
+    assert!(bench.path("all/campaign.html").exists() && controller.voltage().abs() < 0.1);
+}
