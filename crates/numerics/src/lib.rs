@@ -16,5 +16,6 @@ pub mod options;
 pub mod progress;
 pub mod series;
 pub mod spline;
+pub mod stepper;
 pub mod system;
 pub mod words;

@@ -41,6 +41,12 @@ pub trait System: Debug + Send + Sync {
         x
     }
 
+    /// A checksum of all its numbers, by which a saved state finds its system again. The default is that of its debug
+    /// text.
+    fn fingerprint(&self) -> u32 {
+        crc32fast::hash(format!("{self:?}").as_bytes())
+    }
+
     /// One sample: advances the state `x` (of length [`order`](System::order)) by the input `u` and returns the output.
     fn step(&self, x: &mut [f64], u: f64) -> f64;
 

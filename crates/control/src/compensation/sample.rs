@@ -190,6 +190,11 @@ impl System for Causal {
         }
     }
 
+    /// That of the model, and the delay. The limits may change: a state continues within others.
+    fn fingerprint(&self) -> u32 {
+        self.inverse.model().fingerprint() ^ (self.delay_samples() as u32 + 1).wrapping_mul(0x9E37_79B9)
+    }
+
     fn step(&self, x: &mut [f64], r: f64) -> f64 {
         let (before, x) = x.split_at_mut(BEFORE);
         let allowed = self.inverse.from(before[0]);

@@ -4,9 +4,10 @@ use piezoid_models::creep::Creep;
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hysteresis::{OPERATORS, Operator};
 use piezoid_models::linear::Arx;
+use piezoid_numerics::stepper::Stepper;
 use piezoid_records::excitation::{Prbs, RisingSine, Triangle};
 use piezoid_records::record::{Record, Units};
-use piezoid_testing::assert_close;
+use piezoid_testing::{assert_close, in_feedback, noise};
 use piezoid_twins::Plant;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -286,4 +287,80 @@ fn learning_checks_the_responses_and_discards_bad_trials() {
     assert_close(&[rms_error(&r, &first.y)], &[best], 1e-12, 0.0);
     let none = Learning { gain: 0.0, ..Default::default() };
     assert!(none.run(&mut |u| u.to_vec(), &inverse, &r).unwrap_err().to_string().starts_with("gain = 0"));
+}
+
+const LIMITS: Limits = Limits { low: Some(-30.0), high: Some(30.0), slew: Some(2e4), current: None, capacitance: None };
+
+/// A compensator of every operator, with and without a driver, and of mechanics with hysteresis in feedback.
+fn compensators() -> Vec<(String, Causal)> {
+    let driver = DriverModel::new(1e-4, Some(6e4)).unwrap();
+    let mut models: Vec<(String, Model)> = OPERATORS.iter().map(|o| (o.name.into(), model(o.name, None))).collect();
+    models.push(("driven".into(), model(PLAYS, Some(driver))));
+    let read = |(name, document): (&str, serde_json::Value)| {
+        (name.to_string(), Model::from_json(&document.to_string()).unwrap())
+    };
+    models.extend(in_feedback().into_iter().map(read));
+    let of = |(name, model): (String, Model)| {
+        let settings = FeedForwardSettings { limits: LIMITS, ..FeedForwardSettings::default() };
+        let delay = *Causal::delays(&model).start() + 2;
+        (name, Causal::new(&model, settings, delay).unwrap())
+    };
+    models.into_iter().map(of).collect()
+}
+
+#[test]
+fn a_run_of_which_samples_are_refused_is_that_of_the_acknowledged_samples_and_continues_from_its_saved_state() {
+    for (k, (name, causal)) in compensators().into_iter().enumerate() {
+        let draws = noise(k as u64 + 1, 600);
+        let top = if causal.inverse.model().feedback().is_some() { 12.0 } else { 400.0 };
+        let mut compensator = Stepper::new(causal.clone());
+        let (mut acknowledged, mut voltages, mut refusals) = (Vec::new(), Vec::new(), 0);
+        for (t, draw) in draws.iter().enumerate() {
+            let r = if t == 77 { f64::NAN } else { top * (0.05 * t as f64).sin() + 0.1 * top * draw };
+            let u = compensator.plan(r);
+            // A third of a normal distribution lies above 0.43 of its deviation.
+            if *draw > 0.43 {
+                refusals += 1;
+            } else {
+                compensator.commit().unwrap();
+                acknowledged.push(r);
+                voltages.push(u);
+            }
+            if t == 300 {
+                let text = serde_json::to_string(&compensator.save()).unwrap();
+                compensator = Stepper::new(causal.clone());
+                compensator.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+            }
+        }
+        let alone = Stepper::new(causal).resume(&acknowledged);
+        let bits = |u: &[f64]| u.iter().map(|u| u.to_bits()).collect::<Vec<_>>();
+        assert_eq!(bits(&alone), bits(&voltages), "{name}");
+        assert!((150..250).contains(&refusals), "{refusals}");
+    }
+}
+
+#[test]
+fn a_state_of_another_model_or_delay_is_refused_and_one_with_any_finite_numbers_is_no_danger() {
+    let all = compensators();
+    for (k, (name, causal)) in all.iter().enumerate() {
+        let other = Stepper::new(all[(k + 1) % all.len()].1.clone()).save();
+        let mut compensator = Stepper::new(causal.clone());
+        let error = compensator.restore(&other).unwrap_err().to_string();
+        assert!(error.contains("state of another model"), "{name}: {error}");
+        let settings = FeedForwardSettings { limits: LIMITS, ..FeedForwardSettings::default() };
+        let longer = Causal::new(causal.inverse.model(), settings, causal.delay_samples() + 1).unwrap();
+        assert!(compensator.restore(&Stepper::new(longer).save()).is_err(), "{name}");
+        for wild in [1e300, -1e300, 5e-324, 1e18, -7.0] {
+            let mut saved = compensator.save();
+            saved.numbers.fill(wild);
+            compensator.restore(&saved).unwrap();
+            compensator.resume(&[10.0, -20.0, 1e9]);
+            let mut model = Stepper::new(causal.inverse.model().clone());
+            let mut saved = model.save();
+            saved.numbers.fill(wild);
+            model.restore(&saved).unwrap();
+            model.resume(&[1.0, -20.0, 0.0]);
+            compensator.set_state(causal.initial()).unwrap();
+        }
+    }
 }

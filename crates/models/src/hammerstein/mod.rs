@@ -79,12 +79,16 @@ pub struct Model {
 /// True if the numbers and units are equal to the bit, however the models were identified.
 impl PartialEq for Model {
     fn eq(&self, other: &Self) -> bool {
-        let numbers = |model: &Self| model.clone().with_provenance(Value::Null).to_json();
-        numbers(self) == numbers(other)
+        self.numbers() == other.numbers()
     }
 }
 
 impl Model {
+    /// Its file without the provenance.
+    fn numbers(&self) -> String {
+        self.clone().with_provenance(Value::Null).to_json()
+    }
+
     /// The blocks in series; `offset` [output unit] is added to the output.
     ///
     /// # Errors
@@ -436,6 +440,11 @@ impl System for Model {
 
     fn settled(&self, u: f64) -> Vec<f64> {
         self.feedback().map_or_else(|| self.settled_blocks(u), |feedback| feedback.settled(u))
+    }
+
+    /// The checksum of its file without the provenance: equal models have the same.
+    fn fingerprint(&self) -> u32 {
+        crc32fast::hash(self.numbers().as_bytes())
     }
 
     fn step(&self, x: &mut [f64], u: f64) -> f64 {
