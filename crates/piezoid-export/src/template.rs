@@ -31,9 +31,10 @@ macro_rules! template {
 pub(super) use template;
 
 /// Included templates.
-const INCLUDED: [Template; 5] = [
+const INCLUDED: [Template; 6] = [
     template!("readme/opening.md.j2"),
     template!("readme/calls.md.j2"),
+    template!("readme/refused.md.j2"),
     template!("readme/operations.md.j2"),
     template!("fixed/counts.c.j2"),
     template!("fmu/units.xml.j2"),

@@ -5,6 +5,7 @@
 //! bit-identical.
 
 mod body;
+mod saved;
 
 use super::exported::{Entry, ExportedProgram, state_of};
 use super::fixed::{Fixed, PLAIN};
@@ -39,7 +40,7 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
 };
 
 /// The longest name for which function names differ within the characters that C99 guarantees.
-const LONGEST: usize = 31 - "_control_reset".len();
+const LONGEST: usize = 31 - "_control_restore".len();
 
 /// Reserved names: keywords, and names that would clash with those of the program.
 const RESERVED: &str = "auto break case char const continue default do double else enum extern float for goto if \
@@ -97,8 +98,8 @@ impl<'c> C<'c> {
     pub(super) fn template_context(&self) -> Value {
         let all = template_context(self.request, self.whole, &|values| self.numbers(values));
         let counts = self.counts.map_or(context!(), Fixed::template_context);
-        let own =
-            context! { number => self.number(), zero => self.real(0.0), set => SET, counts => self.counts.is_some() };
+        let own = context! { number => self.number(), zero => self.real(0.0), one => self.real(1.0), set => SET, counts => self.counts.is_some(),
+        saved => self.saved() };
         context! { ..own, ..counts, ..all }
     }
 
