@@ -129,6 +129,48 @@ def test_the_inverse_runs_sample_by_sample_and_begins_anew(model: pz.Model) -> N
     assert abs(inverse.step(200.0) - model.compensate([200.0] * 5)[0]) < 1e-6
 
 
+def test_a_refused_sample_leaves_no_trace_and_a_saved_state_continues_to_the_bit(model: pz.Model) -> None:
+    random = np.random.default_rng(7)
+    r = 300 * np.sin(0.03 * np.arange(900)) + random.normal(size=900)
+    refused = random.random(900) < 1 / 3
+    inverse, voltages = model.inverse(4, driver="pl140"), []
+    for k, (value, is_refused) in enumerate(zip(r, refused, strict=True)):
+        u = inverse.plan(value)
+        if not is_refused:
+            inverse.commit()
+            voltages.append(u)
+        if k == 450:
+            state = json.loads(json.dumps(inverse.save_state()))
+            inverse = model.inverse(4, driver="pl140")
+            inverse.restore(state)
+    assert 200 < refused.sum() < 400
+    assert np.array(voltages).tobytes() == model.inverse(4, driver="pl140").resume(r[~refused]).tobytes()
+
+
+def test_states_of_others_and_plans_that_do_not_exist_are_refused(model: pz.Model) -> None:
+    inverse = model.inverse(4)
+    with pytest.raises(pz.PiezoidError, match="nothing is planned"):
+        inverse.commit()
+    assert inverse.plan(10.0) != inverse.plan(20.0)
+    inverse.step(10.0)
+    with pytest.raises(pz.PiezoidError, match="nothing is planned"):
+        inverse.commit()
+    state = inverse.save_state()
+    other = pz.Model.from_dict(model.to_dict() | {"offset": model.offset + 1}).inverse(4)
+    for wrong in [other, model.inverse(5)]:
+        with pytest.raises(pz.PiezoidError, match="state of another model"):
+            wrong.restore(state)
+    for broken, words in [
+        (state | {"numbers": state["numbers"][1:]}, "must have"),
+        (state | {"numbers": [None] * len(state["numbers"])}, "save_state"),
+        ({}, "save_state"),
+    ]:
+        before = inverse.save_state()
+        with pytest.raises(pz.PiezoidError, match=words):
+            inverse.restore(broken)
+        assert inverse.save_state() == before
+
+
 def test_settings_that_nobody_knows_are_refused_and_so_are_numbers_that_are_none(model: pz.Model) -> None:
     for wrong in [lambda: model.inverse(hihg=10.0), lambda: pz.control("pl140", model, [0.0], hihg=10.0),
                   lambda: model.inverse(zvd=True)]:  # fmt: skip

@@ -106,7 +106,13 @@ class FeedForward:
         """Sampling period [s]."""
 
     def step(self, r: float) -> float:
-        """The voltage for this sample of the reference."""
+        """The voltage for this sample of the reference. The state advances, whatever the hardware does with it."""
+
+    def plan(self, r: float) -> float:
+        """The voltage for this sample of the reference; the state stays until `commit`. Another plan replaces it."""
+
+    def commit(self) -> None:
+        """Advances by the planned sample, once the hardware has acknowledged its voltage."""
 
     def resume(self, reference: Samples) -> Array:
         """The voltages for the next samples of the reference, from the present state; both of shape (n,)."""
@@ -114,13 +120,12 @@ class FeedForward:
     def reset(self, reference: float | None = None) -> None:
         """Resets the state: at rest, or settled at `reference`."""
 
-def campaign(
-    call: Callable[[Array], Any],
-    rig: tuple[float, str],
-    settings: dict[str, Any],
-    paths: tuple[str | os.PathLike[str] | None, list[float] | None],
-    progress: OnProgress | None,
-) -> tuple[Model, dict[str, Array], dict[str, Array], dict[str, Any], str]: ...
+    def save_state(self) -> dict[str, Any]:
+        """The state after the last committed sample, as a dict that survives JSON to the bit."""
+
+    def restore(self, state: dict[str, Any]) -> None:
+        """Continues from a saved state; one of another model, delay or length is refused."""
+
 @final
 class Online:
     def __new__(cls, model: Model, settings: dict[str, Any]) -> Online: ...
