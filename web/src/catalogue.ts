@@ -288,6 +288,35 @@ export interface CallOptions {
     /** Shape the reference (ZVD) so that the resonance is not excited */
     zvd?: boolean;
   };
+  /** Time moves along a path: settling, overshoot, scan lag; find the fastest step and flyback. */
+  timing: {
+    /** Also play the path on this plant */
+    plant?: string;
+    /** Largest error of a settled displacement: a number in the model's output unit, or with a unit, such as 0.1um */
+    tolerance?: string;
+    /** Height of the step up and down that is the path if none is given, written like {tolerance} */
+    step?: string;
+    /** Largest number of iterations that correct the error left in the model's free run */
+    iterations?: number;
+    /** The driver whose limits the voltage must keep (see {list}) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs {capacitance} [A] */
+    current?: number | string;
+    /** Smooth steps and corners to minimum-jerk moves of this duration [s] */
+    smooth?: number | string;
+    /** Filter the reference with a notch at the model's resonance */
+    notch?: boolean;
+    /** Shape the reference (ZVD) so that the resonance is not excited */
+    zvd?: boolean;
+  };
   /** Follow gain, hysteresis weights and linear block of a model along a stream or a record. */
   online: {
     /** State of the actuator before the first sample: at rest, or settled at the first input */

@@ -93,6 +93,13 @@ test("a displacement becomes a voltage", () => {
   assert.equal(answer.series.get("u").length, 1000);
 });
 
+test("moves are timed along a path and without one", () => {
+  const answer = call({ call: "timing", files: { model: [model.name], path: [path.name] } }, [model, path]);
+  assert.equal(answer.series.get("y/1").length, 1000);
+  const { result } = call({ call: "timing", options: { plant: "pl140" }, files: { model: [model.name] } }, [model]);
+  assert.equal(result.runs.length, 4);
+});
+
 for (const { name } of lists.controllers) {
   test(`the controller ${name} follows a path`, () => {
     const answer = call({ call: "control", options: { controller: [name] }, files: along }, [model, path]);

@@ -56,6 +56,13 @@ fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
     let nrmse = validated.result["files"][1]["nrmse_percent"].as_f64().unwrap();
     assert!(nrmse < 2.0, "{nrmse} % on the record of the identification");
 
+    let timed = answer(
+        json!({"call": "timing", "options": {"plant": "pl140", "tolerance": "1um"}, "files": {"model": ["model.json"]}}),
+        &files,
+    );
+    assert_eq!((timed.result["runs"].as_array().unwrap().len(), timed.series.len()), (4, 6));
+    assert!(timed.result["step"]["shortest"]["move_s"].as_f64().unwrap() > 0.0);
+
     let path = json!({"kind": "sine", "frequency": 2, "amplitude": 3, "unit": "um", "ts": 1e-3, "duration": 1});
     let reference = as_file("r.csv", answer(json!({"call": "excite", "options": path}), &[]));
     let files = [files.to_vec(), vec![reference]].concat();

@@ -20,6 +20,7 @@ mod prepare;
 mod same_actuator;
 mod simulate;
 mod split;
+mod timing;
 mod validate;
 mod verdict;
 
@@ -38,6 +39,7 @@ pub use plan::{Plan, PlanOptions, PlannedDrive};
 pub use prepare::{Source, Step};
 pub use simulate::{SimulateOptions, Simulated, Subject};
 pub use split::{Split, Test};
+pub use timing::{FastestMove, Landing, Players, RunTiming, ScanLag, StepTiming, Timing, TimingOptions};
 pub use validate::{Compared, ValidateRecords, Validated};
 pub use verdict::{StatedVerdict, Verdict};
 

@@ -22,6 +22,7 @@ mod serve;
 mod shell;
 mod simulate;
 mod study;
+mod timing;
 mod validate;
 
 /// What the files of verbs have in common.
@@ -101,6 +102,7 @@ const VERBS: &[Verb] = &[
     operation::<validate::Validate>("validate"),
     operation::<compare::Compare>("compare"),
     operation::<compensate::Compensate>("compensate"),
+    operation::<timing::TimingCall>("timing"),
     operation::<control::Control>("control"),
     operation::<online::Online>("online"),
     operation::<export::Export>("export"),

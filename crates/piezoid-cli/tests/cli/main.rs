@@ -27,6 +27,7 @@ mod process;
 mod proof;
 mod serve;
 mod study;
+mod timing;
 mod tour;
 mod twins;
 mod usage;

@@ -10,7 +10,10 @@ use piezoid_models::hammerstein::HiddenLoop;
 use piezoid_models::hysteresis::LoopOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::{MIN_REVERSAL_SHARE, reversals};
-use piezoid_verbs::{CompensateOptions, File, OnlineOptions, OnlineRow, SimulateOptions, Subject, ValidateRecords};
+use piezoid_verbs::{
+    CompensateOptions, DataFile, File, OnlineOptions, OnlineRow, SimulateOptions, Subject, TimingOptions,
+    ValidateRecords,
+};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -55,6 +58,14 @@ pub(super) const OPERATIONS: &[Operation] = &[
         run: |inputs, _| compensate(inputs),
     },
     Operation {
+        name: "timing",
+        summary: "Time moves along a path: settling, overshoot, scan lag; find the fastest step and flyback",
+        module: "models",
+        roles: &[MODEL, optional("path"), optional("measured")],
+        options: TimingCall::rows,
+        run: timing,
+    },
+    Operation {
         name: "online",
         summary: "Follow gain, hysteresis weights and linear block of a model along a stream or a record",
         module: "models",
@@ -70,6 +81,30 @@ options! {
         /// The plant to simulate, unless a model is given.
         plant: String = "pl140".into(), OptionRow::new(NAME).list("plants");
     } with simulation: SimulateOptions
+}
+
+options! {
+    /// Options of `timing`.
+    pub(crate) struct TimingCall {
+        /// Also play the path on this plant.
+        plant: Option<String> = None, OptionRow::new(NAME).list("plants");
+    } with timing: TimingOptions
+}
+
+fn timing(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let TimingCall { plant, timing } = inputs.options()?;
+    let spec = plant.as_deref().map(|name| Ok((name, Preset::find(name)?.spec()))).transpose()?;
+    let [path, measured] = ["path", "measured"].map(|role| Ok(inputs.some(role)?.map(DataFile::from)));
+    let (path, measured): (Option<DataFile>, Option<DataFile>) = (path?, measured?);
+    let plant = spec.as_ref().map(|(name, spec)| (*name, spec));
+    let data = (path.as_ref(), measured.as_ref());
+    let outcome = timing.run(&inputs.one("model")?, data, plant, &inputs.columns()?, progress)?;
+    let mut result = outcome.to_json();
+    result["sentence"] = outcome.proven().into();
+    result["units"] = json!(outcome.units);
+    let mut series = named([("r", &outcome.path[..]), ("u", &outcome.u)]);
+    series.extend(outcome.displacements.iter().enumerate().map(|(k, y)| (format!("y/{k}"), y.clone())));
+    Ok(Output { result, series, files: vec![File::new("timing.csv", outcome.written("timing.csv")?)] })
 }
 
 fn simulate(inputs: &Inputs) -> Result<Output, Error> {

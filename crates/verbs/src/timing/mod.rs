@@ -1,0 +1,379 @@
+//! Moves in time: settling, overshoot and scan lag along a path, and the fastest moves of the actuator.
+//!
+//! A path, perhaps shaped, is compensated with the model, known as a whole and clipped to the limits, and played on the
+//! model and, if named, on a simulated plant, each beside a straight line from displacement to voltage:
+//!
+//! ```text
+//! u = u_low + (r - y_low) (u_high - u_low) / (y_high - y_low)        through the ends of the stroke
+//! ```
+//! [`RunTiming::of`] takes any displacement along a requested one, such as a record of a controller. The reading of a
+//! plant is without the noise of its sensor, which is no motion. It does not simulate feedback: `control` does.
+
+mod fastest;
+mod run;
+
+pub use fastest::{FastestMove, Landing};
+pub use run::{RunTiming, ScanLag, StepTiming};
+
+use super::same_actuator::matched;
+use super::verdict::{StatedVerdict, proven};
+use super::{CompensateOptions, DataFile, File, Verdict, blamed};
+use fastest::Mover;
+use piezoid_control::compensation::shaping::Shaping;
+use piezoid_control::compensation::{FeedForward, FeedForwardSettings};
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::{Error, finite};
+use piezoid_numerics::number::{ascii_unit, short};
+use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::progress::{Progress, Stage};
+use piezoid_numerics::series::ends;
+use piezoid_numerics::system::System;
+use piezoid_records::excitation::LimitOptions;
+use piezoid_records::formats::{ColumnSelection, Table};
+use piezoid_records::record::{Record, Units};
+use piezoid_twins::{Plant, Spec};
+use serde_json::{Value, json};
+
+/// The default tolerance, over the height of the path.
+const TOLERANCE: f64 = 0.01;
+
+/// Height of the default step, and of the default flyback, over the stroke.
+const STEP: f64 = 0.1;
+const FLYBACK: f64 = 0.8;
+
+/// Time for which the default step is held [s], and its smallest number of samples.
+const HELD: f64 = 0.25;
+const HELD_SAMPLES: usize = 600;
+
+options! {
+    /// How to time moves.
+    pub struct TimingOptions {
+        /// Largest error of a settled displacement: a number in the model's output unit, or with a unit, such as 0.1um.
+        tolerance: Option<String> = None, OptionRow::new(LENGTH).absent("1 % of the height of the path");
+        /// Height of the step up and down that is the path if none is given, written like {tolerance}.
+        step: Option<String> = None, OptionRow::new(LENGTH).absent("a tenth of the stroke");
+        /// Largest number of iterations that correct the error left in the model's free run.
+        iterations: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
+    } with limits: LimitOptions with shape: Shaping
+}
+
+const LENGTH: OptionKind = OptionKind::Text("LENGTH");
+
+/// What plays a path beside the model.
+#[derive(Debug, Default)]
+pub struct Players<'a> {
+    /// A plant by name.
+    pub plant: Option<(&'a str, &'a Spec)>,
+    /// The displacement that was measured along the path [output unit].
+    pub measured: Option<Vec<f64>>,
+}
+
+/// The timing of moves.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Timing {
+    /// Sampling period [s].
+    pub ts: f64,
+    /// Units of voltage and displacement.
+    pub units: Units,
+    /// Largest error of a settled displacement [output unit].
+    pub tolerance: f64,
+    /// The path after shaping [output unit].
+    pub path: Vec<f64>,
+    /// The compensated voltage [input unit].
+    pub u: Vec<f64>,
+    /// The timing of each run.
+    pub runs: Vec<RunTiming>,
+    /// The displacement of each run [output unit].
+    pub displacements: Vec<Vec<f64>>,
+    /// The fastest moves of each shape: steps, then flybacks.
+    pub fastest: Vec<FastestMove>,
+    /// Remarks, one sentence each.
+    pub notes: Vec<String>,
+    /// How good the model was at its identification, if its file says so.
+    pub verdict: Option<Verdict>,
+}
+
+impl TimingOptions {
+    /// Times the path `r` [output unit], or a step up and down, with `model`.
+    ///
+    /// # Errors
+    /// Returns an error for a tolerance or a step that is no positive length, inconsistent limits, a model without an
+    /// inverse, a path that cannot be held or shaped, a measured displacement of another length, and cancellation.
+    pub fn of(
+        &self,
+        model: &Model,
+        r: Option<Vec<f64>>,
+        players: &Players,
+        progress: &mut Progress,
+    ) -> Result<Timing, Error> {
+        let settings =
+            FeedForwardSettings { iterations: self.iterations, ..FeedForwardSettings::within(&self.limits, false)? };
+        let inverse = FeedForward::new(model, settings)?;
+        let (units, reach) = (model.units(), inverse.reach());
+        let is_path = r.is_some();
+        let r = r.map_or_else(|| self.step_along(model, reach), Ok)?;
+        finite("path", &r)?;
+        inverse.holds(&r)?;
+        let (low, high) = ends(r.iter().copied());
+        let tolerance = match &self.tolerance {
+            Some(text) => length("tolerance", text, &units.y)?,
+            None => TOLERANCE * (high - low),
+        };
+        if !(tolerance > 0.0) {
+            let rule = "must be a positive length, because the path stays where it is";
+            return Err(Error::parameter("tolerance", short(tolerance), rule));
+        }
+        let options = CompensateOptions {
+            clip: true,
+            iterations: self.iterations,
+            limits: self.limits.clone(),
+            shape: self.shape,
+        };
+        let compensation = options.of(model, r)?;
+        let (r, u) = (&compensation.shaped, &compensation.compensated.u);
+        let line = straight(model, settings.ends(model)?, reach, r);
+        let mut played = vec![
+            ("model, compensated".to_string(), compensation.compensated.reached.clone()),
+            (
+                "model, straight line".to_string(),
+                model.follow(&mut model.settled(line.first().copied().unwrap_or(0.0)), &line),
+            ),
+        ];
+        let mut notes = compensation.compensated.notes.clone();
+        let plant = players.plant.map(|plant| Twin::new(plant, model, &settings, &mut notes)).transpose()?;
+        if let Some(twin) = &plant {
+            for (what, u) in [("compensated", u), ("straight line", &line)] {
+                played.push((format!("{}, {what}", twin.name), twin.play(u)));
+            }
+            notes.extend(twin.saturated(u));
+        }
+        if let Some(y) = &players.measured {
+            if y.len() != r.len() {
+                let (left, right) = ("the path".into(), "the measured displacement".into());
+                return Err(Error::Lengths { left, left_len: r.len(), right, right_len: y.len() });
+            }
+            played.push(("measured".into(), y.clone()));
+        }
+        cancelled(progress, 1)?;
+        let play = plant.as_ref().map(|twin| |u: &[f64]| twin.play(u));
+        let play = play.as_ref().map(|play| play as &dyn Fn(&[f64]) -> Vec<f64>);
+        let mover = Mover { model, inverse: &inverse, tolerance, plant: play };
+        let (step, flyback) = self.goals(r, reach, is_path);
+        let mut fastest = mover.fastest("step", step);
+        cancelled(progress, 2)?;
+        fastest.extend(mover.fastest("flyback", flyback));
+        cancelled(progress, 3)?;
+        let (runs, displacements) =
+            played.into_iter().map(|(name, y)| (RunTiming::of(name, model.ts(), (r, &y), tolerance), y)).unzip();
+        notes.extend(self.remarks(&compensation, tolerance));
+        Ok(Timing {
+            ts: model.ts(),
+            units: units.clone(),
+            tolerance,
+            runs,
+            displacements,
+            fastest,
+            notes,
+            verdict: model.verdict(),
+            u: compensation.compensated.u,
+            path: compensation.shaped,
+        })
+    }
+
+    /// The same from files; `measured` is the record of a controller along the path, whose column y counts.
+    ///
+    /// # Errors
+    /// The errors of [`TimingOptions::of`], and errors for files without a model, a path or a displacement.
+    pub fn run(
+        &self,
+        file: &File,
+        (path, measured): (Option<&DataFile>, Option<&DataFile>),
+        plant: Option<(&str, &Spec)>,
+        columns: &ColumnSelection,
+        progress: &mut Progress,
+    ) -> Result<Timing, Error> {
+        let model = file.model()?;
+        let r = path.map(|path| path.reference(columns, &model)).transpose()?;
+        if let (Some(_), None) = (measured, path) {
+            let rule = "must come with the path along which it was measured";
+            return Err(Error::parameter("measured", "a file", rule));
+        }
+        let measured = measured.map(|file| displacement(file, columns, &model)).transpose()?;
+        let result = self.of(&model, r, &Players { plant, measured }, progress);
+        result.map_err(|e| path.map_or(e.clone(), |path| blamed(e, file).about(&path.name)))
+    }
+
+    /// The default path: a step up and down about the middle of the stroke.
+    fn step_along(&self, model: &Model, reach: (f64, f64)) -> Result<Vec<f64>, Error> {
+        let height = match &self.step {
+            Some(text) => length("step", text, &model.units().y)?,
+            None => STEP * (reach.1 - reach.0),
+        };
+        let middle = 0.5 * (reach.0 + reach.1);
+        let (low, high) = (middle - 0.5 * height, middle + 0.5 * height);
+        let held = ((HELD / model.ts()).min(1e6) as usize).max(HELD_SAMPLES);
+        Ok([vec![low; HELD_SAMPLES], vec![high; held], vec![low; held]].concat())
+    }
+
+    /// The ends of the step and of the flyback whose fastest moves are searched: the largest step of the path, or a
+    /// tenth of its height, and from its top to its bottom. Without a path, the flyback is over 0.8 of the stroke.
+    fn goals(&self, r: &[f64], reach: (f64, f64), is_path: bool) -> ((f64, f64), (f64, f64)) {
+        let (low, high) = ends(r.iter().copied());
+        let steps = RunTiming::of("path", 1.0, (r, r), 0.0).steps;
+        let largest = steps.iter().rev().max_by(|a, b| (a.to - a.from).abs().total_cmp(&(b.to - b.from).abs()));
+        let middle = 0.5 * (low + high);
+        let step = largest.map_or((middle, middle + STEP * (high - low)), |step| (step.from, step.to));
+        let (centre, half) = (0.5 * (reach.0 + reach.1), 0.5 * FLYBACK * (reach.1 - reach.0));
+        (step, if is_path { (high, low) } else { (centre + half, centre - half) })
+    }
+
+    /// Notes on the tolerance and on the limits.
+    fn remarks(&self, compensation: &super::Compensation, tolerance: f64) -> Vec<String> {
+        let (unit, mut notes) = (&compensation.units.y, Vec::new());
+        if let Some(expected) = compensation.expected_rms().filter(|expected| tolerance < 2.0 * expected) {
+            notes.push(format!(
+                "the tolerance of {} {unit} is below twice the rms error to expect of this model along the path, {} \
+                 {unit}: on the actuator moves may settle later, or not at all; identify a better model, or allow more",
+                short(tolerance),
+                short(expected)
+            ));
+        }
+        if self.limits == LimitOptions::default() {
+            notes.push(
+                "the limits of the driver are not known, so that moves may be shorter here than on the actuator: name \
+                 the driver"
+                    .into(),
+            );
+        }
+        notes
+    }
+}
+
+/// Returns an error if the work is cancelled after `done` of its steps.
+fn cancelled(progress: &mut Progress, done: usize) -> Result<(), Error> {
+    let (what, total) = ("timing of moves", 3);
+    match progress(Stage::new(what, done, total)).is_break() {
+        true => Err(Error::Cancelled { what: what.into(), done, total }),
+        false => Ok(()),
+    }
+}
+
+/// The positive length in a text, with a unit or in the output unit.
+fn length(name: &str, text: &str, unit: &str) -> Result<f64, Error> {
+    let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.');
+    let own = ascii_unit(text[digits.len()..].trim());
+    let factor = if own.is_empty() { Some(1.0) } else { Units::factor(&own, unit) };
+    let value = digits.trim().parse::<f64>().ok().zip(factor).map(|(value, factor)| value * factor);
+    value.filter(|v| v.is_finite() && *v > 0.0).ok_or_else(|| {
+        let rule = format!("must be a positive length, in {unit} or with a unit that can be converted to it");
+        Error::parameter(name, text, rule)
+    })
+}
+
+/// The straight line from displacement to voltage through the ends of the stroke, within these ends.
+fn straight(model: &Model, (low, high): (f64, f64), reach: (f64, f64), r: &[f64]) -> Vec<f64> {
+    // A model may fall with its input.
+    let falls = model.linear().dc_gain() < 0.0;
+    let (from, to) = if falls { (reach.1, reach.0) } else { reach };
+    r.iter().map(|r| (low + (r - from) * (high - low) / (to - from)).max(low).min(high)).collect()
+}
+
+/// The displacement in a record along a path, in the output unit of the model.
+fn displacement(file: &DataFile, columns: &ColumnSelection, model: &Model) -> Result<Vec<f64>, Error> {
+    let of = |table: Table| {
+        let own = |name: &&str| name.starts_with("y_");
+        let output_col = columns.output_col.clone().or_else(|| table.names().find(own).map(Into::into));
+        // A column that is named is taken even beside one of a reference.
+        let signal = table.reference(&ColumnSelection { output_col, ..columns.clone() })?;
+        Record::same_sampling("the model", model.ts(), "the measured displacement", signal.ts)?;
+        signal.samples_in(&model.units().y, "the measured displacement")
+    };
+    file.read(of)
+}
+
+/// A simulated plant.
+struct Twin {
+    name: String,
+    plant: Plant,
+    /// From um to the output unit.
+    factor: f64,
+}
+
+impl Twin {
+    fn new(
+        (name, spec): (&str, &Spec),
+        model: &Model,
+        settings: &FeedForwardSettings,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, Error> {
+        let unit = &model.units().y;
+        let factor = Units::factor("um", unit).ok_or_else(|| {
+            let what = "the model's output".to_string();
+            Error::Units { what, found: unit.clone(), expected: "a length, which a plant moves by,".into() }
+        })?;
+        let (mut spec, note) = matched((name, spec), model, settings)?;
+        notes.extend(note);
+        spec.sensor.noise_rms_m = 0.0;
+        Ok(Twin { name: name.into(), plant: Plant::new(&spec, model.ts())?, factor })
+    }
+
+    /// The displacement with the voltage `u`, from the settled state at its first value.
+    fn play(&self, u: &[f64]) -> Vec<f64> {
+        let mut x = self.plant.settled(u.first().copied().unwrap_or(0.0));
+        self.plant.resume(&mut x, u).into_iter().map(|y| self.factor * y).collect()
+    }
+
+    fn saturated(&self, u: &[f64]) -> Option<String> {
+        let mut x = self.plant.settled(u.first().copied().unwrap_or(0.0));
+        self.plant.resume(&mut x, u);
+        let found = self.plant.saturation(&x);
+        found.any().then(|| format!("{}: along the path, {found}", self.name))
+    }
+}
+
+impl Timing {
+    /// How good the model is, in words.
+    pub fn proven(&self) -> String {
+        proven(self.verdict.as_ref())
+    }
+
+    /// The fastest move of this purpose on the model, `step` or `flyback`.
+    pub fn shortest(&self, purpose: &str) -> Option<&FastestMove> {
+        let all = self.fastest.iter().filter(|m| m.purpose == purpose && m.settling_s.is_some());
+        all.min_by(|a, b| a.settling_s.partial_cmp(&b.settling_s).unwrap_or(std::cmp::Ordering::Equal))
+    }
+
+    /// That with the least overshoot on the model.
+    pub fn smoothest(&self, purpose: &str) -> Option<&FastestMove> {
+        let all = self.fastest.iter().filter(|m| m.purpose == purpose && m.settling_s.is_some());
+        all.min_by(|a, b| a.overshoot.partial_cmp(&b.overshoot).unwrap_or(std::cmp::Ordering::Equal))
+    }
+
+    /// The figures as a document.
+    pub fn to_json(&self) -> Value {
+        let best = |purpose| json!({"shortest": self.shortest(purpose), "least_overshoot": self.smoothest(purpose)});
+        json!({
+            "unit": self.units.y, "ts": self.ts, "tolerance": self.tolerance, "runs": self.runs,
+            "fastest": self.fastest, "step": best("step"), "flyback": best("flyback"), "notes": self.notes,
+            "verdict": self.verdict,
+        })
+    }
+
+    /// Path, voltage and the displacement of each run as a file of this name.
+    ///
+    /// # Errors
+    /// The errors of [`Table::write`].
+    pub fn written(&self, name: &str) -> Result<Vec<u8>, Error> {
+        let (u, y) = (&self.units.u, &self.units.y);
+        let mut columns = vec![(format!("u_{u}"), &self.u), (format!("r_{y}"), &self.path)];
+        for (run, found) in self.runs.iter().zip(&self.displacements) {
+            let plain: String = run.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();
+            columns.push((format!("{}_{y}", plain.replace("__", "_")), found));
+        }
+        let columns: Vec<(&str, &[f64])> = columns.iter().map(|(name, v)| (&**name, &v[..])).collect();
+        Table::write(name, self.ts, &columns)
+    }
+}
+
+#[cfg(test)]
+mod tests;
