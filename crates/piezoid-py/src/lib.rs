@@ -19,6 +19,7 @@ mod plant;
 mod record;
 mod samples;
 mod study;
+mod timing;
 mod watch;
 
 /// The compiled part of piezoid.
@@ -40,6 +41,7 @@ mod _piezoid {
         plant::Plant,
         record::{Columns, Record},
         study::study,
+        timing::timing,
     };
 
     #[pymodule_export]

@@ -23,6 +23,23 @@ def test_a_plan_is_within_its_limits_and_written_to_a_folder(tmp_path: Path) -> 
         pz.plan(bandwidth=50)
 
 
+def test_moves_are_timed_on_model_and_twin_and_along_a_measured_path(model: pz.Model) -> None:
+    path = np.repeat([0.0, 200.0, -100.0], 800)
+    found = pz.timing(model, path, tolerance="3um", smooth=0.02, driver="pl140", plant="pl140")
+    assert list(dict.fromkeys(found.steps["run"])) == list(found.displacements)
+    assert found.path.shape == found.u.shape == path.shape and found.tolerance == 3.0
+    first = found.steps[found.steps["run"] == "model, compensated"]
+    assert len(first) == 2 and first["settling_s"].max() < 0.021
+    assert {"step", "flyback"} == set(found.fastest["purpose"]) and "ms" in repr(found)
+    scan = 100 * np.sin(2 * np.pi * 10 * np.arange(1200) * model.ts)
+    delayed = pz.timing(model, scan, measured=np.roll(scan, 4)).scans.set_index("run").loc["measured"]
+    assert delayed["lag_s"] == pytest.approx(4 * model.ts, rel=1e-3)
+    with pytest.raises(pz.PiezoidError, match="tolerance"):
+        pz.timing(model, tolerance="3 V")
+    with pytest.raises(pz.PiezoidError, match="equally long"):
+        pz.timing(model, scan, measured=scan[:9])
+
+
 def test_every_excitation_is_a_function_that_says_what_it_takes() -> None:
     assert {name.replace("-", "_") for name in pz.excitations} == set(pz.excite.__all__)
     for name in pz.excite.__all__:

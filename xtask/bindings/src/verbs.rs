@@ -6,17 +6,20 @@ use piezoid::{IdentifyOptions, PrepareOptions};
 use piezoid_export::ExportOptions;
 use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::study::StudyOptions;
-use piezoid_verbs::{CompareOptions, CompensateOptions, ControlOptions, OnlineOptions, PlanOptions, SimulateOptions};
+use piezoid_verbs::{
+    CompareOptions, CompensateOptions, ControlOptions, OnlineOptions, PlanOptions, SimulateOptions, TimingOptions,
+};
 
 /// The rows of a table.
 pub(crate) type Rows = fn() -> Vec<OptionRow>;
 
 /// The classes of keywords in Python. Left out are options that its functions take in another form: references as
 /// arrays, tolerances as fractions, `from` and `to`, of which one is a word of the language, as `start` and `stop`.
-pub(crate) const KEYWORDS: [(&str, &str, Rows); 14] = [
+pub(crate) const KEYWORDS: [(&str, &str, Rows); 15] = [
     ("ColumnOptions", "`read` and `inspect`", || without(ColumnSelection::rows(), &["from", "to"])),
     ("CompareOptions", "`compare`", || without(CompareOptions::rows(), &["record", "operators", "structures"])),
     ("CompensateOptions", "`Model.compensate`", CompensateOptions::rows),
+    ("TimingOptions", "`timing`", TimingOptions::rows),
     ("ControlOptions", "`control`", || {
         let elsewhere = ["controller", "reference", "amplitude", "noise", "tolerance", "draws"];
         without(ControlOptions::rows(), &elsewhere)

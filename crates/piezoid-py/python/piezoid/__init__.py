@@ -31,6 +31,7 @@ from .plan import Plan, plan
 from .plants import Plant, plants
 from .records import Record, read, read_reference
 from .study import Study, study
+from .timing import Timing, timing
 
 if TYPE_CHECKING:
     from . import fleet as fleet
@@ -51,6 +52,7 @@ __all__ = [
     "Plant",
     "Record",
     "Study",
+    "Timing",
     "Validation",
     "Verdict",
     "__version__",
@@ -77,6 +79,7 @@ __all__ = [
     "references",
     "study",
     "targets",
+    "timing",
 ]
 
 

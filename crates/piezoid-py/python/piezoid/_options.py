@@ -97,6 +97,42 @@ class CompensateOptions(TypedDict, total=False):
     zvd: bool
 
 
+class TimingOptions(TypedDict, total=False):
+    """Keywords of `timing`.
+
+    tolerance: Largest error of a settled displacement: a number in the model's output unit, or with a unit, such as
+        0.1um; default: 1 % of the height of the path
+    step: Height of the step up and down that is the path if none is given, written like tolerance; default: a tenth of
+        the stroke
+    iterations: Largest number of iterations that correct the error left in the model's free run; default: 0
+    smooth: Smooth steps and corners to minimum-jerk moves of this duration [s]
+    notch: Filter the reference with a notch at the model's resonance
+    zvd: Shape the reference (ZVD) so that the resonance is not excited
+
+    Driver:
+
+    driver: The driver whose limits the voltage must keep (see `pz.drivers`)
+    capacitance: Capacitance of the load, for the current limit [F]
+    low: Lowest voltage [V]
+    high: Highest voltage [V]
+    slew: Largest slew rate of the voltage [V/s]
+    current: Largest current, in both directions; needs capacitance [A]
+    """
+
+    tolerance: str | None
+    step: str | None
+    iterations: int
+    driver: str | None
+    capacitance: float | str | None
+    low: float | str | None
+    high: float | str | None
+    slew: float | str | None
+    current: float | str | None
+    smooth: float | str | None
+    notch: bool
+    zvd: bool
+
+
 class ControlOptions(TypedDict, total=False):
     """Keywords of `control`.
 
@@ -441,6 +477,20 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     },
     "CompensateOptions": {
         "clip": False,
+        "iterations": 0,
+        "driver": None,
+        "capacitance": None,
+        "low": None,
+        "high": None,
+        "slew": None,
+        "current": None,
+        "smooth": None,
+        "notch": False,
+        "zvd": False,
+    },
+    "TimingOptions": {
+        "tolerance": None,
+        "step": None,
         "iterations": 0,
         "driver": None,
         "capacitance": None,
