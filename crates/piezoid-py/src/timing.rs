@@ -1,7 +1,6 @@
 //! Moves in time.
 
 use crate::compensation::inner;
-use crate::error::raised;
 use crate::json::{object, options};
 use crate::model::Model;
 use crate::plant::Plant;

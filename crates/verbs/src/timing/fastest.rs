@@ -28,10 +28,11 @@ const BEFORE: usize = 600;
 
 /// Samples after it: until the first mode has decayed by this factor, within these numbers.
 const DECAY: f64 = 1000.0;
-const AFTER: (f64, f64) = (200.0, 20_000.0);
+const AFTER: (f64, f64) = (200.0, 8000.0);
 
-/// Half of the longest move [samples].
-const LONGEST: usize = 20_000;
+/// Half of the longest move, and half of that from which a longer one leaves no smaller error at rest [samples].
+const LONGEST: usize = 4000;
+const SLOW: usize = 64;
 
 /// The fastest move of one shape.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -76,13 +77,15 @@ struct Trial {
     at_once: bool,
 }
 
+/// The displacement of a plant with a voltage, from the settled state at its first value.
+pub(super) type Player<'a> = &'a dyn Fn(&[f64]) -> Vec<f64>;
+
 /// What moves.
 pub(super) struct Mover<'a> {
     pub(super) model: &'a Model,
     pub(super) inverse: &'a FeedForward,
     pub(super) tolerance: f64,
-    /// The displacement of the plant with a voltage, from the settled state at its first value.
-    pub(super) plant: Option<&'a dyn Fn(&[f64]) -> Vec<f64>>,
+    pub(super) plant: Option<Player<'a>>,
 }
 
 impl Mover<'_> {
@@ -130,6 +133,10 @@ impl Mover<'_> {
         let mut found = loop {
             match self.trial(ends, half, zvd) {
                 Ok(trial) if trial.at_once => break trial,
+                Ok(trial) if half > SLOW && trial.on_model.settling_s.is_none() => {
+                    let what = "the model does not come to rest within the tolerance, however slow the move is";
+                    return Err(Error::Content(what.into()));
+                }
                 // A longer move may be possible.
                 Ok(_) | Err(Error::Limits { .. } | Error::Unreachable { .. }) => {}
                 Err(error) => return Err(error),
@@ -159,7 +166,7 @@ impl Mover<'_> {
         let margin = half + if zvd { period.clamp(0.0, AFTER.1) as usize + 4 } else { 0 };
         let after = decay.clamp(AFTER.0, AFTER.1) as usize + margin;
         let r = [vec![from; BEFORE + margin], vec![to; after + BEFORE]].concat();
-        let smooth = (half > 0).then(|| 2.0 * half as f64 * ts);
+        let smooth = (half > 0).then_some(2.0 * half as f64 * ts);
         let r = Shaping { smooth, zvd, ..Shaping::default() }.of(self.model, r)?;
         let u = self.inverse.whole(&r)?;
         let near = |r: &f64, v: f64| (r - v).abs() <= 1e-9 * (to - from).abs();

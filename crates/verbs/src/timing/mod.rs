@@ -18,7 +18,7 @@ pub use run::{RunTiming, ScanLag, StepTiming};
 use super::same_actuator::matched;
 use super::verdict::{StatedVerdict, proven};
 use super::{CompensateOptions, DataFile, File, Verdict, blamed};
-use fastest::Mover;
+use fastest::{Mover, Player};
 use piezoid_control::compensation::shaping::Shaping;
 use piezoid_control::compensation::{FeedForward, FeedForwardSettings};
 use piezoid_models::hammerstein::Model;
@@ -119,7 +119,7 @@ impl TimingOptions {
             Some(text) => length("tolerance", text, &units.y)?,
             None => TOLERANCE * (high - low),
         };
-        if !(tolerance > 0.0) {
+        if tolerance <= 0.0 || tolerance.is_nan() {
             let rule = "must be a positive length, because the path stays where it is";
             return Err(Error::parameter("tolerance", short(tolerance), rule));
         }
@@ -156,7 +156,7 @@ impl TimingOptions {
         }
         cancelled(progress, 1)?;
         let play = plant.as_ref().map(|twin| |u: &[f64]| twin.play(u));
-        let play = play.as_ref().map(|play| play as &dyn Fn(&[f64]) -> Vec<f64>);
+        let play = play.as_ref().map(|play| play as Player);
         let mover = Mover { model, inverse: &inverse, tolerance, plant: play };
         let (step, flyback) = self.goals(r, reach, is_path);
         let mut fastest = mover.fastest("step", step);

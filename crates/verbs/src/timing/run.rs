@@ -11,7 +11,6 @@
 //! Times have the resolution of a sample. A step counts if it is larger than the tolerance and the reference is held for
 //! at least [`HELD`] samples after it. It does not filter: noise of a sensor above the tolerance never settles.
 
-use piezoid_numerics::number::short;
 use piezoid_records::waveform::period;
 use serde::Serialize;
 
@@ -90,8 +89,20 @@ struct Move {
 }
 
 impl RunTiming {
-    /// The timing of the displacement `y` along the reference `r` [output unit], both every `ts` [s] and equally long.
+    /// The timing of the displacement `y` along the reference `r` [output unit], both every `ts` [s]; the longer one is
+    /// cut. Any displacement along a path can be timed, such as what a controller measured:
+    ///
+    /// ```
+    /// use piezoid_verbs::RunTiming;
+    /// let r = [vec![0.0; 20], vec![10.0; 80]].concat();
+    /// let y: Vec<f64> = (0..100).map(|k| if k < 20 { 0.0 } else { 10.0 - 10.0 * 0.5f64.powi(k - 19) }).collect();
+    /// let timing = RunTiming::of("measured", 1e-3, (&r, &y), 0.1);
+    /// // 10 0.5^7 < 0.1, from the seventh sample of the step on.
+    /// assert_eq!((timing.steps[0].settling_s, timing.steps[0].overshoot), (Some(0.006), 0.0));
+    /// ```
     pub fn of(name: impl Into<String>, ts: f64, (r, y): (&[f64], &[f64]), tolerance: f64) -> Self {
+        let n = r.len().min(y.len());
+        let (r, y) = (&r[..n], &y[..n]);
         let within = r.iter().zip(y).filter(|(r, y)| (*y - *r).abs() <= tolerance).count();
         let steps = moves(r).into_iter().filter(|m| (r[m.end] - r[m.begin - 1]).abs() > tolerance);
         let steps = steps.map(|m| StepTiming::of(&m, ts, (r, y), tolerance)).collect();
@@ -108,17 +119,6 @@ impl RunTiming {
     /// The largest overshoot [%]; `None` without steps.
     pub fn overshoot_percent(&self) -> Option<f64> {
         self.steps.iter().map(|step| step.overshoot_percent).reduce(f64::max)
-    }
-
-    /// The settling times in a few words.
-    pub fn line(&self) -> String {
-        let settled: Vec<f64> = self.steps.iter().filter_map(|step| step.settling_s).collect();
-        let most = settled.iter().copied().fold(0.0, f64::max);
-        match (self.steps.len(), settled.len()) {
-            (0, _) => "no step".into(),
-            (all, n) if n == all => format!("{n} steps settle within {} ms", short(1e3 * most)),
-            (all, n) => format!("{n} of {all} steps settle"),
-        }
     }
 }
 
@@ -142,8 +142,7 @@ impl StepTiming {
 
 /// The first sample from which all of `y` are within the tolerance of `to`.
 pub(super) fn settled_after(y: &[f64], to: f64, tolerance: f64) -> Option<usize> {
-    // A value that is not a number is not within.
-    let outside = y.iter().rposition(|y| !((y - to).abs() <= tolerance));
+    let outside = y.iter().rposition(|y| (y - to).abs() > tolerance || y.is_nan());
     let first = outside.map_or(0, |k| k + 1);
     (first < y.len()).then_some(first)
 }
@@ -156,7 +155,7 @@ pub(super) fn overshoot(y: &[f64], from: f64, to: f64) -> f64 {
 /// The moves of a reference between values at which it is held.
 fn moves(r: &[f64]) -> Vec<Move> {
     let (low, high) = piezoid_numerics::series::ends(r.iter().copied());
-    let moves = |k: &usize| !((r[*k] - r[*k - 1]).abs() <= SAME * (high - low));
+    let moves = |k: &usize| (r[*k] - r[*k - 1]).abs() > SAME * (high - low);
     let (mut found, mut k) = (Vec::<Move>::new(), 1);
     while let Some(begin) = (k..r.len()).find(moves) {
         // It is held as soon as it rests for some samples.
@@ -240,7 +239,7 @@ mod tests {
             let percent = 100.0 * (-std::f64::consts::PI * damping / root).exp();
             assert_close(&[step.overshoot_percent], &[percent], 1e-3, 0.01);
             let outside = |t: &f64| (second_order(hz, damping, *t) - 1.0).abs() > tolerance / 5.0;
-            let last = (0..5_000_000).map(|k| 1e-7 * f64::from(k)).filter(outside).last().unwrap();
+            let last = (0..5_000_000).map(|k| 1e-7 * f64::from(k)).rfind(outside).unwrap();
             assert_close(&[step.settling_s.unwrap()], &[last], 0.0, 1.01 * ts);
             // The envelope bounds it: exp(-zeta w t) / sqrt(1 - zeta^2) = tolerance.
             let bound = -(tolerance / 5.0 * root).ln() / (damping * TAU * hz);

@@ -52,7 +52,7 @@ fn a_linear_model_on_a_straight_line_settles_and_overshoots_as_theory_states_and
             let angle = TAU * hz * root * t;
             22.0 * (-damping * TAU * hz * t).exp() * (angle.cos() + damping / root * angle.sin())
         };
-        let last = (0..2_000_000).map(|k| 1e-6 * f64::from(k)).filter(|t| error(*t).abs() > 0.4).last().unwrap();
+        let last = (0..2_000_000).map(|k| 1e-6 * f64::from(k)).rfind(|t| error(*t).abs() > 0.4).unwrap();
         for step in [up, down] {
             assert_close(&[step.settling_s.unwrap()], &[last], 0.0, 1.01 * TS);
         }
