@@ -22,7 +22,8 @@ fn steps_scans_and_measured_paths_are_timed_in_tables_json_and_files() {
     // Moves of 20 ms settle on the model when they end.
     assert!(steps.len() == 3 && steps.iter().all(|step| number(&step["settling_s"]) < 0.021), "{steps:?}");
     bench.run(&format!("{path} --measured r.csv --json m.json")).ok().prints(&["measured"]);
-    bench.misused("timing --model model.json --measured r.csv").says(&["--path"]);
-    bench.misused(&format!("{path} --step 3V")).says(&["--step", "length"]);
+    bench.run("timing --model model.json --measured r.csv").exits(2).says(&["--path"]);
+    bench.misused("timing --model model.json --step 3V").says(&["--step", "length"]);
+    bench.misused(&format!("{path} --step 3um")).says(&["--step", "leave it out"]);
     bench.misused(&format!("{path} --plant nothing")).says(&["nothing", "pl140"]);
 }

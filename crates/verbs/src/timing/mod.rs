@@ -111,6 +111,9 @@ impl TimingOptions {
         let inverse = FeedForward::new(model, settings)?;
         let (units, reach) = (model.units(), inverse.reach());
         let is_path = r.is_some();
+        if let (true, Some(step)) = (is_path, &self.step) {
+            return Err(Error::parameter("step", step, "has no effect beside a path: leave it out"));
+        }
         let r = r.map_or_else(|| self.step_along(model, reach), Ok)?;
         finite("path", &r)?;
         inverse.holds(&r)?;

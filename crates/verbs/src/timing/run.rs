@@ -8,8 +8,8 @@
 //! scan lag   the delay d with the least rms of y(t) - r(t - d); what that leaves
 //! within     share of the samples with |y_k - r_k| <= tolerance
 //! ```
-//! Times have the resolution of a sample. A step counts if it is larger than the tolerance and the reference is held for
-//! at least [`HELD`] samples after it. It does not filter: noise of a sensor above the tolerance never settles.
+//! Times have the resolution of a sample. A step counts if it is larger than the tolerance and the reference is held
+//! for at least [`HELD`] samples after it. It does not filter: noise of a sensor above the tolerance never settles.
 
 use piezoid_records::waveform::period;
 use serde::Serialize;
