@@ -33,12 +33,15 @@ mod checks;
 mod function;
 mod gcs;
 mod instrument;
+mod nv200;
 mod rest;
+mod simulated;
 mod watch;
 
 pub use acquire::{AcquireOptions, Acquired, InstrumentOptions, Keep};
 pub use campaign::{Campaign, CampaignOptions, Journal, Track};
 pub use function::Function;
-pub use gcs::{Axis, ConnectOptions, Controller, Model, Simulated, Simulation};
+pub use gcs::{Axis, ConnectOptions, Controller};
 pub use instrument::{Drive, Instrument, Left, Setup};
 pub use rest::Rest;
+pub use simulated::{Model, Simulated, Simulation};

@@ -1,7 +1,7 @@
 //! The client on lines that are cut, go silent or drip, and work that is cancelled. The simulated controller keeps what
 //! it was given, as a witness.
 
-use crate::gcs::simulated::Entry;
+use crate::simulated::Entry;
 use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Rest, Simulation};
 use piezoid::Error;
 use piezoid::formats::{ColumnSelection, Table};

@@ -21,4 +21,4 @@ mod tests;
 
 pub use controller::{Axis, ConnectOptions, Controller};
 pub(crate) use session::Gcs;
-pub use simulated::{Model, Simulated, Simulation};
+pub(crate) use simulated::simulated;

@@ -1,7 +1,7 @@
 //! Clients of the controller over TCP.
 
-use super::{Model, Simulation};
 use crate::gcs::tests::served;
+use crate::simulated::{Model, Simulation};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream};
 use std::time::{Duration, Instant};

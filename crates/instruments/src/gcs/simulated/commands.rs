@@ -1,12 +1,12 @@
 //! Commands that act: they have no answer, and all of a command is refused or obeyed.
 
-use super::Device;
 use super::errors::{
     COUNT, GENERATOR_RUNS, POSITION, RECORDER_OPTION, RECORDER_SOURCE, SERVO_IS_OFF, SERVO_IS_ON, UNKNOWN, VELOCITY,
     VOLTAGE, refused,
 };
 use super::recorder::{source, tables};
 use super::words::{code, flag, positive, real, triples};
+use super::{Behaviour, Device, Model};
 
 /// Servo cycles of an impulse.
 const IMPULSE: u64 = 200;
@@ -16,12 +16,12 @@ const FASTEST: f64 = 1000.0;
 
 impl Device {
     /// The answer to a byte that is a command; none if it is unknown.
-    pub(super) fn answer_byte(&mut self, byte: u8) -> Vec<u8> {
+    pub(super) fn at_once(&mut self, byte: u8) -> Vec<u8> {
         if !matches!(byte, 5 | 7..=9 | 24) {
             return Vec::new();
         }
         if byte != 24 {
-            self.clock.wait();
+            self.time.clock.wait();
         }
         self.update();
         #[cfg(test)]
@@ -32,25 +32,25 @@ impl Device {
             7 => b"\xb1\n".into(),
             // No macro runs.
             8 => b"0\n".into(),
-            9 if self.model == super::Model::E754 => format!("{:x}\n", self.running()).into_bytes(),
+            9 if self.model == Model::E754 => format!("{:x}\n", self.running()).into_bytes(),
             9 => format!("{:#x}\n", self.running()).into_bytes(),
             _ => {
                 let all: Vec<usize> = (0..self.axes.len()).collect();
                 self.stop(&all);
-                self.calm = 0;
+                self.time.calm = 0;
                 Vec::new()
             }
         }
     }
 
     /// The lines of the answer to a line: none for a command, and for what is refused.
-    pub(super) fn answer(&mut self, line: &str) -> Vec<String> {
+    pub(super) fn lines(&mut self, line: &str) -> Vec<String> {
         let mut words = line.split_whitespace();
         let Some(name) = words.next() else { return Vec::new() };
         let (name, arguments): (_, Vec<&str>) = (name.to_uppercase(), words.collect());
         let query = name.strip_suffix('?');
         if query.is_some() {
-            self.clock.wait();
+            self.time.clock.wait();
         }
         self.update();
         #[cfg(test)]
@@ -61,7 +61,7 @@ impl Device {
             Some("ERR") => Ok(vec![std::mem::take(&mut self.error).to_string()]),
             Some(query) => self.tell(query, &arguments),
             None => {
-                self.calm = 0;
+                self.time.calm = 0;
                 self.act(&name, &arguments).map(|()| Vec::new())
             }
         };

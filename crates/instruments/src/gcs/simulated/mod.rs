@@ -1,24 +1,17 @@
-//! A controller that is simulated around a plant, for programs that are tried without hardware.
-//!
-//! It lives in time: its plants go on between commands, moves take time, waves are played and recorded with the clock.
-//! Each command finds the state of its moment. With a virtual clock, time passes by answers alone, and the same
-//! commands give the same numbers.
+//! A controller with GCS 2.0 that is simulated around a plant.
 //!
 //! Each axis has a plant of its own; wave generator and output channel of the same number belong to it.
 
-mod axis;
 #[cfg(test)]
 mod clients;
-mod clock;
 mod commands;
 mod errors;
 mod generators;
-mod model;
+mod help;
 mod parameters;
 mod queries;
 mod recorder;
 mod segments;
-mod server;
 #[cfg(test)]
 mod tests;
 #[cfg(test)]
@@ -28,95 +21,43 @@ mod words;
 #[cfg(test)]
 mod wrong;
 
-pub use model::Model;
-pub use server::Simulated;
-
-use axis::{Axis, COARSE};
-use clock::Clock;
-use errors::STOPPED;
+use crate::simulated::axis::Axis;
+use crate::simulated::{Behaviour, CYCLE, Model, Simulated, Simulation, Time, voltages};
+#[cfg(test)]
+use crate::simulated::{Entry, Log};
+use errors::{STOPPED, TOO_LONG};
 use generators::{Generator, Tables};
-use model::MODELS;
 use piezoid::Error;
-use piezoid::plant::{Preset, Spec};
-use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid::plant::Spec;
 use recorder::Recorder;
 use std::collections::BTreeMap;
 
-options! {
-    /// How to simulate a controller.
-    pub struct Simulation {
-        /// The plant of each axis (see {list}).
-        plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME")).list("plants");
-        /// Seed of the noise of the sensor of axis 1; that of axis 2 has the next one.
-        seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-        /// Voltage that an open-loop value of 1 gives.
-        gain: f64 = 1.0, OptionRow::positive("V");
-        /// The model of the controller: its name and the commands that it knows.
-        model: Model = Model::default(), OptionRow::new(MODELS);
-        /// Number of axes.
-        axes: usize = 1, OptionRow::new(OptionKind::Integer(1, 3));
-        /// Time that passes with each answer, in place of the clock: the same commands then give the same numbers.
-        virtual_time: Option<f64> = None, OptionRow {
-            unit: "s", absent: "the clock of this machine",
-            ..OptionRow::new(OptionKind::Number { least: 0.0, open: true, below: 10.0 })
-        };
-    }
-}
-
-impl Simulation {
-    /// The controller with the plant of this name.
-    ///
-    /// # Errors
-    /// Returns an error if there is no such plant.
-    pub fn controller(&self) -> Result<Simulated, Error> {
-        self.around(&Preset::find(&self.plant)?.spec(), &self.plant)
-    }
-
-    /// The controller with a plant of this name.
-    ///
-    /// # Errors
-    /// The errors of [`Plant::new`](piezoid::plant::Plant::new).
-    pub fn around(&self, spec: &Spec, name: &str) -> Result<Simulated, Error> {
-        let range = voltages(spec)?;
-        let axis = |k: usize| Axis::new(&k.to_string(), spec, range, self.gain, self.seed.wrapping_add(k as u64 - 1));
-        let axes = (1..=self.axes.clamp(1, 3)).map(axis).collect::<Result<Vec<_>, _>>()?;
-        let (title, version) = (self.model.title(), env!("CARGO_PKG_VERSION"));
-        Ok(Simulated::new(Device {
-            identity: format!("piezoid, {title}, simulated controller with {name}, {version}"),
-            plant: name.to_uppercase(),
-            model: self.model,
-            error: 0,
-            level: 0,
-            generators: axes.iter().map(|_| Generator::default()).collect(),
-            axes,
-            tables: Tables::new(),
-            recorder: Recorder::default(),
-            saved: BTreeMap::new(),
-            clock: Clock::new(self.virtual_time),
-            cycle: 0,
-            calm: 0,
-            #[cfg(test)]
-            log: std::sync::Arc::default(),
-        }))
-    }
-}
-
-/// Servo cycle [s].
-const CYCLE: f64 = 5e-5;
-
-/// Time after which nothing vibrates any more [servo cycles].
-const CALM: u64 = 40_000;
-
-/// At most so many servo cycles, and so many coarse steps, are computed at once. If the machine was busy or asleep
-/// meanwhile, the clock of the controller stands still for the rest.
-const AT_ONCE: u64 = 20_000;
-const COARSE_AT_ONCE: u64 = 100_000;
-
-/// Lowest and highest voltage of a plant [V].
-fn voltages(spec: &Spec) -> Result<(f64, f64), Error> {
-    let read: serde_json::Value = serde_json::from_str(&spec.to_json()?).unwrap_or_default();
-    let [low, high] = ["min_v", "max_v"].map(|name| read["driver"][name].as_f64());
-    low.zip(high).ok_or_else(|| Error::Content("the plant has a driver without limits".into()))
+/// The controller of a simulation with a plant of this name.
+pub(crate) fn simulated(simulation: &Simulation, spec: &Spec, name: &str) -> Result<Simulated, Error> {
+    let (range, seed) = (voltages(spec)?, simulation.seed);
+    let axis = |k: usize| Axis::new(&k.to_string(), spec, range, simulation.gain, seed.wrapping_add(k as u64 - 1));
+    let axes = (1..=simulation.axes.clamp(1, 3)).map(axis).collect::<Result<Vec<_>, _>>()?;
+    let (title, version) = (simulation.model.title(), env!("CARGO_PKG_VERSION"));
+    let device = Device {
+        identity: format!("piezoid, {title}, simulated controller with {name}, {version}"),
+        plant: name.to_uppercase(),
+        model: simulation.model,
+        error: 0,
+        level: 0,
+        generators: axes.iter().map(|_| Generator::default()).collect(),
+        axes,
+        tables: Tables::new(),
+        recorder: Recorder::default(),
+        saved: BTreeMap::new(),
+        time: Time::new(simulation.virtual_time),
+        #[cfg(test)]
+        log: Log::default(),
+    };
+    Ok(Simulated::new(
+        #[cfg(test)]
+        device.log.clone(),
+        device,
+    ))
 }
 
 /// The controller itself, without its line.
@@ -136,65 +77,51 @@ struct Device {
     recorder: Recorder,
     /// What `SEP` keeps, by axis and number.
     saved: BTreeMap<(usize, u32), f64>,
-    clock: Clock,
-    /// Servo cycles until now.
-    cycle: u64,
-    /// Servo cycles since something moved or was recorded.
-    calm: u64,
+    time: Time,
     /// What it was given, for tests.
     #[cfg(test)]
-    log: std::sync::Arc<std::sync::Mutex<Vec<Entry>>>,
+    log: Log,
 }
 
-/// A command, and the state before it.
-#[cfg(test)]
-#[derive(Debug, Clone)]
-pub(crate) struct Entry {
-    pub(crate) command: String,
-    pub(crate) voltage: f64,
-    pub(crate) servo: bool,
-    pub(crate) runs: bool,
-}
-
-impl Device {
-    /// Brings the state up to the present.
-    fn update(&mut self) {
-        let (mut fine, mut coarse) = (0, 0);
-        while let Some(left) = self.clock.now().checked_sub(self.cycle).filter(|left| *left > 0) {
-            let is_real = self.clock.is_real();
-            if self.is_calm() && left >= COARSE {
-                coarse += 1;
-                if is_real && coarse > COARSE_AT_ONCE {
-                    self.cycle += left;
-                    return;
-                }
-                self.axes.iter_mut().for_each(Axis::hold);
-                self.cycle += COARSE;
-            } else if is_real && fine == AT_ONCE {
-                self.clock.lose(left);
-            } else {
-                fine += 1;
-                self.step();
-            }
-        }
+impl Behaviour for Device {
+    fn time(&mut self) -> &mut Time {
+        &mut self.time
     }
 
-    /// One servo cycle.
-    fn step(&mut self) {
+    fn step(&mut self) -> bool {
         for (axis, generator) in self.axes.iter_mut().zip(&mut self.generators) {
             axis.cycle(generator.next());
         }
         self.recorder.cycle(&self.axes);
-        self.cycle += 1;
         let moves = self.axes.iter().any(Axis::is_moving) || self.generators.iter().any(Generator::is_running);
-        self.calm = if moves || self.recorder.is_running() { 0 } else { self.calm + 1 };
+        moves || self.recorder.is_running()
     }
 
-    /// True if nothing moves, vibrates or is recorded.
-    fn is_calm(&self) -> bool {
-        self.calm >= CALM
+    fn hold(&mut self) {
+        self.axes.iter_mut().for_each(Axis::hold);
     }
 
+    fn clients(&self) -> usize {
+        self.model.clients()
+    }
+
+    fn answer(&mut self, line: &str) -> Vec<u8> {
+        let lines = self.lines(line);
+        // A line of the answer that is not the last ends with a space.
+        if lines.is_empty() { Vec::new() } else { (lines.join(" \n") + "\n").into_bytes() }
+    }
+
+    fn answer_byte(&mut self, byte: u8) -> Vec<u8> {
+        self.at_once(byte)
+    }
+
+    fn too_long(&mut self) -> Vec<u8> {
+        self.error = TOO_LONG;
+        Vec::new()
+    }
+}
+
+impl Device {
     /// True for each axis that moves, as bits.
     fn moving(&self) -> u32 {
         bits(self.axes.iter().zip(&self.generators).map(|(axis, wave)| axis.is_moving() || wave.is_running()))

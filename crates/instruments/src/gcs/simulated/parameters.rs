@@ -3,13 +3,13 @@
 //! `SPA` changes some of them at command level 1 (`CCL 1 advanced`) until the controller ends; `SEP` keeps a value that
 //! `SEP?` answers, and that nothing uses.
 
-use super::axis::Axis;
 use super::errors::{COUNT, PARAMETER, PASSWORD, PROTECTED, RANGE, READ_ONLY, refused};
 use super::generators::{POINTS, WAVES};
-use super::model::Model;
 use super::recorder::{RECORDED, TABLES};
 use super::words::{code, real, triples};
 use super::{CYCLE, Device};
+use crate::simulated::Model;
+use crate::simulated::axis::Axis;
 
 /// Password of `SEP`, and that of command level 1.
 const SEP_PASSWORD: &str = "100";

@@ -1,12 +1,12 @@
 //! Queries: what they answer is the state of the moment.
 
-use super::axis::Axis;
 use super::errors::{CHANNEL, COUNT, NO_WAVE, RANGE, TOO_FEW_POINTS, UNKNOWN, refused};
 use super::generators::{Generator, POINTS, WAVES};
 use super::recorder::{RECORDED, SOURCES, TABLES, TRIGGERS, part, source, tables};
 use super::waves::wave_table;
 use super::words::{once, whole};
 use super::{CYCLE, Device};
+use crate::simulated::axis::Axis;
 
 /// Points of an answer about wave tables: two whole tables.
 const LARGEST: usize = 2 * POINTS;

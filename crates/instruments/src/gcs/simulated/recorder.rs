@@ -1,8 +1,8 @@
 //! The recorder: tables that fill as time goes, each from its own trigger.
 
-use super::axis::Axis;
 use super::errors::{RANGE, RECORDER_TABLE, TOO_FEW_POINTS, refused};
 use super::words::{once, whole};
+use crate::simulated::axis::Axis;
 
 /// Tables of the recorder.
 pub(super) const TABLES: usize = 4;

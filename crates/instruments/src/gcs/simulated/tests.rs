@@ -1,7 +1,6 @@
 //! The controller without its line, with a virtual clock: each answer takes 0.01 s.
 
-use super::server::locked;
-use super::{Model, Simulated, Simulation};
+use crate::simulated::{Model, Simulated, Simulation, locked};
 use piezoid::plant::PLANTS;
 
 pub(super) fn device(simulation: Simulation) -> Simulated {
@@ -10,10 +9,13 @@ pub(super) fn device(simulation: Simulation) -> Simulated {
 
 /// The answers to lines, as a terminal shows them.
 pub(super) fn ask(device: &Simulated, lines: &str) -> String {
-    let mut device = locked(&device.device);
-    let answers = lines.split('\n').filter(|line| !line.is_empty()).flat_map(|line| match line.as_bytes() {
-        [byte] if *byte < 32 => vec![String::from_utf8_lossy(&device.answer_byte(*byte)).trim().to_string()],
-        _ => device.answer(line),
+    let mut device = locked(&*device.device);
+    let answers = lines.split('\n').filter(|line| !line.is_empty()).map(|line| {
+        let answer = match line.as_bytes() {
+            [byte] if *byte < 32 => device.answer_byte(*byte),
+            _ => device.answer(line),
+        };
+        String::from_utf8_lossy(&answer).trim().to_string()
     });
     answers.filter(|answer| !answer.is_empty()).collect::<Vec<_>>().join("\n").replace(" \n", "\n")
 }
@@ -221,7 +223,7 @@ fn no_line_makes_it_panic_and_none_takes_long() {
         let name = names[random(names.len())];
         let line = (0..random(9)).fold(name.to_string(), |line, _| line + " " + words[random(words.len())]);
         let begin = std::time::Instant::now();
-        let volts = { locked(&device.device).answer(&line) };
+        let volts = { locked(&*device.device).answer(&line) };
         assert!(begin.elapsed().as_secs_f64() < 5.0, "{line}: {}", volts.len());
     }
     assert_eq!(ask(&device, "\x18\nERR?\nCSV?"), "10\n2.0");

@@ -5,7 +5,7 @@
 //! PI_E727 and PI_E753, Micro-Manager PI_GCS_2 (PIController, PIZStage), PyMoDAQ pi_wrapper.
 
 use super::tests::{ask, device, number, wait};
-use super::{Model, Simulated, Simulation};
+use crate::simulated::{Model, Simulated, Simulation};
 
 fn of(model: Model) -> Simulated {
     device(Simulation { model, ..Simulation::default() })

@@ -1,7 +1,7 @@
 //! Commands that are wrong, and what each model knows.
 
 use super::tests::{ask, device, number};
-use super::{Model, Simulation};
+use crate::simulated::{Model, Simulation};
 
 #[test]
 fn wrong_names_numbers_and_counts_have_the_errors_of_gcs_and_change_nothing() {

@@ -8,7 +8,7 @@
 //! the slew rate. Where nothing moves, long times pass in coarse steps, in which only creep and servo matter. It does
 //! not do: notch filters, limits of acceleration.
 
-use super::CYCLE;
+use super::{COARSE, CYCLE};
 use piezoid::plant::{Plant, Spec};
 use piezoid::{Error, System};
 use std::f64::consts::TAU;
@@ -31,44 +31,43 @@ const READINGS: usize = 200;
 const TOLERANCE: f64 = 1e-3;
 const SETTLING: f64 = 0.01;
 
-/// A step of a time in which nothing moves [servo cycles], and the share of its error that the servo then corrects.
-pub(super) const COARSE: u64 = 2000;
+/// Share of its error that the servo corrects in a time of [`COARSE`] cycles.
 const COARSE_GAIN: f64 = 0.2;
 
 #[derive(Debug)]
-pub(super) struct Axis {
-    pub(super) name: String,
+pub(crate) struct Axis {
+    pub(crate) name: String,
     plant: Plant,
     /// The same plant in coarse steps.
     coarse: Plant,
     /// State of both.
     x: Vec<f64>,
     /// Lowest and highest voltage [V].
-    pub(super) range: (f64, f64),
+    pub(crate) range: (f64, f64),
     /// Voltage of an open-loop value of 1 [V].
-    pub(super) gain: f64,
+    pub(crate) gain: f64,
     /// Voltage of the output [V].
-    pub(super) voltage: f64,
+    pub(crate) voltage: f64,
     /// Last reading of the sensor, and what the filter passes [um].
-    pub(super) position: f64,
+    pub(crate) position: f64,
     filtered: f64,
-    pub(super) servo: bool,
+    pub(crate) servo: bool,
     /// What is commanded: a position [um] in closed loop, a voltage [V] in open loop.
-    pub(super) goal: f64,
+    pub(crate) goal: f64,
     /// Target of the servo at this moment [um].
-    pub(super) target: f64,
+    pub(crate) target: f64,
     /// Lowest and highest position [um].
-    pub(super) travel: (f64, f64),
+    pub(crate) travel: (f64, f64),
     /// Volts per micrometre.
     slope: f64,
     /// Velocity in closed loop [um/s], slew rate in open loop [V/s].
-    pub(super) velocity: f64,
-    pub(super) slew: f64,
+    pub(crate) velocity: f64,
+    pub(crate) slew: f64,
     /// Bandwidth of the servo [Hz].
-    pub(super) bandwidth: f64,
+    pub(crate) bandwidth: f64,
     /// On-target tolerance [um], and the time within it [s].
-    pub(super) tolerance: f64,
-    pub(super) settling: f64,
+    pub(crate) tolerance: f64,
+    pub(crate) settling: f64,
     /// Servo cycles within the tolerance.
     within: u64,
     /// True once the last move has ended on target.
@@ -76,12 +75,12 @@ pub(super) struct Axis {
     /// Servo cycles until an impulse ends, and where it began.
     impulse: Option<(u64, f64)>,
     /// True after an automatic zero.
-    pub(super) is_zeroed: bool,
+    pub(crate) is_zeroed: bool,
 }
 
 impl Axis {
     /// An axis at rest.
-    pub(super) fn new(name: &str, spec: &Spec, range: (f64, f64), gain: f64, seed: u64) -> Result<Self, Error> {
+    pub(crate) fn new(name: &str, spec: &Spec, range: (f64, f64), gain: f64, seed: u64) -> Result<Self, Error> {
         let plant = Plant::new(spec, CYCLE)?.with_seed(seed);
         let coarse = Plant::new(spec, COARSE as f64 * CYCLE)?.with_seed(seed);
         let [bottom, top] = [range.0, range.1].map(|volts| {
@@ -119,7 +118,7 @@ impl Axis {
     }
 
     /// One servo cycle, with the value of a wave generator if that runs.
-    pub(super) fn cycle(&mut self, wave: Option<f64>) {
+    pub(crate) fn cycle(&mut self, wave: Option<f64>) {
         let before = self.target;
         match wave {
             Some(value) => self.jump(if self.servo { value } else { value * self.gain }),
@@ -135,7 +134,7 @@ impl Axis {
     }
 
     /// A time of [`COARSE`] cycles in which nothing moves.
-    pub(super) fn hold(&mut self) {
+    pub(crate) fn hold(&mut self) {
         if self.servo {
             self.steer(COARSE_GAIN * (self.target - self.position));
         }
@@ -174,12 +173,12 @@ impl Axis {
     }
 
     /// Goes to a position [um] or voltage [V] with the velocity or slew rate.
-    pub(super) fn go(&mut self, goal: f64) {
+    pub(crate) fn go(&mut self, goal: f64) {
         (self.goal, self.impulse, self.within, self.has_arrived) = (goal, None, 0, !self.servo);
     }
 
     /// Goes there at once.
-    pub(super) fn jump(&mut self, goal: f64) {
+    pub(crate) fn jump(&mut self, goal: f64) {
         let (low, high) = if self.servo { self.travel } else { self.range };
         self.goal = goal.max(low).min(high);
         *(if self.servo { &mut self.target } else { &mut self.voltage }) = self.goal;
@@ -187,7 +186,7 @@ impl Axis {
     }
 
     /// Steps to the goal at once; with a number of cycles, it comes back after them.
-    pub(super) fn kick(&mut self, goal: f64, cycles: Option<u64>) {
+    pub(crate) fn kick(&mut self, goal: f64, cycles: Option<u64>) {
         let back = self.goal;
         self.go(goal);
         self.jump(goal);
@@ -195,7 +194,7 @@ impl Axis {
     }
 
     /// Stays where it is.
-    pub(super) fn stop(&mut self) {
+    pub(crate) fn stop(&mut self) {
         if self.servo {
             self.target = self.position.max(self.travel.0).min(self.travel.1);
         }
@@ -203,7 +202,7 @@ impl Axis {
     }
 
     /// Opens or closes the loop, without a move.
-    pub(super) fn close(&mut self, servo: bool) {
+    pub(crate) fn close(&mut self, servo: bool) {
         if servo != self.servo {
             self.servo = servo;
             self.filtered = self.position;
@@ -212,33 +211,33 @@ impl Axis {
         }
     }
 
-    pub(super) fn is_on_target(&self) -> bool {
+    pub(crate) fn is_on_target(&self) -> bool {
         self.servo && self.target == self.goal && self.within as f64 * CYCLE >= self.settling
     }
 
-    pub(super) fn is_moving(&self) -> bool {
+    pub(crate) fn is_moving(&self) -> bool {
         let now = if self.servo { self.target } else { self.voltage };
         now != self.goal || !self.has_arrived || self.impulse.is_some()
     }
 
     /// True if the servo has no voltage left for its target.
-    pub(super) fn is_overflowing(&self) -> bool {
+    pub(crate) fn is_overflowing(&self) -> bool {
         let is_at_end = self.voltage <= self.range.0 || self.voltage >= self.range.1;
         self.servo && is_at_end && (self.target - self.position).abs() > self.tolerance
     }
 
     /// The commanded voltage [V].
-    pub(super) fn demand(&self) -> f64 {
+    pub(crate) fn demand(&self) -> f64 {
         if self.servo { self.voltage } else { self.goal }
     }
 
     /// Lowest and highest value that a command or a wave may have in this mode.
-    pub(super) fn limits(&self) -> (f64, f64) {
+    pub(crate) fn limits(&self) -> (f64, f64) {
         if self.servo { self.travel } else { self.values() }
     }
 
     /// Lowest and highest open-loop value.
-    pub(super) fn values(&self) -> (f64, f64) {
+    pub(crate) fn values(&self) -> (f64, f64) {
         (self.range.0 / self.gain, self.range.1 / self.gain)
     }
 }

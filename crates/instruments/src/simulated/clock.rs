@@ -4,7 +4,7 @@ use super::CYCLE;
 use std::time::{Duration, Instant};
 
 #[derive(Debug)]
-pub(super) enum Clock {
+pub(crate) enum Clock {
     /// Runs with the clock of the machine since this moment.
     Real(Instant),
     /// Stands still but for the time of the answers.
@@ -13,31 +13,31 @@ pub(super) enum Clock {
 
 impl Clock {
     /// A virtual clock if a time for each answer is given [s].
-    pub(super) fn new(answer: Option<f64>) -> Self {
+    pub(crate) fn new(answer: Option<f64>) -> Self {
         let cycles = |time: f64| (time / CYCLE).round().max(1.0) as u64;
         answer.map_or_else(|| Clock::Real(Instant::now()), |time| Clock::Virtual { now: 0, answer: cycles(time) })
     }
 
-    pub(super) fn is_real(&self) -> bool {
+    pub(crate) fn is_real(&self) -> bool {
         matches!(self, Clock::Real(_))
     }
 
     /// Lets the time of an answer pass, on a virtual clock.
-    pub(super) fn wait(&mut self) {
+    pub(crate) fn wait(&mut self) {
         if let Clock::Virtual { now, answer } = self {
             *now += *answer;
         }
     }
 
     /// Stands still for so many servo cycles that have passed.
-    pub(super) fn lose(&mut self, cycles: u64) {
+    pub(crate) fn lose(&mut self, cycles: u64) {
         if let Clock::Real(begin) = self {
             *begin += Duration::from_secs_f64(cycles as f64 * CYCLE);
         }
     }
 
     /// Servo cycles since the beginning.
-    pub(super) fn now(&self) -> u64 {
+    pub(crate) fn now(&self) -> u64 {
         match self {
             Clock::Real(begin) => (begin.elapsed().as_secs_f64() / CYCLE) as u64,
             Clock::Virtual { now, .. } => *now,

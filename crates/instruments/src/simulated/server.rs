@@ -4,8 +4,9 @@
 //! holds no other. Clients beyond those that the model serves are refused with a line. With a real clock, a thread
 //! brings the state up to date while something moves.
 
-use super::Device;
-use super::errors::TOO_LONG;
+use super::Behaviour;
+#[cfg(test)]
+use super::Log;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -32,21 +33,21 @@ const WAITING: usize = 64;
 /// A simulated controller.
 #[derive(Debug)]
 pub struct Simulated {
-    pub(super) device: Arc<Mutex<Device>>,
+    pub(crate) device: Arc<Mutex<dyn Behaviour>>,
     /// What it was given, for tests.
     #[cfg(test)]
-    pub(crate) log: Arc<Mutex<Vec<super::Entry>>>,
+    pub(crate) log: Log,
 }
 
-pub(super) fn locked(device: &Mutex<Device>) -> MutexGuard<'_, Device> {
+pub(crate) fn locked<'a>(device: &'a Mutex<dyn Behaviour>) -> MutexGuard<'a, dyn Behaviour + 'static> {
     device.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Simulated {
-    pub(super) fn new(device: Device) -> Self {
+    pub(crate) fn new(#[cfg(test)] log: Log, device: impl Behaviour) -> Self {
         Simulated {
             #[cfg(test)]
-            log: device.log.clone(),
+            log,
             device: Arc::new(Mutex::new(device)),
         }
     }
@@ -58,8 +59,8 @@ impl Simulated {
     pub fn serve(&self, listener: &TcpListener) -> std::io::Result<()> {
         let (served, waiting) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0)));
         let (most, is_real) = {
-            let device = locked(&self.device);
-            (device.model.clients(), device.clock.is_real())
+            let mut device = locked(&*self.device);
+            (device.clients(), device.time().clock.is_real())
         };
         if is_real {
             let device = Arc::downgrade(&self.device);
@@ -82,7 +83,7 @@ impl Simulated {
                 let place = place.or_else(|| Place::soon(&served, most));
                 let waits = waits.filter(|_| place.is_none());
                 // One that goes in the middle of a line has ended.
-                drop(if place.is_some() { converse(&device, &client) } else { refuse(&client, most) });
+                drop(if place.is_some() { converse(&*device, &client) } else { refuse(&client, most) });
                 // Free before the client sees the end, because it may connect again at once.
                 drop((place, waits));
             }));
@@ -119,10 +120,10 @@ impl Drop for Place {
 }
 
 /// Updates a controller while something moves, until it is dropped.
-fn tick(device: &Weak<Mutex<Device>>) {
+fn tick(device: &Weak<Mutex<dyn Behaviour>>) {
     while let Some(device) = device.upgrade() {
-        let mut now = locked(&device);
-        let is_calm = now.is_calm();
+        let mut now = locked(&*device);
+        let is_calm = now.time().is_calm();
         if !is_calm {
             now.update();
         }
@@ -142,31 +143,28 @@ fn refuse(mut client: &TcpStream, most: usize) -> std::io::Result<()> {
     client.read(&mut [0; LONGEST]).map(|_| ())
 }
 
-fn converse(device: &Mutex<Device>, client: &TcpStream) -> std::io::Result<()> {
+fn converse(device: &Mutex<dyn Behaviour>, client: &TcpStream) -> std::io::Result<()> {
     client.set_nodelay(true)?;
     client.set_write_timeout(Some(PATIENCE))?;
     let (mut input, mut output) = (BufReader::new(client), client);
-    let (mut line, mut is_too_long) = (Vec::new(), false);
+    let at_return = locked(device).ends_at_return();
+    let (mut line, mut is_too_long, mut before) = (Vec::new(), false, 0);
     loop {
         let ready = input.fill_buf()?;
         let Some(&byte) = ready.first() else { return Ok(()) };
         input.consume(1);
+        let after = std::mem::replace(&mut before, byte);
+        let is_end = if at_return { byte == b'\r' || byte == b'\n' && after != b'\r' } else { byte == b'\n' };
+        if is_end {
+            let text: String = line.drain(..).map(char::from).collect();
+            // What came of a line that is too long is not obeyed.
+            let is_too_long = std::mem::take(&mut is_too_long);
+            let answer = if is_too_long { locked(device).too_long() } else { locked(device).answer(text.trim()) };
+            output.write_all(&answer)?;
+            continue;
+        }
         match byte {
-            b'\n' => {
-                let text: String = line.drain(..).map(char::from).collect();
-                if std::mem::take(&mut is_too_long) {
-                    // What came of it is not obeyed.
-                    locked(device).error = TOO_LONG;
-                    continue;
-                }
-                let answer = locked(device).answer(text.trim());
-                if !answer.is_empty() {
-                    // A line of the answer that is not the last ends with a space.
-                    let text = answer.join(" \n") + "\n";
-                    output.write_all(text.as_bytes())?;
-                }
-            }
-            b'\r' => (),
+            b'\n' | b'\r' => (),
             0..32 => {
                 let answer = locked(device).answer_byte(byte);
                 output.write_all(&answer)?;
