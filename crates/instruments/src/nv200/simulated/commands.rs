@@ -161,9 +161,7 @@ impl Device {
 
 pub(super) fn real(word: &str, least: f64, most: f64) -> Result<f64, u8> {
     let number = word.parse().ok().filter(|number: &f64| number.is_finite()).ok_or(RANGE)?;
-    // Limits are answered with three digits.
-    let slack = 5e-4 + 1e-9;
-    if (least - slack..=most + slack).contains(&number) { Ok(number.max(least).min(most)) } else { Err(RANGE) }
+    if (least..=most).contains(&number) { Ok(number) } else { Err(RANGE) }
 }
 
 /// A whole number; it may be written as a real one, such as `5.0`.
