@@ -3,8 +3,9 @@
 //! All checks come before the first move, and the loop is opened after them.
 
 use crate::gcs::Gcs;
+use crate::nv200::Nv200;
 use crate::rest::RESTS;
-use crate::{ConnectOptions, Drive, Instrument, Left, Rest};
+use crate::{ConnectOptions, Drive, Instrument, Left, Protocol, Rest};
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
@@ -143,13 +144,16 @@ impl InstrumentOptions {
     /// Returns an error for a controller that does not answer or is in use, an unknown axis, and limits that leave no
     /// voltage, or not that of [`InstrumentOptions::rest`].
     pub fn open<'a>(&self, progress: &'a mut Progress<'_>) -> Result<Box<dyn Instrument + 'a>, Error> {
-        let instrument = Gcs::open(self, progress)?;
+        let instrument: Box<dyn Instrument + 'a> = match self.connection.protocol {
+            Protocol::Gcs => Box::new(Gcs::open(self, progress)?),
+            Protocol::Nv200 => Box::new(Nv200::open(self, progress)?),
+        };
         let (low, high) = instrument.setup().range;
         if self.rest == Rest::Zero && !(low..=high).contains(&0.0) {
             let rule = format!("is outside {low} to {high} V: let the axis rest elsewhere");
             return Err(Error::parameter("rest", "zero", rule));
         }
-        Ok(Box::new(instrument))
+        Ok(instrument)
     }
 }
 

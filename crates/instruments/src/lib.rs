@@ -30,18 +30,24 @@
 mod acquire;
 mod campaign;
 mod checks;
+mod connect;
+#[cfg(test)]
+mod faulty;
 mod function;
 mod gcs;
 mod instrument;
+mod moves;
 mod nv200;
 mod rest;
 mod simulated;
 mod watch;
+mod wire;
 
 pub use acquire::{AcquireOptions, Acquired, InstrumentOptions, Keep};
 pub use campaign::{Campaign, CampaignOptions, Journal, Track};
+pub use connect::{ConnectOptions, Protocol};
 pub use function::Function;
-pub use gcs::{Axis, ConnectOptions, Controller};
+pub use gcs::{Axis, Controller};
 pub use instrument::{Drive, Instrument, Left, Setup};
 pub use rest::Rest;
 pub use simulated::{Model, Simulated, Simulation};

@@ -1,15 +1,14 @@
 //! A controller, and what it reports about itself.
 
+use crate::ConnectOptions;
 use crate::gcs::codes::meaning;
 use crate::gcs::line::Line;
 use crate::watch::Watch;
 use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid_numerics::number::join;
-use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use serde::Serialize;
 use serde_json::{Value, json};
-use std::time::Duration;
 
 /// More axes are not asked.
 const MOST_AXES: usize = 64;
@@ -23,36 +22,6 @@ const RECORDER_TABLES: u32 = 0x1600_0300;
 /// Bytes that ask for axes in motion, and for wave generators that run.
 pub(crate) const MOVING: u8 = 5;
 pub(crate) const RUNNING: u8 = 9;
-
-options! {
-    /// How to connect to a controller.
-    pub struct ConnectOptions {
-        /// Address or name of the controller in the network.
-        host: String = "127.0.0.1".into(), OptionRow::new(OptionKind::Text("HOST"));
-        /// TCP port of the controller.
-        port: u16 = 50000, OptionRow::new(OptionKind::Integer(1, 65535));
-        /// Time for a whole answer.
-        timeout: f64 = 5.0, OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: true, below: 3600.0 }) };
-    }
-}
-
-impl ConnectOptions {
-    /// Connects to the controller, and asks what it is. Nothing moves. `progress` can cancel it at any moment.
-    ///
-    /// # Errors
-    /// Returns an error if nothing answers there in time, or something else than a controller with GCS 2.0.
-    pub fn connect(&self, progress: &mut Progress) -> Result<Controller, Error> {
-        self.open(progress).map(|(_, controller)| controller)
-    }
-
-    /// The same, with the line.
-    pub(crate) fn open<'a>(&self, progress: &'a mut Progress<'_>) -> Result<(Line<'a>, Controller), Error> {
-        let patience = Duration::from_secs_f64(self.timeout.clamp(1e-3, 3600.0));
-        let mut line = Line::open((&self.host, self.port), patience, Watch::new(progress))?;
-        let controller = Controller::of(&mut line)?;
-        Ok((line, controller))
-    }
-}
 
 /// A controller, as it was found.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -109,6 +78,16 @@ impl Controller {
             .then(|| format!("error {error} of another program was pending ({}); it is cleared now", meaning(error)));
         let signs: Vec<String> = running.into_iter().chain(moving).chain(pending).collect();
         (!signs.is_empty()).then(|| join(&signs))
+    }
+
+    /// Connects to a controller with GCS 2.0.
+    pub(crate) fn open<'a>(
+        options: &ConnectOptions,
+        progress: &'a mut Progress<'_>,
+    ) -> Result<(Line<'a>, Controller), Error> {
+        let mut line = Line::open((&options.host, options.port), options.patience(), Watch::new(progress))?;
+        let controller = Controller::of(&mut line)?;
+        Ok((line, controller))
     }
 
     fn of(line: &mut Line) -> Result<Self, Error> {

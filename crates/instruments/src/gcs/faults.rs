@@ -1,7 +1,7 @@
 //! The client on lines that are cut, go silent or drip, and work that is cancelled. The simulated controller keeps what
 //! it was given, as a witness.
 
-use crate::simulated::Entry;
+use crate::faulty::{Bench, Fault, commands, passed};
 use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Rest, Simulation};
 use piezoid::Error;
 use piezoid::formats::{ColumnSelection, Table};
@@ -11,81 +11,13 @@ use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
-use std::thread::{sleep, spawn};
+use std::thread::spawn;
 use std::time::{Duration, Instant};
 
 /// So long must nothing take, even on a machine that is busy.
 const GENEROUS: Duration = Duration::from_secs(30);
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Fault {
-    None,
-    Cut,
-    Silent,
-    Drip,
-}
-
-/// A simulated controller, and a line to it whose first connection has a fault.
-struct Bench {
-    /// Port of the line.
-    port: u16,
-    /// Port of the controller itself.
-    direct: u16,
-    log: Arc<Mutex<Vec<Entry>>>,
-    /// Answers that have passed on the first connection.
-    answers: Arc<AtomicUsize>,
-    is_faulty: Arc<AtomicBool>,
-}
-
 impl Bench {
-    /// A line whose fault comes in place of this answer, from 0.
-    fn new(fault: Fault, at: usize) -> Self {
-        let simulation = Simulation { plant: "paper".into(), virtual_time: Some(0.05), ..Simulation::default() };
-        let controller = simulation.controller().unwrap();
-        let log = controller.log.clone();
-        let (direct, line) = (TcpListener::bind("127.0.0.1:0").unwrap(), TcpListener::bind("127.0.0.1:0").unwrap());
-        let [inside, port] = [&direct, &line].map(|listener| listener.local_addr().unwrap().port());
-        spawn(move || controller.serve(&direct));
-        let bench = Bench { port, direct: inside, log, answers: Arc::default(), is_faulty: Arc::default() };
-        let (answers, is_faulty) = (bench.answers.clone(), bench.is_faulty.clone());
-        spawn(move || {
-            for (k, client) in line.incoming().flatten().enumerate() {
-                let controller = TcpStream::connect(("127.0.0.1", inside)).unwrap();
-                for stream in [&client, &controller] {
-                    stream.set_nodelay(true).unwrap();
-                }
-                let dead = Arc::new(AtomicBool::new(false));
-                let (to, from) = (controller.try_clone().unwrap(), client.try_clone().unwrap());
-                let dead_too = dead.clone();
-                spawn(move || commands(from, to, &dead_too));
-                let fault = if k == 0 { fault } else { Fault::None };
-                let (answers, is_faulty) = (answers.clone(), is_faulty.clone());
-                spawn(move || {
-                    if passed(&controller, &client, (fault != Fault::None || k == 0).then_some((at, &*answers)), fault)
-                    {
-                        return;
-                    }
-                    is_faulty.store(true, Ordering::SeqCst);
-                    dead.store(true, Ordering::SeqCst);
-                    match fault {
-                        Fault::Cut => {
-                            drop(client.shutdown(Shutdown::Both));
-                            drop(controller.shutdown(Shutdown::Both));
-                        }
-                        Fault::Drip => {
-                            while (&client).write_all(b"2").is_ok() {
-                                sleep(Duration::from_millis(50));
-                            }
-                        }
-                        _ => (),
-                    }
-                });
-            }
-        });
-        bench
-    }
-
     fn options(&self, timeout: f64) -> AcquireOptions {
         let connection = ConnectOptions { port: self.port, timeout, ..ConnectOptions::default() };
         let instrument = InstrumentOptions { connection, ramp: 0.0, ..InstrumentOptions::default() };
@@ -142,34 +74,9 @@ impl Bench {
     }
 }
 
-/// Passes commands on, until the line is dead.
-fn commands(mut from: TcpStream, mut to: TcpStream, is_dead: &AtomicBool) {
-    let mut piece = [0; 4096];
-    while let Ok(count) = from.read(&mut piece) {
-        if count == 0 || !is_dead.load(Ordering::SeqCst) && to.write_all(&piece[..count]).is_err() {
-            break;
-        }
-    }
-    drop(to.shutdown(Shutdown::Both));
-}
-
-/// Passes answers on, and counts them. False if the fault comes.
-fn passed(mut from: &TcpStream, mut to: &TcpStream, count: Option<(usize, &AtomicUsize)>, fault: Fault) -> bool {
-    let (mut byte, mut before) = ([0], b' ');
-    while from.read(&mut byte).is_ok_and(|count| count == 1) {
-        if fault != Fault::None && count.is_some_and(|(at, done)| done.load(Ordering::SeqCst) == at) {
-            return false;
-        }
-        if to.write_all(&byte).is_err() {
-            break;
-        }
-        if let Some((_, done)) = count.filter(|_| byte[0] == b'\n' && before != b' ') {
-            done.fetch_add(1, Ordering::SeqCst);
-        }
-        before = byte[0];
-    }
-    drop(to.shutdown(Shutdown::Both));
-    true
+fn bench(fault: Fault, at: usize) -> Bench {
+    let simulation = Simulation { plant: "paper".into(), virtual_time: Some(0.05), ..Simulation::default() };
+    Bench::new(&simulation, fault, at)
 }
 
 /// A drive of 1 s.
@@ -195,7 +102,7 @@ fn run(options: &AcquireOptions, progress: &mut Progress) -> (Result<Acquired, E
 
 /// Answers of a measurement without a fault.
 fn answers(is_closed: bool) -> usize {
-    let bench = Bench::new(Fault::None, 0);
+    let bench = bench(Fault::None, 0);
     bench.close(is_closed);
     let (outcome, ..) = run(&bench.options(10.0), &mut Stage::ignore);
     let acquired = outcome.unwrap();
@@ -208,7 +115,7 @@ fn at_every_answer(fault: Fault, timeout: f64, is_closed: bool) {
     let (next, running) = (AtomicUsize::new(0), AtomicUsize::new(0));
     let last = answers(is_closed);
     let one = |at: usize| {
-        let bench = Bench::new(fault, at);
+        let bench = bench(fault, at);
         bench.close(is_closed);
         let begin = Instant::now();
         let (outcome, text, kept) = run(&bench.options(timeout), &mut Stage::ignore);
@@ -261,7 +168,7 @@ fn a_line_that_goes_silent_at_any_answer_leaves_a_stopped_generator_and_a_true_v
 fn an_answer_that_drips_ends_at_its_deadline() {
     let last = answers(false);
     for at in [0, 3, last / 2, last - 5] {
-        let bench = Bench::new(Fault::Drip, at);
+        let bench = bench(Fault::Drip, at);
         let begin = Instant::now();
         let (outcome, text, _) = run(&bench.options(1.5), &mut Stage::ignore);
         let finished = outcome.as_ref().is_ok_and(|acquired| acquired.unfinished.is_none());
@@ -275,7 +182,7 @@ fn an_answer_that_drips_ends_at_its_deadline() {
 fn cancelling_is_noticed_while_an_answer_is_awaited() {
     let last = answers(false);
     for (fault, at) in [(Fault::Silent, 0), (Fault::Silent, last / 2), (Fault::Drip, last - 8)] {
-        let bench = Bench::new(fault, at);
+        let bench = bench(fault, at);
         let (is_faulty, mut cancelled) = (bench.is_faulty.clone(), None);
         // The time from the fault to the end is far below the time for an answer.
         let (outcome, text, _) = run(&bench.options(3000.0), &mut |_: Stage| {
@@ -295,7 +202,7 @@ fn cancelling_is_noticed_while_an_answer_is_awaited() {
 #[test]
 fn cancelling_at_any_moment_leaves_a_stopped_generator_and_a_true_voltage() {
     for moment in (0..30).map(|k| Duration::from_millis(7 + 53 * k)) {
-        let bench = Bench::new(Fault::None, 0);
+        let bench = bench(Fault::None, 0);
         let begin = Instant::now();
         let mut after = |_: Stage| if begin.elapsed() > moment { Break(()) } else { Continue(()) };
         let (outcome, text, kept) = run(&bench.options(10.0), &mut after);
@@ -311,7 +218,7 @@ fn cancelling_at_any_moment_leaves_a_stopped_generator_and_a_true_voltage() {
 
 #[test]
 fn cancelling_on_the_way_to_the_rest_keeps_the_record() {
-    let bench = Bench::new(Fault::None, 0);
+    let bench = bench(Fault::None, 0);
     let instrument = InstrumentOptions { ramp: 1.0, rest: Rest::Zero, ..bench.options(10.0).instrument };
     let options = AcquireOptions { instrument, ..bench.options(10.0) };
     let mut is_read = false;
@@ -330,7 +237,7 @@ fn cancelling_on_the_way_to_the_rest_keeps_the_record() {
 fn a_controller_that_is_gone_is_said_to_be_perhaps_in_motion() {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let (port, begin) = (listener.local_addr().unwrap().port(), Instant::now());
-    let bench = Bench::new(Fault::None, 0);
+    let bench = bench(Fault::None, 0);
     let direct = bench.direct;
     // A line that ends with the controller's last answer, and takes no client again.
     spawn(move || {

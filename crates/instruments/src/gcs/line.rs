@@ -1,58 +1,44 @@
-//! The line to a controller: bytes out, answers in.
+//! The line to a controller with GCS 2.0: bytes out, answers in.
 //!
-//! An answer has one line or more: all but the last end with a space before the line feed. Every answer has a deadline
-//! as a whole. While it is awaited, the progress is checked every [`TICK`].
+//! An answer has one line or more: all but the last end with a space before the line feed.
 
-use crate::watch::{TICK, Watch};
+use crate::watch::Watch;
+use crate::wire::Wire;
 use piezoid::Error;
-use std::fmt::Display;
-use std::io::{ErrorKind, Read, Write};
-use std::net::{Shutdown, TcpStream, ToSocketAddrs};
-use std::sync::mpsc;
-use std::time::{Duration, Instant};
+use std::ops::{Deref, DerefMut};
+use std::time::Duration;
 
 /// An answer that is skipped has at most so many bytes.
 const SKIPPED: usize = 1 << 20;
-
-/// Bytes that are read at once.
-const PIECE: usize = 1 << 14;
 
 /// The query that every controller answers with the version of the command set, and with nothing like any other answer.
 const VERSION: &str = "CSV?";
 
 /// A connection to a controller.
 pub(crate) struct Line<'a> {
-    pub(crate) watch: Watch<'a>,
-    stream: TcpStream,
-    /// Bytes that were received and belong to no answer yet.
-    received: Vec<u8>,
-    /// True if the last command was sent in part only.
-    is_partial: bool,
+    wire: Wire<'a>,
     /// The answer to [`VERSION`].
     version: String,
-    host: (String, u16),
-    /// The same, for messages.
-    pub(crate) address: String,
-    /// Time for an answer.
-    patience: Duration,
-    /// No answer is awaited beyond this moment.
-    until: Option<Instant>,
+}
+
+impl<'a> Deref for Line<'a> {
+    type Target = Wire<'a>;
+
+    fn deref(&self) -> &Wire<'a> {
+        &self.wire
+    }
+}
+
+impl DerefMut for Line<'_> {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.wire
+    }
 }
 
 impl<'a> Line<'a> {
     /// Connects to the controller at an address.
-    pub(crate) fn open(host: (&str, u16), patience: Duration, mut watch: Watch<'a>) -> Result<Self, Error> {
-        let mut line = Line {
-            stream: connected(host, patience, &mut watch)?,
-            watch,
-            received: Vec::new(),
-            is_partial: false,
-            version: String::new(),
-            host: (host.0.into(), host.1),
-            address: format!("{}:{}", host.0, host.1),
-            patience,
-            until: None,
-        };
+    pub(crate) fn open(host: (&str, u16), patience: Duration, watch: Watch<'a>) -> Result<Self, Error> {
+        let mut line = Line { wire: Wire::open(host, patience, watch)?, version: String::new() };
         let answer = line.query(VERSION).map_err(|error| match error {
             Error::Cancelled { .. } => error,
             other => Error::Content(format!(
@@ -67,90 +53,26 @@ impl<'a> Line<'a> {
         }
     }
 
-    /// Limits the time for all that follows.
-    pub(crate) fn limit(&mut self, time: Duration) {
-        self.until = Some(Instant::now() + time);
-    }
-
     /// Connects again, and gives a command before anything else.
     pub(crate) fn again(&mut self, first: &str) -> Result<(), Error> {
-        drop(self.stream.shutdown(Shutdown::Both));
-        let patience = self.deadline().saturating_duration_since(Instant::now());
-        self.stream = connected((&self.host.0, self.host.1), patience, &mut self.watch)?;
-        (self.is_partial, self.received) = (false, Vec::new());
+        self.wire.reconnect()?;
         self.urgent(first)
     }
 
     /// Gives a command whatever is still unanswered, then skips the answers to what was sent before.
     pub(crate) fn urgent(&mut self, command: &str) -> Result<(), Error> {
-        let end = if std::mem::take(&mut self.is_partial) { "\n" } else { "" };
+        let end = if self.wire.take_partial() { "\n" } else { "" };
         self.send(format!("{end}{command}\n{VERSION}\n").as_bytes())?;
         while self.lines(SKIPPED)?.concat().trim() != self.version {}
         Ok(())
     }
 
-    fn deadline(&self) -> Instant {
-        let own = Instant::now() + self.patience;
-        self.until.map_or(own, |until| until.min(own))
-    }
-
-    /// Returns an error if the work was cancelled, or if it is too late for an answer.
-    fn check(&mut self, deadline: Instant) -> Result<(), Error> {
-        self.watch.check()?;
-        if Instant::now() < deadline {
-            return Ok(());
-        }
-        let time = self.patience.as_secs_f64();
-        Err(self.lost(&format!("there was no whole answer within {time} s")))
-    }
-
-    /// Sends bytes as they are.
-    pub(crate) fn send(&mut self, bytes: &[u8]) -> Result<(), Error> {
-        let (deadline, mut left) = (self.deadline(), bytes);
-        while !left.is_empty() {
-            match self.stream.write(left) {
-                Ok(count) => left = &left[count..],
-                Err(e) if waits(&e) => (),
-                Err(e) => return Err(self.lost(&e)),
-            }
-            self.is_partial = !left.is_empty();
-            self.check(deadline)?;
-        }
-        Ok(())
-    }
-
     /// The lines of an answer of at most so many bytes.
     pub(crate) fn lines(&mut self, longest: usize) -> Result<Vec<String>, Error> {
-        let (deadline, mut checked) = (self.deadline(), 0);
-        loop {
-            let ends = |k: &usize| self.received[*k] == b'\n' && (*k == 0 || self.received[k - 1] != b' ');
-            if let Some(end) = (checked..self.received.len()).find(ends) {
-                // Code page 1252, in which micro is the same as in Unicode.
-                let text: String = self.received.drain(..=end).map(char::from).collect();
-                return Ok(text.lines().map(|line| line.trim_end().to_string()).collect());
-            }
-            checked = self.received.len();
-            if checked > longest {
-                return Err(self.lost(&"its answer does not end"));
-            }
-            self.receive(deadline)?;
-        }
-    }
-
-    fn receive(&mut self, deadline: Instant) -> Result<(), Error> {
-        let mut piece = [0; PIECE];
-        loop {
-            self.check(deadline)?;
-            match self.stream.read(&mut piece) {
-                Ok(0) => return Err(self.lost(&"it closed the connection")),
-                Ok(count) => {
-                    self.received.extend_from_slice(&piece[..count]);
-                    return Ok(());
-                }
-                Err(e) if waits(&e) => (),
-                Err(e) => return Err(self.lost(&e)),
-            }
-        }
+        let bytes = self.wire.until(longest, |all, k| all[k] == b'\n' && (k == 0 || all[k - 1] != b' '))?;
+        // Code page 1252, in which micro is the same as in Unicode.
+        let text: String = bytes.into_iter().map(char::from).collect();
+        Ok(text.lines().map(|line| line.trim_end().to_string()).collect())
     }
 
     /// An error about an answer.
@@ -160,57 +82,4 @@ impl<'a> Line<'a> {
             "the controller at {address} answers {short:?}, which is not {expected}: check that it speaks GCS 2.0"
         ))
     }
-
-    fn lost(&self, e: &dyn Display) -> Error {
-        let address = &self.address;
-        Error::Content(format!("the controller at {address} does not answer: {e}; check the connection and try again"))
-    }
-}
-
-impl Drop for Line<'_> {
-    fn drop(&mut self) {
-        drop(self.stream.shutdown(Shutdown::Both));
-    }
-}
-
-/// True if a stream has nothing to read, or no room for what is written, at present.
-fn waits(e: &std::io::Error) -> bool {
-    matches!(e.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut | ErrorKind::Interrupted)
-}
-
-/// A connection, made by a thread of its own, because names and addresses can block for a long time.
-fn connected((host, port): (&str, u16), patience: Duration, watch: &mut Watch) -> Result<TcpStream, Error> {
-    let refused = |e: &dyn Display| {
-        let advice = "check that it is switched on, its address, and that no other program is connected to it";
-        Error::Content(format!("no controller answers at {host}:{port}: {e}; {advice}"))
-    };
-    let (deadline, name) = (Instant::now() + patience, host.to_string());
-    let (sender, receiver) = mpsc::channel();
-    std::thread::spawn(move || sender.send(first_of((&name, port), deadline)));
-    loop {
-        watch.check()?;
-        match receiver.recv_timeout(TICK) {
-            Ok(stream) => return stream.map_err(|e| refused(&e)),
-            Err(_) if Instant::now() < deadline => (),
-            Err(_) => return Err(refused(&"the connection timed out")),
-        }
-    }
-}
-
-/// A connection to the first of these addresses that takes it.
-fn first_of(host: (&str, u16), deadline: Instant) -> std::io::Result<TcpStream> {
-    let mut last = std::io::Error::other("the name has no address");
-    for one in host.to_socket_addrs()? {
-        let left = deadline.saturating_duration_since(Instant::now()).max(TICK);
-        match TcpStream::connect_timeout(&one, left) {
-            Ok(stream) => {
-                stream.set_nodelay(true)?;
-                stream.set_read_timeout(Some(TICK))?;
-                stream.set_write_timeout(Some(TICK))?;
-                return Ok(stream);
-            }
-            Err(e) => last = e,
-        }
-    }
-    Err(last)
 }

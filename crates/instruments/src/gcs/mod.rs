@@ -19,6 +19,6 @@ mod stop;
 #[cfg(test)]
 mod tests;
 
-pub use controller::{Axis, ConnectOptions, Controller};
+pub use controller::{Axis, Controller};
 pub(crate) use session::Gcs;
 pub(crate) use simulated::simulated;

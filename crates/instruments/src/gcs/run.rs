@@ -18,15 +18,9 @@ use crate::Drive;
 use crate::gcs::controller::Axis;
 use crate::gcs::line::Line;
 use crate::gcs::recording::Sources;
+use crate::moves::slow_move;
 use piezoid::Error;
-use std::f64::consts::FRAC_PI_2;
 use std::time::{Duration, Instant};
-
-/// Time between two values of a slow move [s].
-const STEP: f64 = 0.02;
-
-/// Largest step of a slow move, as a share of the range.
-const LARGEST_STEP: f64 = 0.05;
 
 /// Time between two questions whether the generator still runs.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -97,29 +91,13 @@ impl Run<'_> {
         self.line.command(&format!("SVA {axis} {value:.6}"))
     }
 
-    /// Moves from one voltage to another, along a half cosine of this duration [s]; longer if the limits need it. No
-    /// step is more than a twentieth of the range.
+    /// Moves [slowly](slow_move) from one voltage to another, in this time [s].
     pub(crate) fn ramp(&mut self, from: f64, to: f64, time: f64) -> Result<(), Error> {
-        // The fastest change of a half cosine is pi / 2 of the mean.
-        let way = FRAC_PI_2 * (to - from).abs();
-        let time = time.max(way / self.fastest);
-        let few = way / (LARGEST_STEP * (self.range.1 - self.range.0));
-        let steps = (time / STEP).max(few).ceil().max(1.0) as usize;
-        for k in 1..=steps {
-            self.line.watch.stage("slow move of the voltage", k, steps)?;
-            let share = 0.5 - 0.5 * libm::cos(2.0 * FRAC_PI_2 * k as f64 / steps as f64);
-            self.set(if k == steps { to } else { from + share * (to - from) })?;
-            self.line.watch.pause(Duration::from_secs_f64(time / steps as f64))?;
-        }
-        Ok(())
-    }
-
-    pub(crate) fn settle(&mut self, time: f64) -> Result<(), Error> {
-        let begin = Instant::now();
-        while begin.elapsed().as_secs_f64() < time {
-            let passed = (1e3 * begin.elapsed().as_secs_f64()) as usize;
-            self.line.watch.stage("settling [ms]", passed, (1e3 * time) as usize)?;
-            self.line.watch.pause(PAUSE.min(Duration::from_secs_f64(time)))?;
+        let (values, pause) = slow_move(from, to, time, self.fastest, self.range);
+        for (k, value) in values.iter().enumerate() {
+            self.line.watch.stage("slow move of the voltage", k + 1, values.len())?;
+            self.set(*value)?;
+            self.line.watch.pause(pause)?;
         }
         Ok(())
     }

@@ -5,6 +5,7 @@ use super::recording::{Sources, read};
 use super::rest::Before;
 use super::run::Run;
 use crate::checks::{cycles, range};
+use crate::moves::settle;
 use crate::{Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
 use piezoid::progress::Progress;
 use piezoid::{Error, Record};
@@ -24,7 +25,7 @@ impl<'a> Gcs<'a> {
     /// Connects, and checks that nothing else uses the controller. Nothing moves.
     pub(crate) fn open(options: &InstrumentOptions, progress: &'a mut Progress<'_>) -> Result<Self, Error> {
         let limits = options.limits.limits()?.unwrap_or_default();
-        let (line, controller) = options.connection.open(progress)?;
+        let (line, controller) = Controller::open(&options.connection, progress)?;
         if let Some(signs) = controller.in_use() {
             return Err(in_use(&signs));
         }
@@ -79,7 +80,7 @@ impl Instrument for Gcs<'_> {
             (self.before, self.last) = (Some(Before { start, first }), start);
         }
         run.ramp(self.last, drive.u[0], drive.ramp)?;
-        run.settle(drive.settle)?;
+        settle(&mut run.line.watch, drive.settle)?;
         run.play(drive)?;
         (self.last, self.ramp) = (drive.u.last().copied().unwrap_or_default(), drive.ramp);
         read(&mut run.line, drive.u.len(), &run.axis.unit, &self.setup.identity)

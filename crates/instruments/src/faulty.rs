@@ -1,0 +1,114 @@
+//! A simulated controller behind a line that is cut, goes silent or drips, for tests. The controller keeps what it was
+//! given, as a witness.
+
+use crate::Simulation;
+use crate::simulated::Log;
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpListener, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread::{sleep, spawn};
+use std::time::Duration;
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Fault {
+    None,
+    Cut,
+    Silent,
+    Drip,
+}
+
+/// A simulated controller, and a line to it whose first connection has a fault.
+pub(crate) struct Bench {
+    /// Port of the line.
+    pub(crate) port: u16,
+    /// Port of the controller itself.
+    pub(crate) direct: u16,
+    pub(crate) log: Log,
+    /// Answers that have passed on the first connection.
+    pub(crate) answers: Arc<AtomicUsize>,
+    pub(crate) is_faulty: Arc<AtomicBool>,
+}
+
+impl Bench {
+    /// A line whose fault comes in place of this answer, from 0.
+    pub(crate) fn new(simulation: &Simulation, fault: Fault, at: usize) -> Self {
+        let controller = simulation.controller().unwrap();
+        let log = controller.log.clone();
+        let (direct, line) = (TcpListener::bind("127.0.0.1:0").unwrap(), TcpListener::bind("127.0.0.1:0").unwrap());
+        let [inside, port] = [&direct, &line].map(|listener| listener.local_addr().unwrap().port());
+        spawn(move || controller.serve(&direct));
+        let bench = Bench { port, direct: inside, log, answers: Arc::default(), is_faulty: Arc::default() };
+        let (answers, is_faulty) = (bench.answers.clone(), bench.is_faulty.clone());
+        spawn(move || {
+            for (k, client) in line.incoming().flatten().enumerate() {
+                let controller = TcpStream::connect(("127.0.0.1", inside)).unwrap();
+                for stream in [&client, &controller] {
+                    stream.set_nodelay(true).unwrap();
+                }
+                let dead = Arc::new(AtomicBool::new(false));
+                let (to, from) = (controller.try_clone().unwrap(), client.try_clone().unwrap());
+                let dead_too = dead.clone();
+                spawn(move || commands(from, to, &dead_too));
+                let fault = if k == 0 { fault } else { Fault::None };
+                let (answers, is_faulty) = (answers.clone(), is_faulty.clone());
+                spawn(move || {
+                    if passed(&controller, &client, (fault != Fault::None || k == 0).then_some((at, &*answers)), fault)
+                    {
+                        return;
+                    }
+                    is_faulty.store(true, Ordering::SeqCst);
+                    dead.store(true, Ordering::SeqCst);
+                    match fault {
+                        Fault::Cut => {
+                            drop(client.shutdown(Shutdown::Both));
+                            drop(controller.shutdown(Shutdown::Both));
+                        }
+                        Fault::Drip => {
+                            while (&client).write_all(b"2").is_ok() {
+                                sleep(Duration::from_millis(50));
+                            }
+                        }
+                        _ => (),
+                    }
+                });
+            }
+        });
+        bench
+    }
+}
+
+/// Passes commands on, until the line is dead.
+pub(crate) fn commands(mut from: TcpStream, mut to: TcpStream, is_dead: &AtomicBool) {
+    let mut piece = [0; 4096];
+    while let Ok(count) = from.read(&mut piece) {
+        if count == 0 || !is_dead.load(Ordering::SeqCst) && to.write_all(&piece[..count]).is_err() {
+            break;
+        }
+    }
+    drop(to.shutdown(Shutdown::Both));
+}
+
+/// Passes answers on, and counts them. False if the fault comes.
+pub(crate) fn passed(
+    mut from: &TcpStream,
+    mut to: &TcpStream,
+    count: Option<(usize, &AtomicUsize)>,
+    fault: Fault,
+) -> bool {
+    let (mut byte, mut before) = ([0], b' ');
+    while from.read(&mut byte).is_ok_and(|count| count == 1) {
+        if fault != Fault::None && count.is_some_and(|(at, done)| done.load(Ordering::SeqCst) == at) {
+            return false;
+        }
+        if to.write_all(&byte).is_err() {
+            break;
+        }
+        if let Some((_, done)) = count.filter(|_| byte[0] == b'\n' && before != b' ') {
+            done.fetch_add(1, Ordering::SeqCst);
+        }
+        before = byte[0];
+    }
+    drop(to.shutdown(Shutdown::Both));
+    true
+}
