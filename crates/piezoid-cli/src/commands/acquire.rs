@@ -12,9 +12,11 @@ Examples:
     piezoid acquire --host 192.168.0.10
   A drive of `piezoid plan` or `piezoid excite`, played in open loop and recorded:
     piezoid acquire sine20.csv --host 192.168.0.10 --low -20 --high 120 -o record.csv
-  The same within the current of an amplifier, and to 0 V at the end:
+  The same on an NV200 of piezosystem jena, which holds 1024 samples:
+    piezoid acquire sine20.csv --protocol nv200 --host 192.168.0.11 --port 23 -o record.csv
+  The first within the current of an amplifier, and to 0 V at the end:
     piezoid acquire sine20.csv --host 192.168.0.10 --driver e-610 --capacitance 1.5e-6 --rest zero -o record.csv
-  The same without hardware, with `piezoid instrument` in another terminal:
+  The first without hardware, with `piezoid instrument` in another terminal:
     piezoid acquire sine20.csv -o record.csv
 
 The actuator moves. Ctrl-C stops the wave generator; the voltage then stays where it is, and is shown. The record is

@@ -13,6 +13,10 @@ Examples:
   It is measured from another terminal, by piezoid or by any client of GCS 2.0 such as PIPython:
     piezoid acquire sine20.csv -o record.csv
 
+  An NV200/D Net of piezosystem jena, for its Python package nv200 or piezoid:
+    piezoid instrument --model nv200 --port 2300
+    piezoid acquire sine20.csv --protocol nv200 --port 2300 -o record.csv
+
   Two axes of an E-754, with a clock that only answers advance:
     piezoid instrument --model e-754 --axes 2 --virtual-time 0.01
 

@@ -1,4 +1,4 @@
-//! `acquire` and PI's own client PIPython on the controller of `instrument`.
+//! `acquire` and the makers' own clients, PIPython and nv200, on the controllers of `instrument`.
 
 use crate::bench::{Bench, Run};
 use piezoid_testing::skipped;
@@ -132,11 +132,65 @@ fn the_client_of_the_maker_measures_too() {
     if !there.is_ok_and(|message| message.status.success()) {
         return skipped("no PIPython");
     }
-    let controller = Controller::new();
-    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/instrument.py");
-    let message = Command::new("python3").arg(script).arg(&controller.1).output().unwrap();
+    all_well("python3", "instrument.py", &Controller::new());
+}
+
+#[test]
+fn the_client_of_piezosystem_jena_measures_too() {
+    let has = |python: &&str| {
+        let there = Command::new(python).args(["-c", "import nv200.nv200_device"]).output();
+        there.is_ok_and(|message| message.status.success())
+    };
+    // It needs Python 3.12.
+    let Some(python) = ["python3", "python3.12", "python3.13"].into_iter().find(has) else {
+        return skipped("no Python with the package nv200");
+    };
+    all_well(python, "jena.py", &Controller::with("--model nv200 --plant paper"));
+}
+
+/// Runs a script against a controller.
+fn all_well(python: &str, script: &str, controller: &Controller) {
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli").join(script);
+    let message = Command::new(python).arg(script).arg(&controller.1).output().unwrap();
     let text = String::from_utf8_lossy(&message.stderr);
     assert!(message.status.success() && message.stdout.ends_with(b"all well\n"), "{text}");
+}
+
+#[test]
+fn a_drive_on_an_nv200_becomes_a_record() {
+    let (bench, controller) = (Bench::new(), Controller::with("--model nv200 --plant paper"));
+    let at = format!("--protocol nv200 --port {}", controller.1);
+    let message = bench.run(&format!("acquire {at}")).ok().out;
+    assert!(message.contains("NV200/D_NET, PAPER #000001") && message.contains("-30 to 30 V"), "{message}");
+    bench.run("excite rising-sine --frequency 8 --amplitude 25 --ts 1e-3 --duration 1 -o u.csv").ok();
+    let run = bench.run(&format!("acquire u.csv {at} --ramp 0.1 --settle 0 -o r.csv")).ok();
+    assert_eq!(run.out, "axis 1 is at 0.000 V, in open loop.\n");
+    let record = bench.text("r.csv");
+    assert!(record.starts_with("# piezoid: measured by the controller NV200/D_NET"), "{record:.99}");
+    assert_eq!(record.lines().count(), 1002);
+    bench.run("excite sine --frequency 2 --amplitude 20 --ts 1e-3 --duration 2 -o long.csv").ok();
+    bench.refused(&format!("acquire long.csv {at} -o none.csv")).says(&["the generator of the controller holds 1024"]);
+    // Each protocol has its own words for what it does not understand.
+    bench.refused(&format!("acquire --port {}", controller.1)).says(&["check that it speaks GCS 2.0"]);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_signal_while_an_nv200_plays_stops_its_generator_and_states_the_voltage() {
+    let (bench, controller) = (Bench::new(), Controller::with("--model nv200 --plant paper"));
+    for wait in [300, 900, 1500, 2100] {
+        let (line, child) = started(&bench, &controller.1, "--protocol nv200 --ramp 0.2");
+        sleep(Duration::from_millis(wait));
+        signal(&child, "-TERM");
+        let run = ended(&line, child);
+        if run.code == Some(0) {
+            continue;
+        }
+        assert_eq!(run.code, Some(130), "{run:?}");
+        let state = ["and the wave generator is stopped", "nothing has moved"];
+        assert!(run.err.is_empty() || state.iter().any(|text| run.err.contains(text)), "{run:?}");
+        assert!(controller.text("grun\r\n").contains("grun,0"), "{run:?}");
+    }
 }
 
 #[test]

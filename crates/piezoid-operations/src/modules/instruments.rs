@@ -23,7 +23,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
     Operation {
         name: "acquire",
-        summary: "Play a drive on a controller with PI's GCS 2.0, and record what the actuator does",
+        summary: "Play a drive on a controller, and record what the actuator does",
         module: "instruments",
         roles: &[one("drive")],
         options: AcquireOptions::rows,
