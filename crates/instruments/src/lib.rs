@@ -1,5 +1,5 @@
-//! Controllers with PI's General Command Set, GCS 2.0, over TCP: a client that plays a drive and returns the measured
-//! record, and a controller that is simulated around a plant.
+//! Controllers of piezo actuators over TCP, with PI's General Command Set, GCS 2.0, or the commands of piezosystem jena's
+//! NV200: clients that play a drive and return the measured record, and controllers that are simulated around a plant.
 //!
 //! ```
 //! use piezoid::{formats::ColumnSelection, progress::Stage};
