@@ -112,3 +112,21 @@ pub(crate) fn passed(
     drop(to.shutdown(Shutdown::Both));
     true
 }
+
+/// Tries each of so many cases, several at once.
+pub(crate) fn each(count: usize, one: impl Fn(usize) + Sync) {
+    let next = AtomicUsize::new(0);
+    std::thread::scope(|scope| {
+        for _ in 0..32 {
+            scope.spawn(|| {
+                loop {
+                    let k = next.fetch_add(1, Ordering::SeqCst);
+                    if k >= count {
+                        break;
+                    }
+                    one(k);
+                }
+            });
+        }
+    });
+}

@@ -40,6 +40,7 @@ mod moves;
 mod nv200;
 mod rest;
 mod simulated;
+mod stop;
 mod watch;
 mod wire;
 

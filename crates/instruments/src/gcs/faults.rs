@@ -1,7 +1,7 @@
 //! The client on lines that are cut, go silent or drip, and work that is cancelled. The simulated controller keeps what
 //! it was given, as a witness.
 
-use crate::faulty::{Bench, Fault, commands, passed};
+use crate::faulty::{Bench, Fault, commands, each, passed};
 use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Rest, Simulation};
 use piezoid::Error;
 use piezoid::formats::{ColumnSelection, Table};
@@ -112,7 +112,7 @@ fn answers(is_closed: bool) -> usize {
 
 /// Tries a fault in place of each answer.
 fn at_every_answer(fault: Fault, timeout: f64, is_closed: bool) {
-    let (next, running) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let running = AtomicUsize::new(0);
     let last = answers(is_closed);
     let one = |at: usize| {
         let bench = bench(fault, at);
@@ -136,19 +136,7 @@ fn at_every_answer(fault: Fault, timeout: f64, is_closed: bool) {
         bench.witness(&text, &what);
         running.fetch_add(usize::from(bench.was_running()), Ordering::SeqCst);
     };
-    std::thread::scope(|scope| {
-        for _ in 0..32 {
-            scope.spawn(|| {
-                loop {
-                    let at = next.fetch_add(1, Ordering::SeqCst);
-                    if at >= last {
-                        break;
-                    }
-                    one(at);
-                }
-            });
-        }
-    });
+    each(last, one);
     // A line that is silent is noticed only after the drive.
     assert!(fault == Fault::Silent || running.load(Ordering::SeqCst) > 0, "no fault came while the drive was played");
 }

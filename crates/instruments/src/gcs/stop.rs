@@ -11,16 +11,11 @@
 use crate::Left;
 use crate::gcs::controller::RUNNING;
 use crate::gcs::run::Run;
+use crate::stop::{ATTEMPT, insist};
 use piezoid::Error;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// Time to connect again.
-const AGAIN: Duration = Duration::from_secs(3);
-
-/// Time of one attempt to reach the controller.
-const ATTEMPT: Duration = Duration::from_secs(1);
-
-/// Pause between two attempts, and between two questions whether the generator still runs.
+/// Pause between two questions whether the generator still runs.
 const PAUSE: Duration = Duration::from_millis(30);
 
 /// How often it is asked.
@@ -38,30 +33,14 @@ impl Run<'_> {
 
     /// Stops the generator whatever the line and the user do. Where the axis is left, also as text.
     pub(crate) fn stop(&mut self) -> (Left, String) {
-        let (k, stop) = (self.channel, format!("WGO {} 0", self.channel));
+        let (k, axis) = (self.channel.to_string(), self.axis.name.clone());
+        let stop = format!("WGO {k} 0");
         self.line.watch.ignore();
-        self.line.limit(ATTEMPT);
-        let mut outcome = self.line.urgent(&stop).and_then(|()| self.stopped());
-        let begin = Instant::now();
-        while outcome.is_err() && begin.elapsed() < AGAIN {
+        insist(&axis, &k, |again| {
             self.line.limit(ATTEMPT);
-            outcome = self.line.again(&stop).and_then(|()| self.stopped());
-            if outcome.is_err() {
-                // It is not heeded that the work was cancelled.
-                drop(self.line.watch.pause(PAUSE));
-            }
-        }
-        match outcome {
-            Ok(left) => (left, format!("{}, and wave generator {k} is stopped", left.text(&self.axis.name))),
-            Err(error) => {
-                let text = format!(
-                    "wave generator {k} could not be stopped, and may run on: {error}; axis {} may be at any voltage: \
-                     switch the controller off if that is a danger",
-                    self.axis.name
-                );
-                (Left::default(), text)
-            }
-        }
+            if again { self.line.again(&stop) } else { self.line.urgent(&stop) }?;
+            self.stopped()
+        })
     }
 
     /// Checks that the generator is stopped. Where the axis is.

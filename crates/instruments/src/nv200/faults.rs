@@ -2,7 +2,7 @@
 //! given, as a witness.
 
 use super::tests::{at, but, run, simulation};
-use crate::faulty::{Bench, Fault};
+use crate::faulty::{Bench, Fault, each};
 use crate::{AcquireOptions, Rest};
 use piezoid::Error;
 use piezoid::formats::Table;
@@ -43,7 +43,7 @@ fn witness(bench: &Bench, text: &str, what: &str) -> bool {
     let stopped = last(&|line| line == "grun,0").unwrap_or_else(|| panic!("{what}: never stopped: {text}"));
     assert!(stopped > moved, "{what}: it moved after it was stopped: {text}");
     assert!(log[stopped + 1..].iter().all(|one| !one.runs), "{what}: {text}");
-    let stated = format!("axis 1 is at {:.3} V, in open loop, and the wave generator is stopped", end.voltage);
+    let stated = format!("axis 1 is at {:.3} V, in open loop, and wave generator 1 is stopped", end.voltage);
     assert!(text.contains(&stated), "{what}: not `{stated}` but {text}");
     // No step but those of the drive is a large one: the source of the setpoint changes nothing.
     for (before, after) in log.iter().zip(&log[1..]).filter(|(before, _)| before.command.starts_with("modsrc,")) {
@@ -59,7 +59,7 @@ fn at_many_answers(fault: Fault, timeout: f64) {
     let (outcome, ..) = run(&options(&whole, 10.0), &drive(), &mut Stage::ignore);
     assert_eq!(outcome.unwrap().unfinished, None);
     let last = whole.answers.load(Ordering::SeqCst);
-    let (next, running) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let running = AtomicUsize::new(0);
     let one = |at: usize| {
         let bench = bench(fault, at);
         let begin = Instant::now();
@@ -80,19 +80,7 @@ fn at_many_answers(fault: Fault, timeout: f64) {
         }
         running.fetch_add(usize::from(witness(&bench, &text, &what)), Ordering::SeqCst);
     };
-    std::thread::scope(|scope| {
-        for _ in 0..16 {
-            scope.spawn(|| {
-                loop {
-                    let at = next.fetch_add(1, Ordering::SeqCst);
-                    if at >= last {
-                        break;
-                    }
-                    one(at);
-                }
-            });
-        }
-    });
+    each(last, one);
     assert!(fault == Fault::Silent || running.load(Ordering::SeqCst) > 0, "no fault came while the drive was played");
 }
 
@@ -135,7 +123,7 @@ fn after_a_cancelled_drive_the_next_one_takes_over_where_the_axis_is() {
     });
     assert!(matches!(outcome, Err(Error::Cancelled { .. })), "{text}");
     let left = bench.log.lock().unwrap().last().unwrap().voltage;
-    assert!(left.abs() > 1.0 && text.contains("in open loop, and the wave generator is stopped"), "{text}");
+    assert!(left.abs() > 1.0 && text.contains("in open loop, and wave generator 1 is stopped"), "{text}");
     let (outcome, text, _) = run(&options(&bench, 10.0), &drive(), &mut Stage::ignore);
     let acquired = outcome.unwrap();
     // It rests where it was found.

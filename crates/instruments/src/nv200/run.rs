@@ -92,7 +92,7 @@ impl Run<'_> {
         let (low, high) = self.output;
         for (k, u) in drive.u.iter().enumerate() {
             self.line.wire.watch.stage("upload of the drive", k, drive.u.len())?;
-            let share = (100.0 * (u - low) / (high - low)).max(0.0).min(100.0);
+            let share = (100.0 * (u - low) / (high - low)).clamp(0.0, 100.0);
             self.line.set(&format!("gbarb,{k}"), share, SHARE_ERROR)?;
         }
         for name in ["goarb", "gsarb", "gearb"] {

@@ -11,16 +11,11 @@
 use super::look::AXIS;
 use super::run::Run;
 use crate::Left;
+use crate::stop::{ATTEMPT, insist};
 use piezoid::Error;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
-/// Time to connect again.
-const AGAIN: Duration = Duration::from_secs(3);
-
-/// Time of one attempt to reach the controller.
-const ATTEMPT: Duration = Duration::from_secs(1);
-
-/// Pause between two attempts, and between two questions whether the generator still runs; how often it is asked.
+/// Pause between two questions whether the generator still runs, and how often it is asked.
 const PAUSE: Duration = Duration::from_millis(30);
 const QUERIES: usize = 10;
 
@@ -37,27 +32,11 @@ impl Run<'_> {
     /// Stops the generator whatever the line and the user do. Where the axis is left, also as text.
     pub(crate) fn stop(&mut self) -> (Left, String) {
         self.line.wire.watch.ignore();
-        self.line.wire.limit(ATTEMPT);
-        let mut outcome = self.line.urgent(STOP).and_then(|()| self.stopped());
-        let begin = Instant::now();
-        while outcome.is_err() && begin.elapsed() < AGAIN {
+        insist(AXIS, AXIS, |again| {
             self.line.wire.limit(ATTEMPT);
-            outcome = self.line.again(STOP).and_then(|()| self.stopped());
-            if outcome.is_err() {
-                // It is not heeded that the work was cancelled.
-                drop(self.line.wire.watch.pause(PAUSE));
-            }
-        }
-        match outcome {
-            Ok(left) => (left, format!("{}, and the wave generator is stopped", left.text(AXIS))),
-            Err(error) => {
-                let text = format!(
-                    "the wave generator could not be stopped, and may run on: {error}; axis {AXIS} may be at any \
-                     voltage: switch the controller off if that is a danger"
-                );
-                (Left::default(), text)
-            }
-        }
+            if again { self.line.again(STOP) } else { self.line.urgent(STOP) }?;
+            self.stopped()
+        })
     }
 
     /// Checks that the generator is stopped. Where the axis is.

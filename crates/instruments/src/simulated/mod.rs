@@ -41,12 +41,21 @@ pub(crate) struct Time {
     cycle: u64,
     /// Servo cycles since something moved or was recorded.
     pub(crate) calm: u64,
+    /// What it was given, for tests.
+    #[cfg(test)]
+    log: Log,
 }
 
 impl Time {
     /// The beginning; with a time for each answer [s], on a virtual clock.
     pub(crate) fn new(answer: Option<f64>) -> Self {
-        Time { clock: Clock::new(answer), cycle: 0, calm: 0 }
+        Time {
+            clock: Clock::new(answer),
+            cycle: 0,
+            calm: 0,
+            #[cfg(test)]
+            log: Log::default(),
+        }
     }
 
     /// True if nothing moves, vibrates or is recorded.
@@ -83,6 +92,17 @@ pub(crate) trait Behaviour: Debug + Send + 'static {
 
     /// The answer to a line that is too long, and not obeyed.
     fn too_long(&mut self) -> Vec<u8>;
+
+    /// Voltage [V], servo, and whether a wave is played, for tests.
+    #[cfg(test)]
+    fn state(&self) -> (f64, bool, bool);
+
+    /// Keeps a command for tests.
+    #[cfg(test)]
+    fn log(&mut self, command: &str) {
+        let (voltage, servo, runs) = self.state();
+        self.time().log.lock().unwrap().push(Entry { command: command.into(), voltage, servo, runs });
+    }
 
     /// Brings the state up to the present.
     fn update(&mut self) {

@@ -44,10 +44,10 @@ pub(crate) fn locked<'a>(device: &'a Mutex<dyn Behaviour>) -> MutexGuard<'a, dyn
 }
 
 impl Simulated {
-    pub(crate) fn new(#[cfg(test)] log: Log, device: impl Behaviour) -> Self {
+    pub(crate) fn new(#[cfg_attr(not(test), expect(unused_mut))] mut device: impl Behaviour) -> Self {
         Simulated {
             #[cfg(test)]
-            log,
+            log: device.time().log.clone(),
             device: Arc::new(Mutex::new(device)),
         }
     }

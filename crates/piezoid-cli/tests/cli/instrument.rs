@@ -187,7 +187,7 @@ fn a_signal_while_an_nv200_plays_stops_its_generator_and_states_the_voltage() {
             continue;
         }
         assert_eq!(run.code, Some(130), "{run:?}");
-        let state = ["and the wave generator is stopped", "nothing has moved"];
+        let state = ["and wave generator 1 is stopped", "nothing has moved"];
         assert!(run.err.is_empty() || state.iter().any(|text| run.err.contains(text)), "{run:?}");
         assert!(controller.text("grun\r\n").contains("grun,0"), "{run:?}");
     }

@@ -23,8 +23,6 @@ mod wrong;
 
 use crate::simulated::axis::Axis;
 use crate::simulated::{Behaviour, CYCLE, Model, Simulated, Simulation, Time, voltages};
-#[cfg(test)]
-use crate::simulated::{Entry, Log};
 use errors::{STOPPED, TOO_LONG};
 use generators::{Generator, Tables};
 use piezoid::Error;
@@ -50,14 +48,8 @@ pub(crate) fn simulated(simulation: &Simulation, spec: &Spec, name: &str) -> Res
         recorder: Recorder::default(),
         saved: BTreeMap::new(),
         time: Time::new(simulation.virtual_time),
-        #[cfg(test)]
-        log: Log::default(),
     };
-    Ok(Simulated::new(
-        #[cfg(test)]
-        device.log.clone(),
-        device,
-    ))
+    Ok(Simulated::new(device))
 }
 
 /// The controller itself, without its line.
@@ -78,12 +70,14 @@ struct Device {
     /// What `SEP` keeps, by axis and number.
     saved: BTreeMap<(usize, u32), f64>,
     time: Time,
-    /// What it was given, for tests.
-    #[cfg(test)]
-    log: Log,
 }
 
 impl Behaviour for Device {
+    #[cfg(test)]
+    fn state(&self) -> (f64, bool, bool) {
+        (self.axes[0].voltage, self.axes[0].servo, self.generators[0].is_running())
+    }
+
     fn time(&mut self) -> &mut Time {
         &mut self.time
     }
@@ -139,13 +133,6 @@ impl Device {
             self.axes[*k].stop();
         }
         self.error = STOPPED;
-    }
-
-    /// Keeps a command for tests.
-    #[cfg(test)]
-    fn log(&self, command: &str) {
-        let (voltage, servo, runs) = (self.axes[0].voltage, self.axes[0].servo, self.generators[0].is_running());
-        self.log.lock().unwrap().push(Entry { command: command.into(), voltage, servo, runs });
     }
 }
 

@@ -25,8 +25,6 @@ mod tests;
 
 use crate::simulated::axis::Axis;
 use crate::simulated::{Behaviour, CYCLE, Simulated, Simulation, Time, voltages};
-#[cfg(test)]
-use crate::simulated::{Entry, Log};
 use generator::Generator;
 use piezoid::Error;
 use piezoid::plant::Spec;
@@ -55,14 +53,8 @@ pub(crate) fn simulated(simulation: &Simulation, spec: &Spec) -> Result<Simulate
         recorder: Recorder::default(),
         kept: BTreeMap::new(),
         time: Time::new(simulation.virtual_time),
-        #[cfg(test)]
-        log: Log::default(),
     };
-    Ok(Simulated::new(
-        #[cfg(test)]
-        device.log.clone(),
-        device,
-    ))
+    Ok(Simulated::new(device))
 }
 
 /// Values of `modsrc`.
@@ -94,12 +86,14 @@ struct Device {
     /// Parameters that are kept and change nothing, by name.
     kept: BTreeMap<&'static str, f64>,
     time: Time,
-    /// What it was given, for tests.
-    #[cfg(test)]
-    log: Log,
 }
 
 impl Behaviour for Device {
+    #[cfg(test)]
+    fn state(&self) -> (f64, bool, bool) {
+        (self.axis.voltage, self.axis.servo, self.generator.is_running())
+    }
+
     fn time(&mut self) -> &mut Time {
         &mut self.time
     }
@@ -155,13 +149,6 @@ impl Device {
     fn value(&self, share: f64) -> f64 {
         let (low, high) = self.limits();
         low + 0.01 * share * (high - low)
-    }
-
-    /// Keeps a command for tests.
-    #[cfg(test)]
-    fn log(&self, command: &str) {
-        let (voltage, servo, runs) = (self.axis.voltage, self.axis.servo, self.generator.is_running());
-        self.log.lock().unwrap().push(Entry { command: command.into(), voltage, servo, runs });
     }
 }
 
