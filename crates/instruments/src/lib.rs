@@ -1,5 +1,6 @@
-//! Controllers of piezo actuators over TCP, with PI's General Command Set, GCS 2.0, or the commands of piezosystem jena's
-//! NV200: clients that play a drive and return the measured record, and controllers that are simulated around a plant.
+//! Controllers of piezo actuators over TCP, with PI's General Command Set, GCS 2.0, or the commands of piezosystem
+//! jena's NV200: clients that play a drive and return the measured record, and controllers that are simulated around a
+//! plant.
 //!
 //! ```
 //! use piezoid::{formats::ColumnSelection, progress::Stage};

@@ -14,8 +14,8 @@ pub(crate) const ATTEMPT: Duration = Duration::from_secs(1);
 /// Pause between two attempts.
 const PAUSE: Duration = Duration::from_millis(30);
 
-/// Stops a wave generator of an axis, by `attempt`, which connects again if its argument is true. Where the axis is left,
-/// also as text.
+/// Stops a wave generator of an axis, by `attempt`, which connects again if its argument is true. Where the axis is
+/// left, also as text.
 pub(crate) fn insist(
     axis: &str,
     generator: &str,

@@ -1,5 +1,5 @@
-//! The client on lines that are cut or go silent, and work that is cancelled. The simulated controller keeps what it was
-//! given, as a witness.
+//! The client on lines that are cut or go silent, and work that is cancelled. The simulated controller keeps what it
+//! was given, as a witness.
 
 use super::tests::{at, but, run, simulation};
 use crate::faulty::{Bench, Fault, each};

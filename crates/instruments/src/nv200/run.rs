@@ -72,7 +72,8 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// The setpoint, if the generator gave it, to `set`. The voltage changes by no more than the error of a measurement.
+    /// The setpoint, if the generator gave it, to `set`. The voltage changes by no more than the error of a
+    /// measurement.
     pub(crate) fn take_over(&mut self) -> Result<(), Error> {
         if self.line.number("modsrc")? as u8 == GENERATOR {
             let voltage = self.measured()?;

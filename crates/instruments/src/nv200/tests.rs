@@ -106,8 +106,8 @@ fn the_axis_rests_where_it_is_to() {
     text(port, "set,4\r\n");
     for (rest, expected) in [(Rest::Start, 4.0), (Rest::Stay, 12.0), (Rest::Zero, 0.0)] {
         let options = but(at(port), |options| options.rest = rest);
-        let (outcome, said, _) = run(&options, &drive(0.01, &[0.0, 5.0, 10.0, 12.0]), &mut Stage::ignore);
-        assert_eq!(outcome.unwrap().voltage, Some(expected), "{said}");
+        let (outcome, text_now, _) = run(&options, &drive(0.01, &[0.0, 5.0, 10.0, 12.0]), &mut Stage::ignore);
+        assert_eq!(outcome.unwrap().voltage, Some(expected), "{text_now}");
         assert_eq!(text(port, "set\r\nmodsrc\r\ngrun\r\n"), format!("set,{expected:.3}\nmodsrc,0\ngrun,0\n"));
     }
 }
@@ -183,7 +183,7 @@ fn a_slow_slew_rate_of_the_controller_is_noticed_before_the_drive() {
 }
 
 #[test]
-fn what_is_no_nv200_is_told() {
+fn what_is_no_nv200_is_named() {
     let gcs = served(&Simulation { model: Model::E727, ..simulation() });
     let quick = |port| but(at(port), |options| options.connection.timeout = 0.5);
     let message = refused(&quick(gcs), &drive(1e-3, &sine(9)));
