@@ -141,7 +141,7 @@ fn drives_that_it_cannot_play_are_refused_before_anything_moves() {
     let message = refused(&but(at(port), |options| options.limits = limits), &drive(1e-3, &sine(100)));
     assert!(message.contains("the drive exceeds its limits"), "{message}");
     let message = refused(&AcquireOptions { join: true, ..at(port) }, &drive(1e-3, &sine(9)));
-    assert!(message.contains("leave out --join"), "{message}");
+    assert!(message.contains("without --join"), "{message}");
     let message = refused(&at(port), &drive(1e-3, &[-20.0, 20.0]));
     assert!(message.contains("the drive jumps by 40 V"), "{message}");
     for (options, expected) in [
