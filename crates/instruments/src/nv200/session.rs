@@ -86,8 +86,8 @@ impl Instrument for Nv200<'_> {
     fn prepare(&mut self, drive: &Drive) -> Result<(), Error> {
         self.setup.check(drive)?;
         if drive.joined {
-            let message = "an NV200 holds each voltage for a sampling period, and cannot join them by lines: sample this \
-                           drive as often as others, without --join";
+            let message = "an NV200 holds each voltage for a sampling period, and cannot join them by lines: sample \
+                           this drive as often as others, without --join";
             return Err(Error::Content(message.into()));
         }
         if cycles(drive.ts, CYCLE)? > MOST_CYCLES {
