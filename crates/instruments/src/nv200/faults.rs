@@ -72,6 +72,8 @@ fn at_many_answers(fault: Fault, timeout: f64) {
             return;
         }
         match outcome {
+            // The XON after the last answer is too late for a fault.
+            Ok(acquired) if acquired.unfinished.is_none() => return assert!(at + 40 > last, "{what}: {text}"),
             Ok(acquired) => {
                 assert_eq!(kept.unwrap().record, acquired.record, "{what}");
                 assert!(acquired.unfinished.is_some(), "{what}: {text}");
