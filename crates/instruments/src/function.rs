@@ -57,6 +57,7 @@ impl<'f> Function<'f> {
             limits: Limits::default(),
             cycle: ts,
             holds: Vec::new(),
+            joins: true,
             servo: None,
         };
         let start = low.max(0.0).min(high);

@@ -65,6 +65,8 @@ pub struct Setup {
     pub cycle: f64,
     /// What holds a drive or its record, and how many samples.
     pub holds: Vec<(&'static str, usize)>,
+    /// True if it can join the voltages of a drive by straight lines.
+    pub joins: bool,
     /// True if the axis was in closed loop; `None` if that is unknown.
     pub servo: Option<bool>,
 }

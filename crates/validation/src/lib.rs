@@ -134,8 +134,8 @@ pub trait Validate {
     /// Compares the free run of this model with `record`.
     ///
     /// # Errors
-    /// Returns an error if the sampling period of the record is no multiple of that of the model, the units cannot be converted, or the record is shorter than
-    /// `skip`.
+    /// Returns an error if the sampling period of the record is no multiple of that of the model, the units cannot be
+    /// converted, or the record is shorter than `skip`.
     fn validate_with(&self, record: &Record, options: &ValidateOptions) -> Result<Validation, Error> {
         self.validate_end(record, record.len(), options)
     }

@@ -96,8 +96,8 @@ pub struct Campaign {
 const STILL: f64 = 0.2;
 
 impl CampaignOptions {
-    /// Connects to the controller and runs the campaign. `reference` is the path to follow [unit of the sensor]; without
-    /// it, the campaign has one of its own.
+    /// Connects to the controller and runs the campaign. `reference` is the path to follow [unit of the sensor];
+    /// without it, the campaign has one of its own.
     ///
     /// After an error, and if `progress` cancels, nothing moves any more; where the axis is stands in the error or in
     /// `notes`. Records that were kept are not measured again by the next campaign with the same options.
@@ -180,6 +180,7 @@ impl CampaignOptions {
             ts: self.period,
             points: setup.most_samples().unwrap_or(defaults.points).min(defaults.points),
             cycle: Some(setup.cycle),
+            joins: setup.joins,
             limits: self.instrument.limits.clone(),
         }
         .run(None)

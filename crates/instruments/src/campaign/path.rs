@@ -4,7 +4,8 @@
 //! straight line:   u = middle + (r - y_rest) / k,   k by least squares on the record `path`
 //! inverse:         u = H^-1 (r),   from the demagnetised state, with the offset of the model at y_rest
 //! ```
-//! The path begins and ends at rest at the middle of the range, from where a minimum-jerk move leads to its first value.
+//! The path begins and ends at rest at the middle of the range, from where a minimum-jerk move leads to its first
+//! value.
 
 use super::{Bench, CampaignOptions};
 use piezoid::compensation::{FeedForward, FeedForwardSettings};
@@ -35,7 +36,8 @@ pub struct Track {
     pub metrics: Metrics,
 }
 
-/// Share of the stroke on each side of the middle that a path of its own uses, in relation to that of the record `path`.
+/// Share of the stroke on each side of the middle that a path of its own uses, in relation to that of the record
+/// `path`.
 const SHARE: f64 = 0.9;
 
 /// Reduction of a path of its own that exceeds the limits, and how often it is tried.
@@ -127,7 +129,8 @@ impl<'p> Path<'p> {
         (r, start..end)
     }
 
-    /// The voltages of a straight line of slope `gain` through the middle of the range, where the displacement is `rest`.
+    /// The voltages of a straight line of slope `gain` through the middle of the range, where the displacement is
+    /// `rest`.
     pub(super) fn straight(&self, r: &[f64], rest: f64, gain: f64) -> Result<Vec<f64>, Error> {
         let (low, high) = self.plan.range();
         Ok(r.iter().map(|r| (self.plan.middle() + (r - rest) / gain).max(low).min(high)).collect())

@@ -43,6 +43,7 @@ impl<'a> Gcs<'a> {
             limits,
             cycle,
             holds: held.into_iter().filter_map(|(what, points)| Some((what, points?))).collect(),
+            joins: true,
             servo: axis.servo,
         };
         let (channel, fastest) = (options.channel.unwrap_or(number), limits.fastest());

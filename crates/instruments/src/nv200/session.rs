@@ -50,6 +50,7 @@ impl<'a> Nv200<'a> {
             limits,
             cycle: CYCLE,
             holds: vec![("the generator", WAVE), ("the recorder", RECORDER)],
+            joins: false,
             servo: Some(false),
         };
         let run = Run { line, output, range, fastest: limits.fastest() };

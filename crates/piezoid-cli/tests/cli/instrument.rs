@@ -294,8 +294,8 @@ fn one_command_measures_identifies_and_straightens_an_actuator() {
          -o all",
         controller.1
     );
-    let asked = ["axis 1 is to move between -28.5 and 28.5 V, for ", "Add --yes to agree to it; nothing has moved"];
-    bench.run(&line).exits(1).says(&asked);
+    let refusal = ["axis 1 is to move between -28.5 and 28.5 V, for ", "Add --yes to agree to it; nothing has moved"];
+    bench.run(&line).exits(1).says(&refusal);
     assert_eq!(controller.voltage(), 0.0);
     let line = format!("{line} --yes");
     let child = bench.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();

@@ -1,8 +1,8 @@
 //! Decaying sine: demagnetisation, loops that shrink to zero.
 //!
-//! `u(t) = offset + amplitude (1 - t / T) sin(2 pi frequency t)`, where T is the whole duration. Each loop is smaller than
-//! the one before by the same voltage, so no reversal is left that later ones do not wipe out: the hysteresis ends in
-//! the middle of its loop, whatever was before. Its remanence is that of the last step, half of amplitude / periods.
+//! `u(t) = offset + amplitude (1 - t / T) sin(2 pi frequency t)`, where T is the whole duration. Each loop is smaller
+//! than the one before by the same voltage, so no reversal is left that later ones do not wipe out: the hysteresis ends
+//! in the middle of its loop, whatever was before. Its remanence is that of the last step, half of amplitude / periods.
 //!
 //! Reference: Mayergoyz, Mathematical Models of Hysteresis, Springer, 1991, DOI 10.1007/978-1-4612-3028-1 (the
 //! demagnetised state). It does not do: creep, which goes on after it.

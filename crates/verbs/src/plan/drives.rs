@@ -192,6 +192,9 @@ impl Rig {
     /// The smallest multiple of the sampling period with which so long a drive [s] fits into the samples, or the
     /// largest with which a sine of this frequency is still smooth.
     fn rare(&self, duration: f64, hz: f64) -> f64 {
+        if !self.joins {
+            return 1.0;
+        }
         let needed = (duration.min(self.longest()) / (self.ts * self.points as f64) - 1e-9).ceil();
         needed.min((1.0 / (SMOOTH * hz * self.ts)).floor()).max(1.0)
     }

@@ -58,6 +58,9 @@ options! {
         ts: Option<f64> = None, OptionRow::positive("s").absent("from bandwidth and resonance");
         /// Samples that the controller holds of a drive and of a record.
         points: usize = MAX_SAMPLES, OptionRow::new(OptionKind::Integer(500, MAX_SAMPLES as u64));
+        /// True if it joins voltages by straight lines: drives that have too many samples are then sampled less often,
+        /// otherwise they are shortened.
+        joins: bool = true, OptionRow::new(OptionKind::Switch);
         /// Servo cycle of the controller: sampling periods are multiples of it.
         cycle: Option<f64> = None, OptionRow::positive("s").absent("any sampling period");
     } with limits: LimitOptions
@@ -112,6 +115,7 @@ struct Rig {
     ts: f64,
     /// Most samples of a drive.
     points: usize,
+    joins: bool,
     low: f64,
     high: f64,
     bandwidth: f64,
@@ -231,7 +235,19 @@ impl PlanOptions {
         let amplifier = driver.as_deref().map(Amplifier::find).transpose()?;
         let current = amplifier.and_then(|amplifier| amplifier.continuous);
         let continuous = current.zip(limits.capacitance).map_or(f64::INFINITY, |(current, farad)| current / farad);
-        Ok(Rig { ts, points: self.points, low, high, bandwidth, resonance, limits, continuous, driver, actuator })
+        Ok(Rig {
+            ts,
+            points: self.points,
+            joins: self.joins,
+            low,
+            high,
+            bandwidth,
+            resonance,
+            limits,
+            continuous,
+            driver,
+            actuator,
+        })
     }
 
     /// The sampling period: 1, 2 or 5 times a power of ten.
