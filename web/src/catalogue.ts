@@ -178,6 +178,8 @@ export interface CallOptions {
     ts?: number | string;
     /** Samples that the controller holds of a drive and of a record */
     points?: number;
+    /** True if it joins voltages by straight lines: drives that have too many samples are then sampled less often, otherwise they are shortened */
+    joins?: boolean;
     /** Servo cycle of the controller: sampling periods are multiples of it [s] */
     cycle?: number | string;
     /** The driver whose limits the voltage must keep (see {list}) */

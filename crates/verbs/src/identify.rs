@@ -195,13 +195,13 @@ mod tests {
             let row = |k: u32| format!("{},{},{}\n", f64::from(k) * ts, (0.1 * f64::from(k)).sin(), f64::from(k % 7));
             File::new(name, String::from("t_s,u_V,y_um\n") + &(0..400).map(row).collect::<String>())
         };
-        let large = [file("fast.csv", 5e-4), file("slow.csv", 2e-3)];
+        let large = [file("fast.csv", 5e-4), file("slow.csv", 7e-4)];
         let large = Source::all(large.into(), &ColumnSelection::default());
         let run = IdentifyOptions::default().run((Vec::new(), large), "", &mut Stage::ignore);
         assert_eq!(
             run.unwrap_err().to_string(),
-            "fast.csv is sampled every 0.0005 s but slow.csv every 0.002 s: resample one of them; `prepare` does, with \
-             the option resample = 0.002"
+            "fast.csv is sampled every 0.0005 s but slow.csv every 0.0007 s: resample one of them; `prepare` does, with \
+             the option resample = 0.0007"
         );
     }
 }

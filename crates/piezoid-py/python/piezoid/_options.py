@@ -348,6 +348,8 @@ class PlanOptions(TypedDict, total=False):
     actuator: The actuator, for its range, capacitance and resonance (see `pz.actuators`)
     ts: Sampling period; drives with too many samples have a multiple of it [s]; default: from bandwidth and resonance
     points: Samples that the controller holds of a drive and of a record; default: 200000
+    joins: True if it joins voltages by straight lines: drives that have too many samples are then sampled less often,
+        otherwise they are shortened; default: true
     cycle: Servo cycle of the controller: sampling periods are multiples of it [s]; default: any sampling period
 
     Driver:
@@ -365,6 +367,7 @@ class PlanOptions(TypedDict, total=False):
     actuator: str | None
     ts: float | str | None
     points: int
+    joins: bool
     cycle: float | str | None
     driver: str | None
     capacitance: float | str | None
@@ -588,6 +591,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "actuator": None,
         "ts": None,
         "points": 200000,
+        "joins": True,
         "cycle": None,
         "driver": None,
         "capacitance": None,

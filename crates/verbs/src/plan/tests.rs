@@ -75,7 +75,7 @@ fn drives_that_a_controller_cannot_hold_are_sampled_less_often() {
         assert!(plan.page().contains("`creep_u.csv` has "), "{}", plan.page());
     }
     let message = refusal(json!({"bandwidth": 5, "range": [0, 1], "ts": 1.3e-4, "cycle": 5e-5}));
-    assert!(message.contains("must be a multiple of the servo cycle of 0.00005 s, such as 0.0001 s"), "{message}");
+    assert!(message.contains("must be a multiple of the servo cycle of 0.00005 s, such as 1e-4 s"), "{message}");
 }
 
 #[test]
