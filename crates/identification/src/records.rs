@@ -22,8 +22,8 @@ pub(super) struct Records {
 
 impl Records {
     /// # Errors
-    /// Returns an error if sampling periods are no multiples of the shortest one, units cannot be converted, or there is
-    /// no record.
+    /// Returns an error if sampling periods are no multiples of the shortest one, units cannot be converted, or there
+    /// is no record.
     pub(crate) fn of(small: &[Record], large_signal: &[Record]) -> Result<Self, Error> {
         // Records that were sampled less often have all samples of the model, of which those measured are fitted.
         let ts = small.iter().chain(large_signal).map(Record::ts).fold(f64::INFINITY, f64::min);

@@ -88,7 +88,7 @@ def test_validation_gives_the_figures_of_the_command_line(model: pz.Model, unsee
     with pytest.raises(pz.PiezoidError, match="kept or free or drift"):
         model.validate(unseen, offset="none")  # type: ignore[arg-type]
     with pytest.raises(pz.PiezoidError, match="sampled every"):
-        model.validate(pz.Record(unseen.u, unseen.y, ts=1e-3))
+        model.validate(pz.Record(unseen.u, unseen.y, ts=7e-4))
 
 
 def test_noise_and_drift_are_told_apart_from_the_error_of_the_model(model: pz.Model, unseen: pz.Record) -> None:

@@ -1,10 +1,10 @@
 //! Excitations: voltages that drive an actuator for its identification.
 //!
 //! Small broad-band excitations ([`Prbs`], [`Multisine`]) identify the linear block; large ones ([`RisingSine`],
-//! [`Sine`], [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`DecayingSine`] demagnetises it;
-//! a [`Chirp`] sweeps through the resonance; `moves` is a path through points. [`Limits`] checks that a driver can
-//! deliver them; [`DRIVERS`] and [`ACTUATORS`] have figures of data sheets. Every excitation is `offset + amplitude s(t)` with `|s| <= 1`, starts as
-//! its documentation says, and is the same for the same settings.
+//! [`Sine`], [`Triangle`], [`Staircase`], [`SteppedSine`]) exercise the hysteresis; a [`DecayingSine`] demagnetises
+//! it; a [`Chirp`] sweeps through the resonance; `moves` is a path through points. [`Limits`] checks that a driver can
+//! deliver them; [`DRIVERS`] and [`ACTUATORS`] have figures of data sheets. Every excitation is `offset + amplitude
+//! s(t)` with `|s| <= 1`, starts as its documentation says, and is the same for the same settings.
 //!
 //! [`EXCITATIONS`] is the list that the command line and Python use. A new kind needs one file, one `mod` line and one
 //! row.
