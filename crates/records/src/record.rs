@@ -7,6 +7,9 @@ use piezoid_numerics::number::{ascii_unit, exact, round};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
+/// Largest sampling period of a record, in those of the model.
+const MAX_EVERY: f64 = 1000.0;
+
 /// Most samples of a record whose samples are joined: 1.6 GB.
 const MAX_SAMPLES: f64 = 1e8;
 
@@ -197,10 +200,10 @@ impl Record {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Sampling`], with the name of what has this period, if its own is no multiple of `ts`; an error if the
-    /// record would have more than 10^8 samples.
+    /// [`Error::Sampling`], with the name of what has this period, if its own is no multiple of `ts`, or more than 1000
+    /// times as long: then one of them is wrong. An error if the record would have more than 10^8 samples.
     pub fn at(&self, of: &str, ts: f64) -> Result<Self, Error> {
-        let every = (self.ts / ts).round().max(1.0);
+        let every = (self.ts / ts).round().max(1.0).min(MAX_EVERY);
         Record::same_sampling(of, ts, "the record", self.ts / every).map_err(|error| match error {
             Error::Sampling { .. } => {
                 Error::Sampling { left: of.into(), left_ts: ts, right: "the record".into(), right_ts: self.ts }
@@ -325,5 +328,19 @@ mod tests {
         let mm = record.output_in("mm").unwrap();
         assert_eq!((mm.y()[0], mm.units().y.as_str()), (1.5e-3, "mm"));
         assert!(record.output_in("counts").is_err());
+    }
+
+    #[test]
+    fn a_record_is_joined_only_at_a_sampling_period_that_its_own_is_a_multiple_of() {
+        let record = Record::new(2e-3, vec![0.0, 3.0, 3.0], vec![1.0, 2.0, 0.0]).unwrap();
+        let joined = record.at("the model", 5e-4).unwrap();
+        assert_eq!((joined.len(), joined.every(), joined.u()[3], joined.y()[6]), (9, 4, 2.25, 1.0));
+        assert_eq!(joined.slice(4..9).unwrap().measured().unwrap(), record.slice(1..3).unwrap());
+        assert_eq!(joined.slice(5..9).unwrap().every(), 1);
+        for ts in [7e-4, 4e-3, 1e-6] {
+            let message = record.at("the model", ts).unwrap_err().to_string();
+            assert!(message.contains(&format!("the model is sampled every {ts}")), "{message}");
+            assert!(message.contains("the record every 0.002 s"), "{message}");
+        }
     }
 }

@@ -58,7 +58,7 @@ fn bench() -> Bench {
     let records = STOCK.get_or_init(|| {
         let bench = Bench::stocked();
         for (name, plant, excitation) in [
-            ("slow", "paper", "sine --ts 1e-3 --duration 1 --amplitude 30 --frequency 5"),
+            ("slow", "paper", "sine --ts 7e-4 --duration 1 --amplitude 30 --frequency 5"),
             ("sound", "pl140", "sine --ts 5e-4 --duration 2 --amplitude 28 --frequency 5"),
             ("rising", "pl140", "rising-sine --ts 0.5ms --duration 2s --amplitude 28V --frequency 5Hz"),
             ("small", "pl140", "prbs --ts 5e-4 --duration 1.0235 --amplitude 1 --order 11"),
@@ -258,7 +258,7 @@ fn another_unit_or_sampling_period_than_the_models_is_refused() {
         "refused | identify {} --small-signal prbs.csv -o new.json",
         "refused | identify r5.csv {} -o m.json",
     ];
-    check_all(&bench, "slow.csv", READS, "0.001 s | 0.0005 s | resample");
+    check_all(&bench, "slow.csv", READS, "0.0007 s | 0.0005 s | resample");
 }
 
 #[test]

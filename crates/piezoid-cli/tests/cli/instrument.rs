@@ -288,7 +288,7 @@ fn the_axis_rests_where_the_option_says() {
 /// A period of 50 us makes a campaign short: 10 s of creep, which the table holds only sampled less often.
 #[test]
 fn one_command_measures_identifies_and_straightens_an_actuator() {
-    let (bench, controller) = (Bench::new(), Controller::with("--plant pl140 --model e-754"));
+    let (bench, controller) = (Bench::new(), Controller::with("--plant pl140"));
     let line = format!(
         "campaign --port {} --bandwidth 50 --actuator pl140 --driver pl140 --period 5e-5 --wait 1 --operator preisach \
          -o all",
