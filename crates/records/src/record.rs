@@ -203,7 +203,7 @@ impl Record {
     /// [`Error::Sampling`], with the name of what has this period, if its own is no multiple of `ts`, or more than 1000
     /// times as long: then one of them is wrong. An error if the record would have more than 10^8 samples.
     pub fn at(&self, of: &str, ts: f64) -> Result<Self, Error> {
-        let every = (self.ts / ts).round().max(1.0).min(MAX_EVERY);
+        let every = (self.ts / ts).round().clamp(1.0, MAX_EVERY);
         Record::same_sampling(of, ts, "the record", self.ts / every).map_err(|error| match error {
             Error::Sampling { .. } => {
                 Error::Sampling { left: of.into(), left_ts: ts, right: "the record".into(), right_ts: self.ts }
