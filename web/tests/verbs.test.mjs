@@ -70,7 +70,7 @@ for (const { name } of lists.operators) {
 
 test("drives are planned", () => {
   const options = { range: [0, 100], bandwidth: 20, driver: "e-610", capacitance: 1.5e-6 };
-  assert.equal(call({ call: "plan", options }).files.length, 7);
+  assert.equal(call({ call: "plan", options }).files.length, 8);
 });
 
 test("a model is proven and reported", () => {

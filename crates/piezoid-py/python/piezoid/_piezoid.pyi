@@ -126,6 +126,14 @@ class FeedForward:
     def restore(self, state: dict[str, Any]) -> None:
         """Continues from a saved state; one of another model, delay or length is refused."""
 
+def campaign(
+    call: Callable[[Array], Any],
+    rig: tuple[float, str],
+    settings: dict[str, Any],
+    paths: tuple[str | os.PathLike[str] | None, list[float] | None],
+    progress: OnProgress | None,
+) -> tuple[Model, dict[str, Array], dict[str, Array], dict[str, Any], str]: ...
+
 @final
 class Online:
     def __new__(cls, model: Model, settings: dict[str, Any]) -> Online: ...

@@ -33,7 +33,7 @@ class Campaign:
     @property
     def better(self) -> float:
         """The rms error with a straight line over that of the compensated path."""
-        return self.results["better"]
+        return float(self.results["better"])
 
     def __repr__(self) -> str:
         error, unit = self.results["compensated"]["rmse"], self.results["compensated"]["unit"]
@@ -86,5 +86,7 @@ def campaign(
     options["period"] = ts
     path = None if reference is None else np.asarray(reference, dtype=float).tolist()
     with watched(progress) as watch:
-        model, *rest = _piezoid.campaign(measure, (ts, unit), options, (folder, path), watch)
-    return Campaign(Model._of(model), *rest)
+        model, straight, compensated, results, page = _piezoid.campaign(
+            measure, (ts, unit), options, (folder, path), watch
+        )
+    return Campaign(Model._of(model), straight, compensated, results, page)
