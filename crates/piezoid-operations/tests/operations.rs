@@ -94,7 +94,7 @@ fn a_plan_and_a_prepared_record_come_as_files() {
     let options = json!({"range": [0, 100], "bandwidth": 20, "driver": "e-610", "capacitance": 1.5e-6});
     let plan = answer(json!({"call": "plan", "options": options}), &[]);
     // Each drive has its spectrum.
-    assert_eq!((plan.series.len(), plan.files.len()), (18, 7));
+    assert_eq!((plan.series.len(), plan.files.len()), (18, 8));
     let record = measured("a.csv", 4.0);
     let options = json!({"decimate": 2});
     let result = answer(json!({"call": "prepare", "options": options, "files": {"data": ["a.csv"]}}), &[record]);
