@@ -102,16 +102,7 @@ impl AcquireOptions {
                 notes.push("nothing has moved".into());
             }
         })?;
-        let record = instrument.play(&drive).map_err(|error| {
-            let (_, state) = instrument.stop();
-            match error {
-                Error::Cancelled { .. } => {
-                    notes.push(state);
-                    error
-                }
-                other => Error::Content(format!("{other}; {state}")),
-            }
-        })?;
+        let record = instrument.play(&drive).map_err(|error| stopped(&mut *instrument, error, notes))?;
         notes.extend(remarks(&drive, &record));
         let unfinished = Some("the axis has not moved to its rest yet".into());
         let setup = instrument.setup().clone();
@@ -154,6 +145,18 @@ impl InstrumentOptions {
             return Err(Error::parameter("rest", "zero", rule));
         }
         Ok(instrument)
+    }
+}
+
+/// Stops the instrument after an error, which then states where the axis is; if work was cancelled, a note does.
+pub(crate) fn stopped(instrument: &mut dyn Instrument, error: Error, notes: &mut Vec<String>) -> Error {
+    let (_, state) = instrument.stop();
+    match error {
+        Error::Cancelled { .. } => {
+            notes.push(state);
+            error
+        }
+        other => Error::Content(format!("{other}; {state}")),
     }
 }
 

@@ -52,6 +52,16 @@ impl Setup {
     }
 }
 
+/// Returns an error if an axis is not within the range [V], but for an error of its voltage.
+pub(crate) fn at_place(axis: &str, place: f64, (low, high): (f64, f64), error: f64) -> Result<(), Error> {
+    if (low - error..=high + error).contains(&place) {
+        return Ok(());
+    }
+    Err(Error::Content(format!(
+        "axis {axis} is at {place:.3} V, outside {low} to {high} V: move it there first, or give other limits"
+    )))
+}
+
 /// Returns an error if the drive leaves the range.
 fn within(drive: &Drive, (low, high): (f64, f64)) -> Result<(), Error> {
     let Some((k, value)) = drive.u.iter().enumerate().find(|(_, u)| !(low..=high).contains(*u)) else { return Ok(()) };

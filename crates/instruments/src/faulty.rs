@@ -3,6 +3,8 @@
 
 use crate::Simulation;
 use crate::simulated::Log;
+use piezoid::plant::Plant;
+use piezoid::{Record, System};
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::Arc;
@@ -129,4 +131,14 @@ pub(crate) fn each(count: usize, one: impl Fn(usize) + Sync) {
             });
         }
     });
+}
+
+/// The record of a drive that the plant `paper` answers from rest, each voltage held for twenty servo cycles.
+pub(crate) fn assert_response_of_the_plant(record: &Record, u: &[f64]) {
+    let plant = Plant::named("paper", 5e-5).unwrap();
+    let held: Vec<f64> = u.iter().flat_map(|u| [*u; 20]).collect();
+    let y = plant.resume(&mut plant.initial(), &held);
+    let stroke = 2.0 * y.iter().fold(0.0, |peak: f64, y| peak.max(y.abs()));
+    let error = record.y().iter().zip(y.iter().step_by(20)).map(|(had, y)| (had - y).abs()).fold(0.0, f64::max);
+    assert!(error < 0.02 * stroke, "{error} um of {stroke} um");
 }

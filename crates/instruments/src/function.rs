@@ -1,11 +1,11 @@
 //! A function as an instrument: voltages in, displacements out. With it, five lines of a laboratory's own software take
 //! the place of a controller.
 
+use crate::moves::{half_cosine, way};
 use crate::{Drive, Instrument, Left, Rest, Setup};
 use piezoid::excitation::Limits;
 use piezoid::progress::{Progress, Stage};
 use piezoid::{Error, Record, Units};
-use std::f64::consts::PI;
 
 /// Voltages [V], one a sampling period, in; the displacement at each of them out.
 type Call<'f> = dyn FnMut(&[f64]) -> Result<Vec<f64>, Error> + 'f;
@@ -77,12 +77,10 @@ impl<'f> Function<'f> {
 
     /// Voltages that lead from here to `to`: a half cosine, then a wait [s].
     fn lead(&self, to: f64, ramp: f64, settle: f64) -> Vec<f64> {
-        let way = 0.5 * PI * (to - self.at).abs();
+        let way = way(self.at, to);
         let [moves, waits] = [ramp.max(way / self.setup.limits.fastest()), settle].map(|time| time / self.setup.cycle);
         let moves = if way > 0.0 { moves.ceil().max(1.0) as usize } else { 0 };
-        let part = |k: usize| 0.5 - 0.5 * libm::cos(PI * k as f64 / moves as f64);
-        let moving = (1..=moves).map(|k| self.at + (to - self.at) * part(k));
-        moving.chain(std::iter::repeat_n(to, waits.ceil() as usize)).collect()
+        half_cosine(self.at, to, moves).chain(std::iter::repeat_n(to, waits.ceil() as usize)).collect()
     }
 
     /// Calls the function with these voltages.

@@ -1,8 +1,8 @@
-//! Slow moves: from one voltage to another along a half cosine.
+//! What all clients do in time: slow moves from one voltage to another along a half cosine, and waiting.
 
 use crate::watch::Watch;
 use piezoid::Error;
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::time::{Duration, Instant};
 
 /// Time between two values of a slow move [s].
@@ -14,19 +14,81 @@ const LARGEST_STEP: f64 = 0.05;
 /// Pause between two looks while the axis settles.
 const PAUSE: Duration = Duration::from_millis(50);
 
+/// The way whose mean change is the fastest one of a half cosine: that is pi / 2 of the mean.
+pub(crate) fn way(from: f64, to: f64) -> f64 {
+    FRAC_PI_2 * (to - from).abs()
+}
+
+/// A half cosine after its first value, in so many steps.
+pub(crate) fn half_cosine(from: f64, to: f64, steps: usize) -> impl Iterator<Item = f64> {
+    let value = move |k: usize| {
+        let share = 0.5 - 0.5 * libm::cos(PI * k as f64 / steps as f64);
+        if k == steps { to } else { from + share * (to - from) }
+    };
+    (1..=steps).map(value)
+}
+
 /// The voltages of a move of this duration [s], and the pause after each; longer if the largest slew rate [V/s] needs
 /// it. No step is more than a twentieth of the range.
-pub(crate) fn slow_move(from: f64, to: f64, time: f64, fastest: f64, range: (f64, f64)) -> (Vec<f64>, Duration) {
-    // The fastest change of a half cosine is pi / 2 of the mean.
-    let way = FRAC_PI_2 * (to - from).abs();
+fn slow_move(from: f64, to: f64, time: f64, fastest: f64, range: (f64, f64)) -> (Vec<f64>, Duration) {
+    let way = way(from, to);
     let time = time.max(way / fastest);
     let few = way / (LARGEST_STEP * (range.1 - range.0));
     let steps = (time / STEP).max(few).ceil().max(1.0) as usize;
-    let value = |k: usize| {
-        let share = 0.5 - 0.5 * libm::cos(2.0 * FRAC_PI_2 * k as f64 / steps as f64);
-        if k == steps { to } else { from + share * (to - from) }
-    };
-    ((1..=steps).map(value).collect(), Duration::from_secs_f64(time / steps as f64))
+    (half_cosine(from, to, steps).collect(), Duration::from_secs_f64(time / steps as f64))
+}
+
+/// A client that moves the voltage of an axis.
+pub(crate) trait Moves<'a> {
+    fn watch(&mut self) -> &mut Watch<'a>;
+
+    /// Requests a voltage [V].
+    fn set(&mut self, volts: f64) -> Result<(), Error>;
+
+    /// Largest slew rate [V/s], infinite without a limit; lowest and highest voltage [V].
+    fn bounds(&self) -> (f64, (f64, f64));
+
+    /// Moves slowly from one voltage to another, in this time [s].
+    fn ramp(&mut self, from: f64, to: f64, time: f64) -> Result<(), Error> {
+        let (fastest, range) = self.bounds();
+        let (values, pause) = slow_move(from, to, time, fastest, range);
+        for (k, value) in values.iter().enumerate() {
+            self.watch().stage("slow move of the voltage", k + 1, values.len())?;
+            self.set(*value)?;
+            self.watch().pause(pause)?;
+        }
+        Ok(())
+    }
+
+    /// States that a drive of this length [s] is played, for so long [s] by now.
+    fn played(&mut self, time: f64, length: f64) -> Result<(), Error> {
+        let [passed, all] = [time.min(length), length].map(|time| (1e3 * time) as usize);
+        self.watch().stage("the drive is played [ms]", passed, all)
+    }
+
+    /// Waits until a drive of this length [s] has ended. `is_over` asks all the time, so that a lost line is noticed;
+    /// it is called with true once that length has passed.
+    fn until_played(
+        &mut self,
+        length: f64,
+        pause: Duration,
+        mut is_over: impl FnMut(&mut Self, bool) -> Result<bool, Error>,
+    ) -> Result<(), Error> {
+        let begin = Instant::now();
+        loop {
+            let time = begin.elapsed().as_secs_f64();
+            self.played(time, length)?;
+            if is_over(self, time >= length)? {
+                return Ok(());
+            }
+            if time > 1.5 * length + 10.0 {
+                return Err(Error::Content(format!(
+                    "the controller has not ended a drive of {length} s after {time:.0} s"
+                )));
+            }
+            self.watch().pause(pause)?;
+        }
+    }
 }
 
 /// Waits for so long [s].

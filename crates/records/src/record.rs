@@ -204,12 +204,10 @@ impl Record {
     /// times as long: then one of them is wrong. An error if the record would have more than 10^8 samples.
     pub fn at(&self, of: &str, ts: f64) -> Result<Self, Error> {
         let every = (self.ts / ts).round().clamp(1.0, MAX_EVERY);
-        Record::same_sampling(of, ts, "the record", self.ts / every).map_err(|error| match error {
-            Error::Sampling { .. } => {
-                Error::Sampling { left: of.into(), left_ts: ts, right: "the record".into(), right_ts: self.ts }
-            }
-            other => other,
-        })?;
+        if Record::same_sampling(of, ts, "the record", self.ts / every).is_err() {
+            let (left, right) = (of.into(), "the record".into());
+            return Err(Error::Sampling { left, left_ts: ts, right, right_ts: self.ts });
+        }
         let length = every * (self.len() - 1) as f64;
         if length >= MAX_SAMPLES {
             let rule = format!("gives {length:.0} samples for a record of period {} s: decimate the others", self.ts);

@@ -1,3 +1,4 @@
+use super::settings::BEYOND;
 use super::*;
 use piezoid::{IdentifyOptions, Records, identify};
 use piezoid_models::creep::Creep;

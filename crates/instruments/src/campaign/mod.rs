@@ -18,7 +18,7 @@ mod tests;
 
 pub use path::Track;
 
-use crate::acquire::{at_rest, servo_remark};
+use crate::acquire::{at_rest, servo_remark, stopped};
 use crate::{Drive, Instrument, InstrumentOptions, Left, Setup};
 use path::Path;
 use piezoid::formats::ColumnSelection;
@@ -139,16 +139,8 @@ impl CampaignOptions {
         }
         journal.agree(&setup, &plan, self.duration(&plan))?;
         let mut bench = Bench { options: self, instrument, plan: &plan };
-        let found = bench.found(reference, journal, notes, progress).map_err(|error| {
-            let (_, state) = bench.instrument.stop();
-            match error {
-                Error::Cancelled { .. } => {
-                    notes.push(state);
-                    error
-                }
-                other => Error::Content(format!("{other}; {state}")),
-            }
-        })?;
+        let found = bench.found(reference, journal, notes, progress);
+        let found = found.map_err(|error| stopped(bench.instrument, error, notes))?;
         let (left, unfinished) = at_rest(bench.instrument, self.instrument.rest);
         notes.extend(servo_remark(setup.servo, left, &setup.axis));
         let Found { resumed, identification, validated, straight, compensated } = found;
@@ -253,7 +245,7 @@ impl Bench<'_> {
     /// The record of a drive that was kept earlier, if the drive is still the same.
     fn kept(&self, drive: &PlannedDrive, journal: &dyn Journal) -> Result<Option<File>, Error> {
         let [played, record] = [drive.file(), format!("{}.csv", drive.name)].map(|name| journal.earlier(&name));
-        let same = played.is_some_and(|played| self.file(drive).is_ok_and(|file| file.bytes == played.bytes));
+        let same = played.is_some_and(|played| drive.written().is_ok_and(|file| file.bytes == played.bytes));
         Ok(record.filter(|record| same && DataFile::from(record.clone()).record(&ColumnSelection::default()).is_ok()))
     }
 
@@ -263,14 +255,8 @@ impl Bench<'_> {
         let record = self.play(&drive.u, drive.ts, self.options.wait)?;
         let name = format!("{}.csv", drive.name);
         let file = File::new(name.clone(), record.written(&name)?);
-        journal.keep(vec![self.file(drive)?, file.clone()])?;
+        journal.keep(vec![drive.written()?, file.clone()])?;
         Ok(file)
-    }
-
-    /// The file of a drive.
-    fn file(&self, drive: &PlannedDrive) -> Result<File, Error> {
-        let name = drive.file();
-        Ok(File::new(name.clone(), piezoid::formats::Table::write(&name, drive.ts, &[("u_V", &drive.u)])?))
     }
 
     fn demagnetise(&mut self) -> Result<(), Error> {
@@ -313,11 +299,10 @@ impl Campaign {
         })
     }
 
-    /// The model, both paths, the results, and the page.
+    /// Both paths, the results, and the page; the model is kept once it is identified.
     fn files(&self) -> Result<Vec<File>, Error> {
         let track = |name: &str, track: &Track| Ok(File::new(name, track.written(name)?));
         Ok(vec![
-            File::new("model.json", self.identification.found.model.to_json()),
             track("straight.csv", &self.straight)?,
             track("compensated.csv", &self.compensated)?,
             File::new("campaign.json", format!("{:#}\n", self.to_json())),

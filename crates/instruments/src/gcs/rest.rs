@@ -2,6 +2,7 @@
 
 use crate::gcs::run::Run;
 use crate::gcs::start::NOISE;
+use crate::moves::Moves;
 use crate::{Left, Rest};
 use piezoid::Error;
 use std::time::{Duration, Instant};

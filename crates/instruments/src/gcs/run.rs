@@ -18,9 +18,10 @@ use crate::Drive;
 use crate::gcs::controller::Axis;
 use crate::gcs::line::Line;
 use crate::gcs::recording::Sources;
-use crate::moves::slow_move;
+use crate::moves::Moves;
+use crate::watch::Watch;
 use piezoid::Error;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Time between two questions whether the generator still runs.
 const PAUSE: Duration = Duration::from_millis(50);
@@ -86,43 +87,29 @@ impl Run<'_> {
         commands.iter().try_for_each(|command| self.line.command(command))
     }
 
-    pub(crate) fn set(&mut self, volts: f64) -> Result<(), Error> {
+    /// Starts generator and recorder, and waits until the drive has ended and is recorded.
+    pub(crate) fn play(&mut self, drive: &Drive) -> Result<(), Error> {
+        let (k, n, length) = (self.channel, drive.u.len(), drive.u.len() as f64 * drive.ts);
+        self.played(0.0, length)?;
+        self.line.command(&format!("WGO {k} 1"))?;
+        // Points of a recording before this one are none of it.
+        self.until_played(length, PAUSE, |run, passed| {
+            Ok(!run.line.runs(k)? && passed && run.line.needed("DRL? 1")? as usize >= n)
+        })
+    }
+}
+
+impl<'a> Moves<'a> for Run<'a> {
+    fn watch(&mut self) -> &mut Watch<'a> {
+        &mut self.line.watch
+    }
+
+    fn set(&mut self, volts: f64) -> Result<(), Error> {
         let (axis, value) = (&self.axis.name, volts / self.gain());
         self.line.command(&format!("SVA {axis} {value:.6}"))
     }
 
-    /// Moves [slowly](slow_move) from one voltage to another, in this time [s].
-    pub(crate) fn ramp(&mut self, from: f64, to: f64, time: f64) -> Result<(), Error> {
-        let (values, pause) = slow_move(from, to, time, self.fastest, self.range);
-        for (k, value) in values.iter().enumerate() {
-            self.line.watch.stage("slow move of the voltage", k + 1, values.len())?;
-            self.set(*value)?;
-            self.line.watch.pause(pause)?;
-        }
-        Ok(())
-    }
-
-    /// Starts generator and recorder, and waits until the drive has ended and is recorded.
-    pub(crate) fn play(&mut self, drive: &Drive) -> Result<(), Error> {
-        let (k, length) = (self.channel, drive.u.len() as f64 * drive.ts);
-        self.line.watch.stage("the drive is played [ms]", 0, (1e3 * length) as usize)?;
-        self.line.command(&format!("WGO {k} 1"))?;
-        let begin = Instant::now();
-        loop {
-            let time = begin.elapsed().as_secs_f64();
-            let passed = (1e3 * time.min(length)) as usize;
-            self.line.watch.stage("the drive is played [ms]", passed, (1e3 * length) as usize)?;
-            // Asked all the time, so that a lost line is noticed. Points of a recording before this one are none of it.
-            let is_over = !self.line.runs(k)? && time >= length;
-            if is_over && self.line.needed("DRL? 1")? as usize >= drive.u.len() {
-                return Ok(());
-            }
-            if time > 1.5 * length + 10.0 {
-                return Err(Error::Content(format!(
-                    "the controller has not ended a drive of {length} s after {time:.0} s"
-                )));
-            }
-            self.line.watch.pause(PAUSE)?;
-        }
+    fn bounds(&self) -> (f64, (f64, f64)) {
+        (self.fastest, self.range)
     }
 }

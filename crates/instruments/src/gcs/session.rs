@@ -5,7 +5,7 @@ use super::recording::{Sources, read};
 use super::rest::Before;
 use super::run::Run;
 use crate::checks::{cycles, range};
-use crate::moves::settle;
+use crate::moves::{Moves, settle};
 use crate::{Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
 use piezoid::progress::Progress;
 use piezoid::{Error, Record};

@@ -1,7 +1,9 @@
 //! The beginning of a measurement: where the axis is, its loop is opened, and its gain is checked by a small move.
 
 use crate::Drive;
+use crate::checks::at_place;
 use crate::gcs::run::Run;
+use crate::moves::Moves;
 use piezoid::Error;
 use std::time::Duration;
 
@@ -29,13 +31,7 @@ impl Run<'_> {
     pub(crate) fn place(&mut self) -> Result<f64, Error> {
         let measured = if self.is_closed() { self.measured()? } else { None };
         let place = measured.map_or_else(|| self.requested(), Ok)?;
-        let ((low, high), name) = (self.range, &self.axis.name);
-        if !(low - NOISE..=high + NOISE).contains(&place) {
-            return Err(Error::Content(format!(
-                "axis {name} is at {place:.3} V, outside {low} to {high} V: move it there first, or give other limits"
-            )));
-        }
-        Ok(place)
+        at_place(&self.axis.name, place, self.range, NOISE).map(|()| place)
     }
 
     /// Opens the loop, if it is closed. The voltage then requested in open loop, and that measured at the output, if it

@@ -1,11 +1,11 @@
 //! The client against the simulated controller, over TCP.
 
+use crate::faulty::assert_response_of_the_plant;
 use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Model, Rest, Simulation};
+use piezoid::Error;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::{ColumnSelection, Table};
-use piezoid::plant::Plant;
 use piezoid::progress::{Progress, Stage};
-use piezoid::{Error, System};
 use piezoid_numerics::options::Options;
 use piezoid_verbs::{DataFile, File};
 use serde_json::json;
@@ -99,12 +99,7 @@ fn a_record_is_the_drive_and_what_the_plant_makes_of_it() {
     assert!(u.iter().zip(record.u()).all(|(requested, had)| (requested - had).abs() < 1e-5));
     // The same drive on the plant alone, held for twenty servo cycles a sample. Its past differs by the check of the
     // gain, which hysteresis remembers.
-    let plant = Plant::named("paper", 5e-5).unwrap();
-    let held: Vec<f64> = u.iter().flat_map(|u| [*u; 20]).collect();
-    let y = plant.resume(&mut plant.initial(), &held);
-    let stroke = 2.0 * y.iter().fold(0.0, |peak: f64, y| peak.max(y.abs()));
-    let error = record.y().iter().zip(y.iter().step_by(20)).map(|(had, y)| (had - y).abs()).fold(0.0, f64::max);
-    assert!(error < 0.02 * stroke, "{error} um of {stroke} um");
+    assert_response_of_the_plant(record, &u);
 }
 
 #[test]

@@ -16,7 +16,8 @@
 use super::line::Line;
 use super::look::{GENERATOR, SET};
 use crate::Drive;
-use crate::moves::slow_move;
+use crate::moves::Moves;
+use crate::watch::Watch;
 use piezoid::Error;
 use std::time::{Duration, Instant};
 
@@ -105,21 +106,6 @@ impl Run<'_> {
         self.ended("grun", SOON)
     }
 
-    pub(crate) fn set(&mut self, volts: f64) -> Result<(), Error> {
-        self.line.set("set", volts, SET_ERROR)
-    }
-
-    /// Moves [slowly](slow_move) from one voltage to another, in this time [s].
-    pub(crate) fn ramp(&mut self, from: f64, to: f64, time: f64) -> Result<(), Error> {
-        let (values, pause) = slow_move(from, to, time, self.fastest, self.range);
-        for (k, value) in values.iter().enumerate() {
-            self.line.wire.watch.stage("slow move of the voltage", k + 1, values.len())?;
-            self.set(*value)?;
-            self.line.wire.watch.pause(pause)?;
-        }
-        Ok(())
-    }
-
     /// Returns an error if the measured voltage is another one.
     pub(crate) fn expect(&mut self, voltage: f64, allowed: f64, when: &str) -> Result<(), Error> {
         let begin = Instant::now();
@@ -156,24 +142,10 @@ impl Run<'_> {
     /// Plays the drive, and waits until it has ended and is recorded.
     pub(crate) fn play(&mut self, drive: &Drive) -> Result<(), Error> {
         let length = drive.u.len() as f64 * drive.ts;
-        self.line.wire.watch.stage("the drive is played [ms]", 0, (1e3 * length) as usize)?;
+        self.played(0.0, length)?;
         self.line.assign("grun", "1")?;
-        let begin = Instant::now();
-        loop {
-            let time = begin.elapsed().as_secs_f64();
-            let passed = (1e3 * time.min(length)) as usize;
-            self.line.wire.watch.stage("the drive is played [ms]", passed, (1e3 * length) as usize)?;
-            // Asked all the time, so that a lost line is noticed.
-            if self.line.number("grun")? == 0.0 && time >= length {
-                return self.ended("recrun", SOON);
-            }
-            if time > 1.5 * length + 10.0 {
-                return Err(Error::Content(format!(
-                    "the controller has not ended a drive of {length} s after {time:.0} s"
-                )));
-            }
-            self.line.wire.watch.pause(PAUSE)?;
-        }
+        self.until_played(length, PAUSE, |run, passed| Ok(run.line.number("grun")? == 0.0 && passed))?;
+        self.ended("recrun", SOON)
     }
 
     /// The first `count` values of a channel of the recorder.
@@ -186,5 +158,19 @@ impl Run<'_> {
         }
         values.truncate(count);
         Ok(values)
+    }
+}
+
+impl<'a> Moves<'a> for Run<'a> {
+    fn watch(&mut self) -> &mut Watch<'a> {
+        &mut self.line.wire.watch
+    }
+
+    fn set(&mut self, volts: f64) -> Result<(), Error> {
+        self.line.set("set", volts, SET_ERROR)
+    }
+
+    fn bounds(&self) -> (f64, (f64, f64)) {
+        (self.fastest, self.range)
     }
 }

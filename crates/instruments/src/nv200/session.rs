@@ -2,8 +2,8 @@
 
 use super::look::{AXIS, check, connect, target};
 use super::run::Run;
-use crate::checks::{cycles, range};
-use crate::moves::settle;
+use crate::checks::{at_place, cycles, range};
+use crate::moves::{Moves, settle};
 use crate::{Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
 use piezoid::progress::Progress;
 use piezoid::{Error, Record, Units};
@@ -96,12 +96,7 @@ impl Instrument for Nv200<'_> {
             return Err(Error::Content(format!("the drive is sampled every {} s, more than {most:.5} s", drive.ts)));
         }
         self.run.take_over()?;
-        let (place, (low, high)) = (self.run.line.number("set")?, self.run.range);
-        if !(low - NOISE..=high + NOISE).contains(&place) {
-            return Err(Error::Content(format!(
-                "axis {AXIS} is at {place:.3} V, outside {low} to {high} V: move it there first, or give other limits"
-            )));
-        }
+        at_place(AXIS, self.run.line.number("set")?, self.run.range, NOISE)?;
         self.run.upload(drive)
     }
 

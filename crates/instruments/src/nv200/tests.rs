@@ -1,11 +1,10 @@
 //! The client against the simulated controller, over TCP.
 
+use crate::faulty::assert_response_of_the_plant;
 use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Model, Protocol, Rest, Simulation};
 use piezoid::Error;
-use piezoid::System;
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::{ColumnSelection, Table};
-use piezoid::plant::Plant;
 use piezoid::progress::{Progress, Stage};
 use piezoid_numerics::options::Options;
 use piezoid_verbs::{DataFile, File};
@@ -90,12 +89,7 @@ fn a_record_is_the_drive_and_what_the_plant_makes_of_it() {
         assert_eq!((record.len(), record.ts(), &*record.units().u, &*record.units().y), (400, 1e-3, "V", "um"));
         // The generator counts in 0.00001 % of 60 V, the recorder in mV.
         assert!(u.iter().zip(record.u()).all(|(requested, had)| (requested - had).abs() < 6e-4));
-        let plant = Plant::named("paper", 5e-5).unwrap();
-        let held: Vec<f64> = u.iter().flat_map(|u| [*u; 20]).collect();
-        let y = plant.resume(&mut plant.initial(), &held);
-        let stroke = 2.0 * y.iter().fold(0.0, |peak: f64, y| peak.max(y.abs()));
-        let error = record.y().iter().zip(y.iter().step_by(20)).map(|(had, y)| (had - y).abs()).fold(0.0, f64::max);
-        assert!(error < 0.02 * stroke, "{error} um of {stroke} um");
+        assert_response_of_the_plant(record, &u);
         assert_eq!((acquired.voltage, acquired.servo), (Some(0.0), Some(false)));
     }
 }

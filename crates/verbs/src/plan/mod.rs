@@ -103,6 +103,16 @@ impl PlannedDrive {
         format!("{}_u.csv", self.name)
     }
 
+    /// Its file: CSV with the columns `t_s` and `u_V`.
+    ///
+    /// # Errors
+    /// The errors of [`Table::write`].
+    pub fn written(&self) -> Result<File, Error> {
+        let name = self.file();
+        let bytes = Table::write(&name, self.ts, &[("u_V", &self.u)])?;
+        Ok(File::new(name, bytes))
+    }
+
     /// The largest used share of a limit [%]; `None` without limits.
     pub fn percent(&self) -> Option<f64> {
         self.usage.peaks().filter_map(|peak| peak.share).reduce(f64::max).map(|share| 100.0 * share)
@@ -281,14 +291,9 @@ impl Plan {
     /// # Errors
     /// The errors of [`Table::write`].
     pub fn files(&self) -> Result<Vec<File>, Error> {
-        let drive = |drive: &PlannedDrive| {
-            let name = drive.file();
-            let bytes = Table::write(&name, drive.ts, &[("u_V", &drive.u)])?;
-            Ok(File::new(name, bytes))
-        };
         let page = || Ok(File::new("plan.md", self.page()));
         let drives = std::iter::once(&self.demagnetisation).chain(&self.drives);
-        drives.map(drive).chain(std::iter::once_with(page)).collect()
+        drives.map(PlannedDrive::written).chain(std::iter::once_with(page)).collect()
     }
 
     /// The plan as a document, without the voltages.
