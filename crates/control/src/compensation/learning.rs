@@ -178,11 +178,7 @@ impl Harmonics {
         let period = target.len() as f64 * inverse.model.ts();
         let cutoff = positive("cutoff", settings.cutoff_hz.unwrap_or(f64::MAX), "hertz")?;
         let hz = |k: usize| k as f64 / period;
-        let response = |k: usize| {
-            let f = inverse.preview().fir().response(hz(k));
-            polar(f.gain, f.phase)
-        };
-        let inverse: Vec<_> = (0..=target.len() / 2).map(response).collect();
+        let inverse: Vec<_> = (0..=target.len() / 2).map(|k| inverse.preview().response(hz(k))).collect();
         let z: Vec<_> = lines(target).iter().zip(&inverse).map(|(r, f)| r * f).collect();
         Ok(Harmonics {
             n: target.len(),

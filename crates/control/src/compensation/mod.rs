@@ -215,10 +215,10 @@ impl FeedForward {
             let because = "its hysteresis is inside the mechanics: take the inverse from the settled state".into();
             return Err(Error::Unsuited { what: "inverse from a given state".into(), because });
         }
-        let mut target = self.preview.fir().whole(&self.extended_past_end(r));
+        let mut target = self.preview.whole(&self.extended_past_end(r));
         target.truncate(r.len());
         let invert = |target: &[f64]| self.invert_path(target, initial_condition, start);
-        let more = |residual: &[f64]| self.preview.fir().whole(residual);
+        let more = |residual: &[f64]| self.preview.whole(residual);
         let (best, iterations, first_rms) = self.corrected(r, target, self.settings.iterations, invert, more)?;
         let mut notes = self.notes.clone();
         if iterations > 0 {
@@ -273,7 +273,7 @@ impl FeedForward {
 
     /// The reference without offset, extrapolated beyond its end: mirrored through its last point.
     fn extended_past_end(&self, r: &[f64]) -> Vec<f64> {
-        let ahead = self.preview.fir().ahead();
+        let ahead = self.preview.ahead();
         let last = r.last().copied().unwrap_or_default();
         let after = r.iter().rev().skip(1).map(|r| 2.0 * last - r).take(ahead);
         r.iter().copied().chain(after).map(|r| r - self.model.offset()).collect()

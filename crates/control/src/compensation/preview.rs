@@ -3,22 +3,28 @@
 //! ```text
 //! minimise  mean over f of  W(f) |G(f) F(f) / g - 1|^2 + m |F(f)|^2      g = G(0),  F(0) = 1 / g
 //! W = 1 / (1 + (f / f_c)^2)^2
+//! F = F_fir R      R = 1 / product of (1 - zeta_k / z) over slow zeros zeta_k of G,  R(0) = 1
 //! ```
 //! For zeros outside the unit circle a stable inverse needs preview. Zeros near it, such as the sampling zeros close to
 //! -1, make it ring and amplify noise. Weighted least squares with a price m on effort gives up accuracy where it
 //! matters least: references are slow, so errors are weighted by W, and F fades at frequencies where it would cost too
 //! much. At 0 Hz F is exact. [`Preview::error`] gives the error elsewhere.
 //!
+//! F_fir is finite. A lightly damped zero inside the unit circle needs an inverse that decays as slowly as the zero,
+//! for which a finite filter is too short at high sampling rates: the recursion R cancels it.
+//!
 //! Reference: S. Devasia, D. Chen & B. Paden, IEEE Trans. Autom. Control 41, 930 (1996), DOI 10.1109/9.508898
 //! (preview); M. Tomizuka, J. Dyn. Syst. Meas. Control 109, 65 (1987), DOI 10.1115/1.3143822 (zeros that cannot be
-//! cancelled). It does not do: zeros near 1 that are slower than the filter is long; the iterations of
-//! [`super::FeedForward`] correct for them.
+//! cancelled). It does not do: zeros near 1 outside the unit circle that are slower than the filter is long; the
+//! iterations of [`super::FeedForward`] correct for them.
 //!
 //! Why: docs/decisions/compensation.md, "The linear block is inverted over frequency".
 
 use super::fir::Fir;
+use libm::pow;
 use nalgebra::{Complex, DMatrix, DVector};
-use piezoid_models::linear::Arx;
+use piezoid_models::linear::{Arx, Response};
+use piezoid_models::program::Block;
 use piezoid_numerics::complex::{modulus, polar};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
@@ -35,6 +41,9 @@ const CORNER: f64 = 0.02;
 
 /// Price m on effort [-].
 const EFFORT: f64 = 1e-9;
+
+/// What may be left at the end of the finite filter of the inverse of a zero [-]; more needs a recursion.
+const LEFT: f64 = 1e-3;
 
 /// Design of the inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -56,9 +65,13 @@ impl FirDesign {
 }
 
 /// The inverse of a linear block, and the block.
+///
+/// State: the last inputs, newest first; then that of the recursion.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Preview {
     fir: Fir,
+    /// The inverse of zeros that are slower than the filter is long.
+    recursion: Option<Arx>,
     block: Arx,
 }
 
@@ -88,18 +101,23 @@ impl Preview {
             // A pure gain has an exact inverse, which only adds the rest of the delay.
             let mut f = vec![0.0; ahead - delay_samples];
             f.push(1.0 / g);
-            return Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, block: block.clone() });
+            return Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, recursion: None, block: block.clone() });
         }
+        let recursion = recursion(block, taps - ahead)?;
         // Correlations of the weighted response give the normal equations; the last row fixes the gain at 0 Hz.
         let mut own = vec![0.0; taps];
         let mut right = DVector::zeros(taps + 1);
         for k in 0..GRID {
             let angle = PI * (k as f64 + 0.5) / GRID as f64;
-            let r = block.response(0.5 * angle / (PI * block.ts()));
-            let h = polar(r.gain, r.phase) / g;
+            let hz = 0.5 * angle / (PI * block.ts());
+            let back = recursion.as_ref().map_or(Complex::from(1.0), |recursion| phasor(recursion.response(hz)));
+            let h = phasor(block.response(hz)) * back / g;
             let weight = (1.0 + (angle / (PI * CORNER)).powi(2)).powi(-2) / GRID as f64;
             let rotation = polar(1.0, angle);
-            let (mut rotated, mut lag) = (polar(1.0, -angle * ahead as f64) * h.conj(), Complex::from(h.norm_sqr()));
+            // The effort is that of both filters; that of a gain of 1 is added below.
+            let effort = EFFORT * (back.norm_sqr() - 1.0) / (GRID as f64 * weight);
+            let mut rotated = polar(1.0, -angle * ahead as f64) * h.conj();
+            let mut lag = Complex::from(h.norm_sqr() + effort);
             for j in 0..taps {
                 own[j] += weight * lag.re;
                 right[j] += weight * rotated.re;
@@ -121,19 +139,81 @@ impl Preview {
         let mut f: Vec<f64> = solved.iter().take(taps).copied().collect();
         let sum: f64 = f.iter().sum();
         f.iter_mut().for_each(|f| *f /= sum * g);
-        Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, block: block.clone() })
+        Ok(Preview { fir: Fir::new(block.ts(), f, ahead)?, recursion, block: block.clone() })
     }
 
-    /// The filter: its input is the displacement without offset, its output the input of the block.
-    pub fn fir(&self) -> &Fir {
-        &self.fir
+    /// Preview on a whole record, which is the delay as a system [samples].
+    pub fn ahead(&self) -> usize {
+        self.fir.ahead()
+    }
+
+    /// The input of the block for a whole record of the displacement without offset, which is constant before its
+    /// first sample and after its last.
+    pub fn whole(&self, r: &[f64]) -> Vec<f64> {
+        let (Some(recursion), Some(&first)) = (&self.recursion, r.first()) else { return self.fir.whole(r) };
+        // The preview begins before the record.
+        let before = std::iter::repeat_n(first, self.ahead());
+        let mut x = self.fir.whole(&before.chain(r.iter().copied()).collect::<Vec<_>>());
+        recursion.respond(&mut recursion.settled(x[0]), &mut x);
+        x.split_off(self.ahead())
+    }
+
+    /// Frequency response F at `hz` [Hz] over a whole record.
+    pub fn response(&self, hz: f64) -> Complex<f64> {
+        let recursion = self.recursion.as_ref().map_or(Complex::from(1.0), |recursion| phasor(recursion.response(hz)));
+        phasor(self.fir.response(hz)) * recursion
     }
 
     /// |G F - 1| at `hz` [Hz]: the relative error for a sine of that frequency.
     pub fn error(&self, hz: f64) -> f64 {
-        let (g, f) = (self.block.response(hz), self.fir.response(hz));
-        modulus(polar(g.gain * f.gain, g.phase + f.phase) - 1.0)
+        modulus(phasor(self.block.response(hz)) * self.response(hz) - 1.0)
     }
+
+    /// The inverse as blocks of a program with a function each, `preview` and if needed `recursion`, initially settled
+    /// at `at_rest`.
+    pub(super) fn blocks(&self, at_rest: f64) -> Vec<Block> {
+        let recursion = self.recursion.as_ref().map(|recursion| {
+            let x = recursion.settled(at_rest / self.block.dc_gain());
+            recursion.block_from("recursion", "the inverse of slow zeros: a difference equation", &x)
+        });
+        std::iter::once(self.fir.block(at_rest)).chain(recursion).collect()
+    }
+
+    /// True if there is a block `recursion`.
+    pub(super) fn is_recursive(&self) -> bool {
+        self.recursion.is_some()
+    }
+}
+
+impl System for Preview {
+    fn ts(&self) -> f64 {
+        self.fir.ts()
+    }
+
+    fn order(&self) -> usize {
+        self.fir.order() + self.recursion.as_ref().map_or(0, System::order)
+    }
+
+    fn settled(&self, r: f64) -> Vec<f64> {
+        let recursion = self.recursion.as_ref().map(|recursion| recursion.settled(r / self.block.dc_gain()));
+        [self.fir.settled(r), recursion.unwrap_or_default()].concat()
+    }
+
+    fn step(&self, x: &mut [f64], r: f64) -> f64 {
+        let (past, x) = x.split_at_mut(self.fir.order());
+        let z = self.fir.step(past, r);
+        self.recursion.as_ref().map_or(z, |recursion| recursion.step(x, z))
+    }
+}
+
+/// The inverse of the zeros inside the unit circle that has not decayed after so many samples. Zeros above a quarter of
+/// the sampling rate are left to the least squares: a reference does not come near them, and their exact inverse rings.
+fn recursion(block: &Arx, samples: usize) -> Result<Option<Arx>, Error> {
+    block.inverse_of_zeros(|zero| zero.re > 0.0 && pow(zero.modulus(), samples as f64) > LEFT)
+}
+
+fn phasor(response: Response) -> Complex<f64> {
+    polar(response.gain, response.phase)
 }
 
 /// Positions of the numbers that are not 0.
@@ -155,7 +235,7 @@ mod tests {
     fn a_gain_with_a_delay_has_an_exact_inverse() {
         for (delay_samples, ahead) in [(0, 0), (0, 3), (2, 3)] {
             let block = Arx::new(1e-3, Vec::new(), [vec![0.0; delay_samples], vec![4.0]].concat()).unwrap();
-            let fir = Preview::new(&block, FirDesign::delayed(ahead)).unwrap().fir().clone();
+            let fir = Preview::new(&block, FirDesign::delayed(ahead)).unwrap().fir;
             assert_eq!((fir.taps.len(), fir.ahead()), (ahead - delay_samples + 1, ahead));
             let x = fir.whole(&[1.0, 2.0, 5.0, 5.0, 5.0, 5.0, 5.0]);
             assert_eq!(
@@ -171,11 +251,11 @@ mod tests {
         assert!(block.zeros().iter().any(|z| z.modulus() > 1.5) && block.zeros().iter().any(|z| z.re < -0.9));
         let inverse = Preview::new(&block, FirDesign::WHOLE).unwrap();
         let r: Vec<f64> = (0..800).map(|t| 5.0 + (0.06 * f64::from(t)).sin().powi(3)).collect();
-        let x = inverse.fir().whole(&r);
+        let x = inverse.whole(&r);
         let y = block.resume(&mut block.settled(x[0]), &x);
         assert_close(&y[300..700], &r[300..700], 0.0, 1e-3);
         assert!(inverse.error(0.0) < 1e-12 && inverse.error(5.0) < 1e-5, "{}", inverse.error(5.0));
-        assert_close(&inverse.fir().whole(&[7.0; 9]), &[7.0 / block.dc_gain(); 9], 1e-12, 0.0);
+        assert_close(&inverse.whole(&[7.0; 9]), &[7.0 / block.dc_gain(); 9], 1e-12, 0.0);
         // The same for a delayed input.
         let delayed =
             Preview::new(&Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 0.1, 0.09]).unwrap(), FirDesign::WHOLE);
@@ -188,11 +268,48 @@ mod tests {
         let block = Arx::new(5e-4, vec![0.8], vec![0.1, 0.1]).unwrap();
         assert!(block.invert_whole(&[1.0, 2.0]).is_err());
         let inverse = Preview::new(&block, FirDesign::WHOLE).unwrap();
-        let taps = &inverse.fir().taps;
+        let taps = &inverse.fir.taps;
         let noise_gain = taps.iter().map(|f| f * f).sum::<f64>().sqrt();
         assert!(inverse.error(100.0) < 1e-3 && noise_gain * block.dc_gain() < 20.0);
         let largest = taps.iter().fold(0.0f64, |m, f| m.max(f.abs()));
         assert!(taps[0].abs().max(taps[taps.len() - 1].abs()) < 0.01 * largest);
+    }
+
+    /// A beam with a resonance at 160 Hz and a zero at 450 Hz, both with a damping of 3 %, sampled at this rate [Hz].
+    fn sampled(rate: f64) -> Arx {
+        let pair = |hz: f64| {
+            let (angle, decay) = (2.0 * PI * hz / rate, libm::exp(-0.03 * 2.0 * PI * hz / rate));
+            [2.0 * decay * angle.cos(), -decay * decay]
+        };
+        let ([a1, a2], [c1, c2]) = (pair(160.0), pair(450.0));
+        Arx::new(1.0 / rate, vec![a1, a2], vec![0.0, 1.0, -c1, -c2]).unwrap()
+    }
+
+    #[test]
+    fn the_inverse_of_a_beam_is_as_good_at_any_sampling_rate() {
+        for rate in [2e3, 5e3, 2e4, 1e5] {
+            let block = sampled(rate);
+            for design in [FirDesign { ahead: 65, taps: 193 }, FirDesign::delayed(4)] {
+                let inverse = Preview::new(&block, design).unwrap();
+                let (at_50, at_150) = (inverse.error(50.0), inverse.error(150.0));
+                assert!(at_50 < 2e-3 && at_150 < 2e-2, "{rate} Hz, {design:?}: {at_50}, {at_150}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_recursion_is_the_same_sample_by_sample_and_over_a_record_and_anticipates_its_beginning() {
+        let inverse = Preview::new(&sampled(2e4), FirDesign { ahead: 65, taps: 193 }).unwrap();
+        assert_eq!(inverse.recursion.as_ref().unwrap().order(), 2);
+        // It moves from its first sample.
+        let r: Vec<f64> = (0..3000).map(|t| 5.0 + (0.01 * f64::from(t)).sin().powi(3)).collect();
+        let whole = inverse.whole(&r);
+        let mut x = inverse.settled(r[0]);
+        let delayed: Vec<f64> = r.iter().map(|r| inverse.step(&mut x, *r)).collect();
+        assert_close(&delayed[65..], &whole[..r.len() - 65], 1e-12, 1e-12);
+        let mut x = inverse.block.settled(whole[0]);
+        let y: Vec<f64> = whole.iter().map(|z| inverse.block.step(&mut x, *z)).collect();
+        assert_close(&y[..2900], &r[..2900], 0.0, 5e-3);
     }
 
     #[test]

@@ -13,11 +13,13 @@ impl Causal {
     /// # Errors
     /// [`Error::Content`] if the program is not that of the model.
     pub fn extend(&self, program: &mut Program) -> Result<(), Error> {
-        let (model, fir) = (self.inverse.model(), self.fir());
+        let (model, preview) = (self.inverse.model(), self.preview());
         if let Law::Feedback(flat) = &self.law {
             return flat.extend(program, self.inverse.ends, self.inverse.step);
         }
-        program.add(fir.block(self.resting()))?;
+        for block in preview.blocks(self.resting()) {
+            program.add(block)?;
+        }
         let (low, high) = self.inverse.ends;
         let slews = self.inverse.step.is_finite();
         let mut state =
@@ -25,8 +27,11 @@ impl Causal {
         if slews {
             state = state.number("before", 0.0);
         }
-        if fir.order() > 0 {
+        if preview.order() > 0 {
             state = state.part("preview", "preview");
+        }
+        if preview.is_recursive() {
+            state = state.part("recursion", "recursion");
         }
         state = model.hidden_parts(state);
         if model.driver().is_some() {
@@ -41,7 +46,7 @@ impl Causal {
         } else {
             "let from = low;\n    let to = high;"
         };
-        let last = if fir.order() > 0 { "s.preview.past[0]" } else { "0.0" };
+        let last = if preview.order() > 0 { "s.preview.past[0]" } else { "0.0" };
         let (hidden, moves) = (model.hidden_call("", "u"), program.function("hysteresis_move").is_some());
         let moves = match (model.creep().order() > 0, model.driver().is_some()) {
             (true, _) => format!("creep(s.creep, {hidden});"),
@@ -60,7 +65,7 @@ fn ff_step(s: ff_state, r) {{
     if magnitude(r) <= most {{
         last = r;
     }}
-    let shaped = {preview} - at_rest;
+    let shaped = {shaped} - at_rest;
     {limits}
     let z = {back};
     let u = {inverse};
@@ -69,7 +74,11 @@ fn ff_step(s: ff_state, r) {{
     {remembered}return u;
 }}
 ",
-            preview = if fir.order() > 0 { "preview(s.preview, last)" } else { "preview(last)" },
+            shaped = match (preview.order() > 0, preview.is_recursive()) {
+                (false, _) => "preview(last)",
+                (true, false) => "preview(s.preview, last)",
+                (true, true) => "recursion(s.recursion, preview(s.preview, last))",
+            },
             back = model.creep_call("creep_inverse", "shaped"),
             inverse = model.hidden_call("_inverse", "z, from, to"),
         );
@@ -101,16 +110,19 @@ mod tests {
                 [(None, limits), (None, slewing), (Some(DriverModel::new(1e-4, Some(2e4)).unwrap()), limits)]
             {
                 let ts = if driver.is_some() { 5e-4 / DriverModel::SUBSTEPS as f64 } else { 5e-4 };
-                let block = if limits == slewing {
-                    Arx::gain(5e-4, 40.0)
-                } else {
-                    Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0, 3.0, 2.8])
+                let a = vec![1.7424, -0.9453];
+                let block = match driver {
+                    None if limits == slewing => Arx::gain(5e-4, 40.0),
+                    // Slow zeros, which need a recursion.
+                    None => Arx::new(5e-4, a, vec![0.0, 60.0, -112.0, 58.0]),
+                    Some(_) => Arx::new(5e-4, a, vec![0.0, 3.0, 2.8]),
                 };
                 let model = Model::from_blocks(driver, (o.example)(ts).unwrap(), block.unwrap(), 2.0).unwrap();
                 let model = model.with_creep(Creep::logarithmic(5e-4, 0.02, 0.01, 1.0).unwrap()).unwrap();
                 let causal = Causal::new(&model, FeedForwardSettings { limits, ..Default::default() }, 2).unwrap();
                 let mut program = model.program().unwrap();
                 causal.extend(&mut program).unwrap();
+                assert_eq!(program.function("recursion").is_some(), driver.is_none() && limits != slewing);
                 let mut machine = Machine::new(&program, "ff_state", false);
                 let mut x = causal.initial();
                 for t in 0..120 {

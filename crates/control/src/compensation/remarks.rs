@@ -32,7 +32,7 @@ impl FeedForward {
                  can be held; {why}, or clip"
             ));
         }
-        let instead = match sample < self.preview.fir().ahead() {
+        let instead = match sample < self.preview.ahead() {
             true => "begin the reference with some milliseconds at a constant value, or smooth it",
             false => "the reference changes too fast there: slow it down or smooth it",
         };

@@ -1,7 +1,7 @@
 //! Feed-forward sample by sample: reference in, voltage out, with a given delay.
 //!
 //! ```text
-//! u_t = H^-1 (C^-1 (sum over k of f_k (r_{t-k} - offset)))        the displacement follows r_{t-d}
+//! u_t = H^-1 (C^-1 (F (r - offset)))        the displacement follows r_{t-d}
 //! ```
 //! It uses the same inverses as [`super::FeedForward`]: for the blocks in series a filter that gets its preview of d
 //! samples from the delay, for mechanics with hysteresis in feedback their own (`flat`), which needs at least five.
@@ -10,7 +10,7 @@
 //! every sample, except for the search of the hysteresis inverse (at most 120 trials).
 
 use super::flat::Flat;
-use super::{FeedForward, FeedForwardSettings, Fir, FirDesign};
+use super::{FeedForward, FeedForwardSettings, FirDesign, Preview};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
@@ -18,7 +18,7 @@ use std::ops::RangeInclusive;
 
 /// Reference [output unit] to voltage [input unit].
 ///
-/// State: the last input; then, for blocks in series, the last references, newest first, and the state of the model;
+/// State: the last input; then, for blocks in series, that of the filter and that of the model;
 /// for mechanics with hysteresis in feedback the state of their inverse.
 ///
 /// ```
@@ -112,14 +112,14 @@ impl Causal {
     /// Delay from the reference to the displacement [samples].
     pub fn delay_samples(&self) -> usize {
         match &self.law {
-            Law::Series => self.fir().ahead(),
+            Law::Series => self.preview().ahead(),
             Law::Feedback(flat) => flat.delay_samples(),
         }
     }
 
     /// The inverse of the linear block.
-    pub(super) fn fir(&self) -> &Fir {
-        self.inverse.preview().fir()
+    pub(super) fn preview(&self) -> &Preview {
+        self.inverse.preview()
     }
 
     /// The output of the blocks in series at rest [output unit].
@@ -135,8 +135,10 @@ impl Causal {
         let mut x = self.settled(r);
         match &self.law {
             Law::Series => {
-                let past = &mut x[BEFORE..BEFORE + self.fir().order()];
-                past.iter_mut().zip(known.iter().rev()).for_each(|(past, r)| *past = *r);
+                let x = &mut x[BEFORE..BEFORE + self.preview().order()];
+                known.iter().for_each(|r| {
+                    self.preview().step(x, *r);
+                });
             }
             // The voltages before the first sample are not applied.
             Law::Feedback(flat) => known.iter().for_each(|r| {
@@ -148,10 +150,7 @@ impl Causal {
 
     /// The state of the blocks in series.
     fn in_series(&self, u: f64, r: f64, model: Vec<f64>) -> Vec<f64> {
-        let mut x = vec![r; BEFORE + self.fir().order()];
-        x[0] = u;
-        x.extend(model);
-        x
+        [vec![u], self.preview().settled(r), model].concat()
     }
 }
 
@@ -162,7 +161,7 @@ impl System for Causal {
 
     fn order(&self) -> usize {
         let of_law = match &self.law {
-            Law::Series => self.fir().order() + self.inverse.model().order(),
+            Law::Series => self.preview().order() + self.inverse.model().order(),
             Law::Feedback(flat) => flat.order(),
         };
         BEFORE + of_law
@@ -200,12 +199,11 @@ impl System for Causal {
         let allowed = self.inverse.from(before[0]);
         before[0] = match &self.law {
             Law::Series => {
-                let fir = self.fir();
-                let (past, model) = x.split_at_mut(fir.order());
+                let (preview, model) = x.split_at_mut(self.preview().order());
                 // The static gain of the filter is 1 / G(0), which therefore also applies to the offset.
                 let block = self.inverse.model();
-                let r = if r.is_finite() { r } else { past.first().copied().unwrap_or_default() };
-                let z = fir.step(past, r) - block.offset() / block.linear().dc_gain();
+                let r = if r.is_finite() { r } else { preview.first().copied().unwrap_or_default() };
+                let z = self.preview().step(preview, r) - block.offset() / block.linear().dc_gain();
                 block.invert_before_linear(model, z, allowed).u
             }
             Law::Feedback(flat) => self.inverse.nearest(flat.step(x, r), allowed, before[0]),

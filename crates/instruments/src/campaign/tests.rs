@@ -40,6 +40,7 @@ impl Journal for Memory {
 fn campaign(
     plant: &str,
     range: (f64, f64),
+    operator: &str,
     memory: &mut Memory,
     progress: &mut Progress,
 ) -> (Result<Campaign, Error>, Vec<String>, usize) {
@@ -51,7 +52,7 @@ fn campaign(
         Ok(plant.resume(&mut x, u))
     };
     let options =
-        CampaignOptions { bandwidth: 20.0, wait: 2.0, operator: "preisach".into(), ..CampaignOptions::default() };
+        CampaignOptions { bandwidth: 20.0, wait: 2.0, operator: operator.into(), ..CampaignOptions::default() };
     let mut function = Function::new(range, 1e-3, Box::new(call), progress).unwrap();
     let found = options.on(&mut function, None, memory, &mut notes, &mut Stage::ignore);
     drop(function);
@@ -63,7 +64,7 @@ fn campaign(
 fn a_compensated_path_is_twenty_times_better_than_a_straight_line() {
     for (plant, range) in [("pl140", (-30.0, 30.0)), ("p885", (0.0, 100.0))] {
         let mut memory = Memory::default();
-        let found = campaign(plant, range, &mut memory, &mut Stage::ignore).0.unwrap();
+        let found = campaign(plant, range, "preisach", &mut memory, &mut Stage::ignore).0.unwrap();
         let paths = (found.straight.text(), found.compensated.text());
         assert!(found.better() > 20.0, "{plant}: {paths:?}");
         let of_model = found.validated.total().rmse;
@@ -81,12 +82,12 @@ fn a_compensated_path_is_twenty_times_better_than_a_straight_line() {
 #[test]
 fn what_was_measured_is_not_measured_again_unless_its_drive_changed() {
     let (mut memory, range) = (Memory { most: Some(6), ..Memory::default() }, (-30.0, 30.0));
-    let (error, _, all) = campaign("paper", range, &mut memory, &mut Stage::ignore);
+    let (error, _, all) = campaign("paper", range, "proportional", &mut memory, &mut Stage::ignore);
     let error = error.unwrap_err().to_string();
     assert_eq!(error, "the folder is full; the last voltage of the function was 0.000 V");
     memory.most = None;
     memory.files.get_mut("rise1_u.csv").unwrap().bytes.push(b'\n');
-    let (found, _, again) = campaign("paper", range, &mut memory, &mut Stage::ignore);
+    let (found, _, again) = campaign("paper", range, "proportional", &mut memory, &mut Stage::ignore);
     let found = found.unwrap();
     assert_eq!(found.resumed, ["small", "rise2"]);
     assert!(again > all, "{again} {all}");
@@ -95,7 +96,7 @@ fn what_was_measured_is_not_measured_again_unless_its_drive_changed() {
 #[test]
 fn nothing_moves_before_it_is_agreed_or_after_it_is_cancelled() {
     let mut memory = Memory { is_refused: true, ..Memory::default() };
-    let (error, _, played) = campaign("paper", (-30.0, 30.0), &mut memory, &mut Stage::ignore);
+    let (error, _, played) = campaign("paper", (-30.0, 30.0), "proportional", &mut memory, &mut Stage::ignore);
     assert_eq!((error.unwrap_err().to_string(), played), ("not agreed".into(), 0));
     let calls = Cell::new(0);
     let mut progress = |_: Stage| {
@@ -103,7 +104,7 @@ fn nothing_moves_before_it_is_agreed_or_after_it_is_cancelled() {
         if calls.get() > 3 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     };
     let mut memory = Memory::default();
-    let (error, notes, _) = campaign("paper", (-30.0, 30.0), &mut memory, &mut progress);
+    let (error, notes, _) = campaign("paper", (-30.0, 30.0), "proportional", &mut memory, &mut progress);
     assert!(matches!(error, Err(Error::Cancelled { .. })), "{error:?}");
     assert_eq!(notes.last().unwrap(), "the last voltage of the function was 0.000 V");
     // One record after its demagnetisation; then the next demagnetisation.

@@ -143,13 +143,19 @@ impl System for Arx {
 }
 
 impl Arx {
-    /// The block as a program: a block called `name`, with a function of the same name for the step.
+    /// The block as a program, from rest: a block called `name`, with a function of the same name for the step.
     pub fn block(&self, name: &str, about: &str) -> Block {
+        self.block_from(name, about, &self.initial())
+    }
+
+    /// The same from the state `x`.
+    pub fn block_from(&self, name: &str, about: &str, x: &[f64]) -> Block {
         let (outputs, inputs) = (self.a.len(), self.b.len() - 1);
+        let (last_outputs, last_inputs) = x.split_at(outputs);
         let takes = if self.order() == 0 { String::new() } else { format!("x: {name}, ") };
         Block::new(name, about)
-            .numbers("outputs", vec![0.0; outputs])
-            .numbers("inputs", vec![0.0; inputs])
+            .numbers("outputs", last_outputs.to_vec())
+            .numbers("inputs", last_inputs.to_vec())
             .table("a", &self.a)
             .table("b", &self.b)
             .text(&format!("fn {name}({takes}u) {{\n    // The oldest first.\n    let sum = b[0] * u;\n"))

@@ -92,6 +92,22 @@ impl Arx {
         Ok(z)
     }
 
+    /// The block 1 / product of (1 - zeta / z) over those zeros zeta inside the unit circle that are chosen, with gain 1
+    /// at 0 Hz; `None` if there are none. Of a conjugate pair both must be chosen.
+    ///
+    /// # Errors
+    /// Those of [`Arx::new`].
+    pub fn inverse_of_zeros(&self, is_chosen: impl Fn(&Root) -> bool) -> Result<Option<Arx>, Error> {
+        let mut zeros = self.zeros();
+        zeros.retain(|zero| zero.modulus() < 1.0 && is_chosen(zero));
+        if zeros.is_empty() {
+            return Ok(None);
+        }
+        let a: Vec<f64> = monic(&zeros).iter().map(|c| -c).collect();
+        let gain = 1.0 - a.iter().sum::<f64>();
+        Arx::new(self.ts(), a, vec![gain]).map(Some)
+    }
+
     /// Number of samples at the end of a record that [`invert_whole`](Arx::invert_whole) does not determine: those that
     /// act on y only after its last sample, and those whose relative error by the assumed values after it exceeds a
     /// thousandth.
