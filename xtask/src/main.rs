@@ -102,7 +102,9 @@ fn test() -> Result<(), String> {
     step(cargo(&["doc", "--workspace", "--no-deps"]).env("RUSTDOCFLAGS", "-D warnings"))?;
     tidy::tidy()?;
     build_workspace()?;
-    skipped.step(&mut cargo(&["test", "--workspace"]))?;
+    // Many tests wait: for a simulated controller, or for a program that they have started.
+    let threads = 2 * std::thread::available_parallelism().map_or(1, usize::from);
+    skipped.step(cargo(&["test", "--workspace"]).env("RUST_TEST_THREADS", threads.to_string()))?;
     // Each of these keeps about one core busy.
     let mut of_page = Skipped::default();
     let (page, python) = std::thread::scope(|scope| {

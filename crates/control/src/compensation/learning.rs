@@ -24,7 +24,7 @@ use super::{FeedForward, FeedForwardSettings};
 use nalgebra::Complex;
 use piezoid_models::creep::Creep;
 use piezoid_models::hammerstein::InitialCondition;
-use piezoid_numerics::complex::{modulus, polar};
+use piezoid_numerics::complex::modulus;
 use piezoid_numerics::error::{Error, finite, positive};
 use piezoid_numerics::fourier::Transform;
 use piezoid_numerics::system::System;
