@@ -521,6 +521,53 @@ export interface CallOptions {
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
   };
+  /** Show what a campaign is going to measure, and what will move; nothing moves. */
+  agenda: {
+    /** Highest frequency of the application [Hz] */
+    bandwidth: number | string;
+    /** Lowest and highest voltage of the application [V] */
+    range?: [number, number];
+    /** The actuator, for its range, capacitance and resonance (see {list}) */
+    actuator?: string;
+    /** Sampling period of the model [s] */
+    period?: number | string;
+    /** Wait after each demagnetisation, until creep has decayed [s] */
+    wait?: number | string;
+    /** Hysteresis operators to identify: auto, names separated by commas, or auto,-NAME */
+    operator?: string;
+    /** Axis to drive */
+    axis?: string;
+    /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres [V] */
+    gain?: number | string;
+    /** Number of the output channel and wave generator of the axis */
+    channel?: number;
+    /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
+    ramp?: number | string;
+    /** Where the axis goes after the drive */
+    rest?: "start" | "zero" | "stay";
+    /** Servo cycle of the controller [s] */
+    cycle?: number | string;
+    /** What the controller speaks */
+    protocol?: "gcs" | "nv200";
+    /** Address or name of the controller in the network */
+    host?: string;
+    /** TCP port of the controller; that of an NV200 is 23 */
+    port?: number;
+    /** Time for a whole answer [s] */
+    timeout?: number | string;
+    /** The driver whose limits the voltage must keep (see {list}) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs {capacitance} [A] */
+    current?: number | string;
+  };
   /** Measure, identify and straighten an actuator on a controller, and measure how well it follows a path. */
   campaign: {
     /** Highest frequency of the application [Hz] */

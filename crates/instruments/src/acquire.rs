@@ -96,7 +96,8 @@ impl AcquireOptions {
             Error::Units { what, found, expected: "V".into() }
         })?;
         let u: Vec<f64> = signal.samples.iter().map(|u| u * factor).collect();
-        let drive = Drive { u: &u, ts: signal.ts, ramp: self.instrument.ramp, settle: self.settle, joined: self.join };
+        let (ramp, settle) = (self.instrument.ramp, self.settle);
+        let drive = Drive { what: "", u: &u, ts: signal.ts, ramp, settle, joined: self.join };
         let mut instrument = self.instrument.ready(&drive, progress).inspect_err(|error| {
             if let Error::Cancelled { .. } = error {
                 notes.push("nothing has moved".into());

@@ -2,6 +2,7 @@
 //! the place of a controller.
 
 use crate::moves::{half_cosine, way};
+use crate::watch::within;
 use crate::{Drive, Instrument, Left, Rest, Setup};
 use piezoid::excitation::Limits;
 use piezoid::progress::{Progress, Stage};
@@ -21,7 +22,7 @@ type Call<'f> = dyn FnMut(&[f64]) -> Result<Vec<f64>, Error> + 'f;
 /// let gain = |u: &[f64]| Ok(u.iter().map(|u| 2.0 * u).collect());
 /// let mut ignore = Stage::ignore;
 /// let mut function = Function::new((0.0, 100.0), 1e-3, Box::new(gain), &mut ignore)?;
-/// let drive = Drive { u: &[50.0, 60.0], ts: 1e-3, ramp: 0.1, settle: 0.5, joined: false };
+/// let drive = Drive { what: "", u: &[50.0, 60.0], ts: 1e-3, ramp: 0.1, settle: 0.5, joined: false };
 /// function.prepare(&drive)?;
 /// assert_eq!(function.play(&drive)?.y(), [100.0, 120.0]);
 /// # Ok::<(), piezoid::Error>(())
@@ -115,13 +116,13 @@ impl Instrument for Function<'_> {
             let (from, next) = (drive.u[k], drive.u.get(k + 1).copied().unwrap_or(drive.u[k]));
             if drive.joined { from + part * (next - from) } else { from }
         };
-        let within = |k: usize| (0..every).map(move |j| voltage(k, j as f64 / every as f64));
+        let held = |k: usize| (0..every).map(move |j| voltage(k, j as f64 / every as f64));
         let first = drive.u.first().copied().unwrap_or(self.at);
         let mut u = self.lead(first, drive.ramp, drive.settle);
         let lead = u.len();
-        u.extend((0..drive.u.len()).flat_map(within));
+        u.extend((0..drive.u.len()).flat_map(held));
         self.ramp = drive.ramp;
-        let y = self.call("the drive is played", &u)?;
+        let y = self.call(&within(drive.what, "the drive is played"), &u)?;
         let rows = lead..u.len();
         let [u, y] = [&u, &y].map(|x| x[rows.clone()].iter().step_by(every).copied().collect());
         let units = Units { u: "V".into(), y: self.unit.clone() };

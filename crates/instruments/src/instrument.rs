@@ -38,6 +38,8 @@ pub trait Instrument {
 /// A drive, and the slow move before it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drive<'u> {
+    /// What it is, as a noun phrase: stages of the progress begin with it, unless it is empty.
+    pub what: &'u str,
     /// Voltages [V].
     pub u: &'u [f64],
     /// Sampling period [s].

@@ -46,7 +46,7 @@ mod watch;
 mod wire;
 
 pub use acquire::{AcquireOptions, Acquired, InstrumentOptions, Keep};
-pub use campaign::{Campaign, CampaignOptions, Journal, Track};
+pub use campaign::{Agenda, Campaign, CampaignOptions, Journal, Track};
 pub use connect::{ConnectOptions, Protocol};
 pub use function::Function;
 pub use gcs::{Axis, Controller};

@@ -1,4 +1,5 @@
-//! What all clients do in time: slow moves from one voltage to another along a half cosine, and waiting.
+//! What all clients do in time: slow moves from one voltage to another along a half cosine, and waiting. Meanwhile they
+//! report what the actuator does.
 
 use crate::watch::Watch;
 use piezoid::Error;
@@ -13,6 +14,9 @@ const LARGEST_STEP: f64 = 0.05;
 
 /// Pause between two looks while the axis settles.
 const PAUSE: Duration = Duration::from_millis(50);
+
+/// Time between two reports of what the actuator does [s].
+const REPORT: f64 = 0.08;
 
 /// The way whose mean change is the fastest one of a half cosine: that is pi / 2 of the mean.
 pub(crate) fn way(from: f64, to: f64) -> f64 {
@@ -48,14 +52,32 @@ pub(crate) trait Moves<'a> {
     /// Largest slew rate [V/s], infinite without a limit; lowest and highest voltage [V].
     fn bounds(&self) -> (f64, (f64, f64));
 
+    /// What the actuator does now, by the names of columns of a record, such as `u_V` and `y_um`, as far as it is
+    /// measured; `requested` is the voltage, if it is known [V].
+    fn present(&mut self, requested: Option<f64>) -> Result<Vec<(String, f64)>, Error>;
+
+    /// Reports what the actuator does, every [`REPORT`] of a work that has taken so long [s]; `last` counts.
+    fn report(&mut self, time: f64, last: &mut usize, requested: Option<f64>) -> Result<(), Error> {
+        let count = (time / REPORT) as usize;
+        if count <= *last {
+            return Ok(());
+        }
+        *last = count;
+        let state = self.present(requested)?;
+        self.watch().report(&state)
+    }
+
     /// Moves slowly from one voltage to another, in this time [s].
     fn ramp(&mut self, from: f64, to: f64, time: f64) -> Result<(), Error> {
         let (fastest, range) = self.bounds();
         let (values, pause) = slow_move(from, to, time, fastest, range);
+        let (begin, mut reports) = (Instant::now(), 0);
         for (k, value) in values.iter().enumerate() {
             self.watch().stage("slow move of the voltage", k + 1, values.len())?;
             self.set(*value)?;
-            self.watch().pause(pause)?;
+            let moved = Instant::now();
+            self.report(begin.elapsed().as_secs_f64(), &mut reports, Some(*value))?;
+            self.watch().pause(pause.saturating_sub(moved.elapsed()))?;
         }
         Ok(())
     }
@@ -74,10 +96,11 @@ pub(crate) trait Moves<'a> {
         pause: Duration,
         mut is_over: impl FnMut(&mut Self, bool) -> Result<bool, Error>,
     ) -> Result<(), Error> {
-        let begin = Instant::now();
+        let (begin, mut reports) = (Instant::now(), 0);
         loop {
             let time = begin.elapsed().as_secs_f64();
             self.played(time, length)?;
+            self.report(time.min(length), &mut reports, None)?;
             if is_over(self, time >= length)? {
                 return Ok(());
             }
@@ -89,17 +112,20 @@ pub(crate) trait Moves<'a> {
             self.watch().pause(pause)?;
         }
     }
-}
 
-/// Waits for so long [s].
-pub(crate) fn settle(watch: &mut Watch, time: f64) -> Result<(), Error> {
-    let begin = Instant::now();
-    while begin.elapsed().as_secs_f64() < time {
-        let passed = (1e3 * begin.elapsed().as_secs_f64()) as usize;
-        watch.stage("settling [ms]", passed, (1e3 * time) as usize)?;
-        watch.pause(PAUSE.min(Duration::from_secs_f64(time)))?;
+    /// Waits at a voltage [V] for so long [s].
+    fn settle(&mut self, at: f64, time: f64) -> Result<(), Error> {
+        let (begin, mut reports) = (Instant::now(), 0);
+        loop {
+            let passed = begin.elapsed().as_secs_f64();
+            if passed >= time {
+                return Ok(());
+            }
+            self.watch().stage("settling [ms]", (1e3 * passed) as usize, (1e3 * time) as usize)?;
+            self.report(passed, &mut reports, Some(at))?;
+            self.watch().pause(PAUSE.min(Duration::from_secs_f64(time - passed)))?;
+        }
     }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -13,13 +13,17 @@ pub(crate) const TICK: Duration = Duration::from_millis(10);
 pub(crate) struct Watch<'a> {
     progress: &'a mut Progress<'a>,
     stage: (String, usize, usize),
+    /// What all this is a part of, with which stages begin; often empty.
+    part: String,
+    begin: Instant,
     /// False while the axis is brought to a stop, whatever the user does.
     is_heeded: bool,
 }
 
 impl<'a> Watch<'a> {
     pub(crate) fn new(progress: &'a mut Progress<'a>) -> Self {
-        Watch { progress, stage: ("connection to the controller".into(), 0, 1), is_heeded: true }
+        let stage = ("connection to the controller".into(), 0, 1);
+        Watch { progress, stage, part: String::new(), begin: Instant::now(), is_heeded: true }
     }
 
     /// From now on, cancelling ends nothing any more.
@@ -27,10 +31,27 @@ impl<'a> Watch<'a> {
         (self.is_heeded, self.stage) = (false, ("stop of the wave generator".into(), 0, 1));
     }
 
+    /// From now on, stages begin with the name of this part.
+    pub(crate) fn enter(&mut self, part: &str) {
+        self.part = part.into();
+    }
+
     /// Returns an error if the work was cancelled.
     pub(crate) fn check(&mut self) -> Result<(), Error> {
+        self.check_with(&[])
+    }
+
+    /// The same, and reports what the actuator does now, by the names that columns of a record have; once, because each
+    /// is a message to the user.
+    pub(crate) fn report(&mut self, state: &[(String, f64)]) -> Result<(), Error> {
+        let time = ("t_s", self.begin.elapsed().as_secs_f64());
+        let figures: Vec<_> = state.iter().map(|(name, value)| (&**name, *value)).chain([time]).collect();
+        self.check_with(if state.is_empty() { &[] } else { &figures })
+    }
+
+    fn check_with(&mut self, figures: &[(&str, f64)]) -> Result<(), Error> {
         let (what, done, total) = &self.stage;
-        let cancelled = (self.progress)(Stage::new(what, *done, *total)).is_break();
+        let cancelled = (self.progress)(Stage { figures, ..Stage::new(what, *done, *total) }).is_break();
         if !(cancelled && self.is_heeded) {
             return Ok(());
         }
@@ -39,7 +60,7 @@ impl<'a> Watch<'a> {
 
     /// States what is done now.
     pub(crate) fn stage(&mut self, what: &str, done: usize, total: usize) -> Result<(), Error> {
-        self.stage = (what.into(), done, total);
+        self.stage = (within(&self.part, what), done, total);
         self.check()
     }
 
@@ -52,4 +73,9 @@ impl<'a> Watch<'a> {
         }
         Ok(())
     }
+}
+
+/// What is done, as a part of something larger, if it is one.
+pub(crate) fn within(part: &str, what: &str) -> String {
+    if part.is_empty() { what.into() } else { format!("{part}: {what}") }
 }

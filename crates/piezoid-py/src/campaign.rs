@@ -9,8 +9,8 @@ use piezoid::Error;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::progress::Stage;
 use piezoid_host::files::FileSet;
-use piezoid_instruments::{CampaignOptions, Function, Journal, Setup, Track};
-use piezoid_verbs::{DataFile, File, Plan};
+use piezoid_instruments::{Agenda, CampaignOptions, Function, Journal, Track};
+use piezoid_verbs::{DataFile, File};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::cell::RefCell;
@@ -20,7 +20,7 @@ use std::path::PathBuf;
 struct Folder(Option<PathBuf>);
 
 impl Journal for Folder {
-    fn agree(&mut self, _: &Setup, _: &Plan, _: f64) -> Result<(), Error> {
+    fn agree(&mut self, _: &Agenda) -> Result<(), Error> {
         Ok(())
     }
 

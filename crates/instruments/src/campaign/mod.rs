@@ -11,22 +11,25 @@
 //!
 //! It does not do: mechanics with hysteresis in feedback, several axes, closed loop.
 
+mod agenda;
 mod page;
 mod path;
 #[cfg(test)]
 mod tests;
 
+pub use agenda::Agenda;
 pub use path::Track;
 
 use crate::acquire::{at_rest, servo_remark, stopped};
 use crate::{Drive, Instrument, InstrumentOptions, Left, Setup};
+use agenda::kept;
 use path::Path;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
 use piezoid::validation::{Offset, ValidateOptions};
 use piezoid::{Error, Identification, IdentifyOptions, Record};
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
-use piezoid_verbs::{DataFile, File, Plan, PlanOptions, PlannedDrive, Source, ValidateRecords, Validated};
+use piezoid_verbs::{DataFile, File, Plan, PlannedDrive, Source, ValidateRecords, Validated};
 use serde_json::{Value, json};
 use std::cell::RefCell;
 
@@ -55,7 +58,7 @@ pub trait Journal {
     ///
     /// # Errors
     /// Its own, which ends the campaign.
-    fn agree(&mut self, setup: &Setup, plan: &Plan, seconds: f64) -> Result<(), Error>;
+    fn agree(&mut self, agenda: &Agenda) -> Result<(), Error>;
 
     /// A file that an earlier campaign has kept under this name.
     fn earlier(&self, name: &str) -> Option<File>;
@@ -131,14 +134,11 @@ impl CampaignOptions {
         notes: &mut Vec<String>,
         progress: &mut Progress,
     ) -> Result<Campaign, Error> {
-        let setup = instrument.setup().clone();
-        let plan = self.plan(&setup)?;
-        notes.extend(plan.notes.iter().cloned());
-        for drive in plan.drives.iter().chain([&plan.demagnetisation]) {
-            setup.check(&self.drive(&plan, &drive.u, drive.ts, 0.0)).map_err(|error| error.of(&drive.file()))?;
-        }
-        journal.agree(&setup, &plan, self.duration(&plan))?;
-        let mut bench = Bench { options: self, instrument, plan: &plan };
+        let agenda = self.agenda_on(instrument, journal)?;
+        notes.extend(agenda.plan.notes.iter().cloned());
+        journal.agree(&agenda)?;
+        let Agenda { setup, plan, .. } = agenda;
+        let mut bench = Bench { options: self, instrument, plan: &plan, part: String::new() };
         let found = bench.found(reference, journal, notes, progress);
         let found = found.map_err(|error| stopped(bench.instrument, error, notes))?;
         let (left, unfinished) = at_rest(bench.instrument, self.instrument.rest);
@@ -160,36 +160,6 @@ impl CampaignOptions {
         journal.keep(campaign.files()?)?;
         Ok(campaign)
     }
-
-    /// The drives, within what the instrument can play.
-    fn plan(&self, setup: &Setup) -> Result<Plan, Error> {
-        let range = self.range.or((self.actuator.is_none()).then_some(setup.range));
-        let defaults = PlanOptions::default();
-        PlanOptions {
-            range,
-            bandwidth: self.bandwidth,
-            actuator: self.actuator.clone(),
-            ts: self.period,
-            points: setup.most_samples().unwrap_or(defaults.points).min(defaults.points),
-            cycle: Some(setup.cycle),
-            joins: setup.joins,
-            limits: self.instrument.limits.clone(),
-        }
-        .run(None)
-    }
-
-    /// A drive of this sampling period [s], with a wait before it [s].
-    fn drive<'u>(&self, plan: &Plan, u: &'u [f64], ts: f64, settle: f64) -> Drive<'u> {
-        Drive { u, ts, ramp: self.instrument.ramp, settle, joined: ts > 1.5 * plan.ts }
-    }
-
-    /// The time that everything takes that moves [s].
-    fn duration(&self, plan: &Plan) -> f64 {
-        let path = plan.drives.last().map_or(0.0, |path| plan.duration(path));
-        let records: f64 = plan.drives.iter().map(|drive| plan.duration(drive)).sum();
-        let demagnetisations = (plan.drives.len() + 2) as f64;
-        records + 2.0 * path + demagnetisations * (plan.duration(&plan.demagnetisation) + self.wait)
-    }
 }
 
 /// What is found before the axis returns to its rest.
@@ -206,6 +176,8 @@ struct Bench<'b> {
     options: &'b CampaignOptions,
     instrument: &'b mut dyn Instrument,
     plan: &'b Plan,
+    /// What is measured now, for the progress.
+    part: String,
 }
 
 impl Bench<'_> {
@@ -218,7 +190,7 @@ impl Bench<'_> {
     ) -> Result<Found, Error> {
         let (mut files, mut resumed) = (Vec::new(), Vec::new());
         for drive in &self.plan.drives {
-            files.push(match self.kept(drive, journal)? {
+            files.push(match kept(drive, journal)? {
                 Some(file) => {
                     resumed.push(drive.name.into());
                     file
@@ -237,22 +209,18 @@ impl Bench<'_> {
         let validated = options.run(model, path.into_iter().collect())?;
         let path = Path::new(self.options, self.plan, model, reference)?;
         let gain = path::gain(&validated.files);
+        self.part = "straight line".into();
         let straight = path.on(self, |r, rest| path.straight(r, rest, gain), notes)?;
+        self.part = "compensated path".into();
         let compensated = path.on(self, |r, rest| path.inverse(r, rest), notes)?;
         Ok(Found { resumed, identification, validated, straight, compensated })
     }
 
-    /// The record of a drive that was kept earlier, if the drive is still the same.
-    fn kept(&self, drive: &PlannedDrive, journal: &dyn Journal) -> Result<Option<File>, Error> {
-        let [played, record] = [drive.file(), format!("{}.csv", drive.name)].map(|name| journal.earlier(&name));
-        let same = played.is_some_and(|played| drive.written().is_ok_and(|file| file.bytes == played.bytes));
-        Ok(record.filter(|record| same && DataFile::from(record.clone()).record(&ColumnSelection::default()).is_ok()))
-    }
-
     /// Measures the record of a drive, and keeps both.
     fn record(&mut self, drive: &PlannedDrive, journal: &mut dyn Journal) -> Result<File, Error> {
+        self.part = format!("record {}", drive.name);
         self.demagnetise()?;
-        let record = self.play(&drive.u, drive.ts, self.options.wait)?;
+        let record = self.play("", &drive.u, drive.ts, self.options.wait)?;
         let name = format!("{}.csv", drive.name);
         let file = File::new(name.clone(), record.written(&name)?);
         journal.keep(vec![drive.written()?, file.clone()])?;
@@ -261,12 +229,13 @@ impl Bench<'_> {
 
     fn demagnetise(&mut self) -> Result<(), Error> {
         let PlannedDrive { u, ts, .. } = &self.plan.demagnetisation;
-        self.play(u, *ts, 0.0).map(drop)
+        self.play(", demagnetisation", u, *ts, 0.0).map(drop)
     }
 
-    /// Plays voltages after a wait [s], and returns what was measured.
-    fn play(&mut self, u: &[f64], ts: f64, settle: f64) -> Result<Record, Error> {
-        let drive = self.options.drive(self.plan, u, ts, settle);
+    /// Plays voltages after a wait [s], and returns what was measured. `what` follows the name of the part.
+    fn play(&mut self, what: &str, u: &[f64], ts: f64, settle: f64) -> Result<Record, Error> {
+        let what = format!("{}{what}", self.part);
+        let drive = Drive { settle, ..self.options.drive(self.plan, &what, u, ts) };
         self.instrument.prepare(&drive)?;
         self.instrument.play(&drive)
     }
@@ -276,7 +245,7 @@ impl Bench<'_> {
         self.demagnetise()?;
         let ts = self.plan.ts;
         let still = vec![self.plan.middle(); (STILL / ts).ceil().max(2.0) as usize];
-        let record = self.play(&still, ts, self.options.wait)?;
+        let record = self.play(", displacement at rest", &still, ts, self.options.wait)?;
         Ok(piezoid_numerics::series::mean(record.y()))
     }
 }

@@ -156,7 +156,7 @@ impl<'p> Path<'p> {
             Target::Own(own) => self.around(&own.iter().map(|d| rest + d).collect::<Vec<_>>(), rest),
         };
         let u = voltages(&r, rest)?;
-        let record = bench.play(&u, self.plan.ts, 0.0)?;
+        let record = bench.play("", &u, self.plan.ts, 0.0)?;
         let factor = piezoid::Units::factor(&record.units().y, &self.model.units().y);
         if factor != Some(1.0) {
             notes.push(format!("the path is in {}, the model in {}", record.units().y, self.model.units().y));
@@ -182,7 +182,7 @@ impl Track {
     pub fn to_json(&self) -> Value {
         let Metrics { rmse, max_abs, rms_pp_percent, n, .. } = self.metrics;
         let unit = &self.record.units().y;
-        json!({"unit": unit, "n": n, "rmse": rmse, "max_abs": max_abs, "rms_pp_percent": rms_pp_percent})
+        json!({"unit": unit, "path": [self.path.start, self.path.end], "n": n, "rmse": rmse, "max_abs": max_abs, "rms_pp_percent": rms_pp_percent})
     }
 
     /// Time, voltage, requested and measured displacement as a file of this name.

@@ -17,9 +17,11 @@ struct Memory {
 }
 
 impl Journal for Memory {
-    fn agree(&mut self, _: &Setup, plan: &Plan, seconds: f64) -> Result<(), Error> {
-        let records: f64 = plan.drives.iter().map(|drive| plan.duration(drive)).sum();
-        assert!(seconds > records + 16.0, "{seconds} s with 8 waits of 2 s");
+    fn agree(&mut self, Agenda { plan, resumed, seconds, .. }: &Agenda) -> Result<(), Error> {
+        let missing = || plan.drives.iter().filter(|drive| resumed.iter().all(|name| name != drive.name));
+        let records: f64 = missing().map(|drive| plan.duration(drive)).sum();
+        let waits = 2.0 * (missing().count() + 2) as f64;
+        assert!(*seconds > records + waits, "{seconds} s, {resumed:?} measured earlier");
         if self.is_refused { Err(Error::Content("not agreed".into())) } else { Ok(()) }
     }
 
@@ -116,7 +118,7 @@ fn a_function_that_returns_too_few_displacements_is_refused() {
     let mut ignore = Stage::ignore;
     let call = |u: &[f64]| Ok(u[1..].to_vec());
     let mut function = Function::new((-1.0, 1.0), 1e-3, Box::new(call), &mut ignore).unwrap();
-    let drive = Drive { u: &[0.0, 0.5], ts: 1e-3, ramp: 0.0, settle: 0.0, joined: false };
+    let drive = Drive { what: "", u: &[0.0, 0.5], ts: 1e-3, ramp: 0.0, settle: 0.0, joined: false };
     let message = function.play(&drive).unwrap_err().to_string();
     assert_eq!(message, "the function returns 1 displacements for 2 voltages: return one for each");
 }

@@ -78,9 +78,35 @@ impl Line<'_> {
     /// The number that answers a query; `None` if the controller refuses it.
     pub(crate) fn value(&mut self, query: &str) -> Result<Option<f64>, Error> {
         let Some(lines) = self.optional_query(query)? else { return Ok(None) };
-        let last = lines.first().map_or("", |line| line.rsplit('=').next().unwrap_or_default());
-        let number = last.trim().parse().ok().filter(|number: &f64| number.is_finite());
-        number.map(Some).ok_or_else(|| self.strange(&lines.concat(), "a number"))
+        let first = lines.first().map_or("", |line| line);
+        self.real(first.rsplit('=').next().unwrap_or_default(), first).map(Some)
+    }
+
+    /// The numbers that answer these queries, which are sent at once; `None` if the controller refuses one of them.
+    pub(crate) fn values(&mut self, queries: &[String]) -> Result<Option<Vec<f64>>, Error> {
+        self.send(format!("{}\nERR?\n", queries.join("\n")).as_bytes())?;
+        let mut found = Vec::new();
+        loop {
+            let text = self.lines(LONGEST)?.concat();
+            if let Some((_, number)) = text.rsplit_once('=') {
+                found.push(self.real(number, &text)?);
+                continue;
+            }
+            let (code, are_all) = (self.number_of(&text)?, found.len() == queries.len());
+            return match code {
+                0 if are_all => Ok(Some(found)),
+                0 => Err(self.strange("", &format!("an answer to `{}`", queries.join("`, `")))),
+                // It is not theirs, and must not be lost.
+                _ if are_all => Err(self.refused(&queries.concat(), code)),
+                _ => Ok(None),
+            };
+        }
+    }
+
+    /// The number that these digits are, in an answer.
+    fn real(&self, digits: &str, answer: &str) -> Result<f64, Error> {
+        let number = digits.trim().parse().ok().filter(|number: &f64| number.is_finite());
+        number.ok_or_else(|| self.strange(answer, "a number"))
     }
 
     /// The number that answers a query that every controller knows.

@@ -109,6 +109,13 @@ impl<'a> Moves<'a> for Run<'a> {
         self.line.command(&format!("SVA {axis} {value:.6}"))
     }
 
+    /// Both are measured, one right after the other.
+    fn present(&mut self, _: Option<f64>) -> Result<Vec<(String, f64)>, Error> {
+        let queries = [format!("VOL? {}", self.channel), format!("POS? {}", self.axis.name)];
+        let names = ["u_V".to_string(), format!("y_{}", self.axis.unit)];
+        Ok(self.line.values(&queries)?.map_or_else(Vec::new, |values| names.into_iter().zip(values).collect()))
+    }
+
     fn bounds(&self) -> (f64, (f64, f64)) {
         (self.fastest, self.range)
     }

@@ -5,7 +5,7 @@ use super::recording::{Sources, read};
 use super::rest::Before;
 use super::run::Run;
 use crate::checks::{cycles, range};
-use crate::moves::{Moves, settle};
+use crate::moves::Moves;
 use crate::{Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
 use piezoid::progress::Progress;
 use piezoid::{Error, Record};
@@ -59,6 +59,7 @@ impl Instrument for Gcs<'_> {
 
     fn prepare(&mut self, drive: &Drive) -> Result<(), Error> {
         self.setup.check(drive)?;
+        self.run.line.watch.enter(drive.what);
         let (run, is_open) = (&mut self.run, self.before.is_some() || self.setup.servo != Some(true));
         let sources = Sources::of(&mut run.line)?;
         let place = run.place()?;
@@ -81,13 +82,14 @@ impl Instrument for Gcs<'_> {
             (self.before, self.last) = (Some(Before { start, first }), start);
         }
         run.ramp(self.last, drive.u[0], drive.ramp)?;
-        settle(&mut run.line.watch, drive.settle)?;
+        run.settle(drive.u[0], drive.settle)?;
         run.play(drive)?;
         (self.last, self.ramp) = (drive.u.last().copied().unwrap_or_default(), drive.ramp);
         read(&mut run.line, drive.u.len(), &run.axis.unit, &self.setup.identity)
     }
 
     fn rest(&mut self, rest: Rest) -> Result<Left, Error> {
+        self.run.line.watch.enter("");
         match &self.before {
             Some(before) => self.run.reach(rest, before, self.last, self.ramp),
             None => self.run.left(),

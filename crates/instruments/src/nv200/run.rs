@@ -46,6 +46,8 @@ pub(crate) struct Run<'a> {
     pub(crate) range: (f64, f64),
     /// Largest slew rate [V/s]; infinite without a limit.
     pub(crate) fastest: f64,
+    /// Unit of the position.
+    pub(crate) unit: String,
 }
 
 impl Run<'_> {
@@ -168,6 +170,12 @@ impl<'a> Moves<'a> for Run<'a> {
 
     fn set(&mut self, volts: f64) -> Result<(), Error> {
         self.line.set("set", volts, SET_ERROR)
+    }
+
+    /// While a drive is played, the recorder is busy, and nothing else measures the voltage.
+    fn present(&mut self, requested: Option<f64>) -> Result<Vec<(String, f64)>, Error> {
+        let position = (format!("y_{}", self.unit), self.line.number("meas")?);
+        Ok(requested.map(|volts| ("u_V".to_string(), volts)).into_iter().chain([position]).collect())
     }
 
     fn bounds(&self) -> (f64, (f64, f64)) {

@@ -3,7 +3,7 @@
 use super::look::{AXIS, check, connect, target};
 use super::run::Run;
 use crate::checks::{at_place, cycles, range};
-use crate::moves::{Moves, settle};
+use crate::moves::Moves;
 use crate::{Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
 use piezoid::progress::Progress;
 use piezoid::{Error, Record, Units};
@@ -24,7 +24,6 @@ const ERROR: f64 = 2e-3;
 pub(crate) struct Nv200<'a> {
     run: Run<'a>,
     setup: Setup,
-    unit: String,
     /// The voltage before anything moved [V].
     start: Option<f64>,
     /// The last voltage that was requested [V], and least time of a slow move [s].
@@ -53,8 +52,8 @@ impl<'a> Nv200<'a> {
             joins: false,
             servo: Some(false),
         };
-        let run = Run { line, output, range, fastest: limits.fastest() };
-        Ok(Nv200 { run, setup, unit, start: None, last: 0.0, ramp: options.ramp })
+        let run = Run { line, output, range, fastest: limits.fastest(), unit };
+        Ok(Nv200 { run, setup, start: None, last: 0.0, ramp: options.ramp })
     }
 
     /// Error of a voltage that is allowed [V].
@@ -85,6 +84,7 @@ impl Instrument for Nv200<'_> {
     }
 
     fn prepare(&mut self, drive: &Drive) -> Result<(), Error> {
+        self.run.line.wire.watch.enter(drive.what);
         self.setup.check(drive)?;
         if drive.joined {
             let message = "an NV200 holds each voltage for a sampling period, and cannot join them by lines: sample \
@@ -110,7 +110,7 @@ impl Instrument for Nv200<'_> {
         }
         let first = drive.u[0];
         run.ramp(self.last, first, drive.ramp)?;
-        settle(&mut run.line.wire.watch, drive.settle)?;
+        run.settle(first, drive.settle)?;
         run.expect(first, allowed, "after the move to the first voltage of the drive")?;
         run.follow_generator()?;
         run.expect(first, allowed, "as the generator gives the setpoint")?;
@@ -120,12 +120,13 @@ impl Instrument for Nv200<'_> {
         run.hand_over(last)?;
         (self.last, self.ramp) = (last, drive.ramp);
         let (u, y) = (run.read(0, drive.u.len())?, run.read(1, drive.u.len())?);
-        let units = Units { u: "V".into(), y: self.unit.clone() };
+        let units = Units { u: "V".into(), y: self.run.unit.clone() };
         let record = Record::new(drive.ts, u, y)?.with_units(units);
         Ok(record.with_step(format!("measured by the controller {}", self.setup.identity)))
     }
 
     fn rest(&mut self, rest: Rest) -> Result<Left, Error> {
+        self.run.line.wire.watch.enter("");
         let allowed = self.allowed();
         if let Some(target) = self.start.and_then(|start| target(rest, start)) {
             self.run.ramp(self.last, target, self.ramp)?;

@@ -5,9 +5,9 @@ use crate::console::is_interrupted;
 use crate::values::Ended;
 use piezoid::Error;
 use piezoid_host::files::FileSet;
-use piezoid_instruments::{Campaign as Found, CampaignOptions, Journal, Setup, Track};
+use piezoid_instruments::{Agenda, Campaign as Found, CampaignOptions, Journal, Track};
 use piezoid_numerics::number::{round, short};
-use piezoid_verbs::{File, Plan, PlannedDrive};
+use piezoid_verbs::File;
 use std::io::{BufRead, IsTerminal, Write, stderr, stdin};
 use std::sync::mpsc;
 use std::time::Duration;
@@ -96,22 +96,11 @@ struct Folder<'c> {
 }
 
 impl Journal for Folder<'_> {
-    fn agree(&mut self, setup: &Setup, plan: &Plan, seconds: f64) -> Result<(), Error> {
+    fn agree(&mut self, agenda: &Agenda) -> Result<(), Error> {
         if self.is_agreed {
             return Ok(());
         }
-        let ends = |end: fn(&PlannedDrive) -> f64, pick: fn(f64, f64) -> f64| {
-            let drives = plan.drives.iter().chain([&plan.demagnetisation]);
-            drives.map(end).reduce(pick).map_or(String::new(), round)
-        };
-        let low = ends(|drive| drive.usage.lowest.value, f64::min);
-        let high = ends(|drive| drive.usage.highest.value, f64::max);
-        let text = format!(
-            "{}: axis {} is to move between {low} and {high} V, for {} s or more.",
-            setup.identity,
-            setup.axis,
-            seconds.ceil()
-        );
+        let text = agenda.text();
         if !stdin().is_terminal() {
             return Err(Error::Content(format!("{text} Add --yes to agree to it; nothing has moved")));
         }

@@ -2,11 +2,11 @@
 
 use super::{named, one, optional};
 use crate::{Inputs, Operation, Output, Role};
-use piezoid::Error;
 use piezoid::progress::Progress;
-use piezoid_instruments::{AcquireOptions, CampaignOptions, ConnectOptions, Journal, Setup};
+use piezoid::{Error, Verdict};
+use piezoid_instruments::{AcquireOptions, Agenda, CampaignOptions, ConnectOptions, Journal};
 use piezoid_numerics::options::Options;
-use piezoid_verbs::{DataFile, File, Plan};
+use piezoid_verbs::{DataFile, File};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -30,14 +30,29 @@ pub(super) const OPERATIONS: &[Operation] = &[
         run: acquire,
     },
     Operation {
+        name: "agenda",
+        summary: "Show what a campaign is going to measure, and what will move; nothing moves",
+        module: "instruments",
+        roles: &[EARLIER],
+        options: CampaignOptions::rows,
+        run: |inputs, progress| {
+            let kept = Kept { earlier: inputs.all("earlier")?, files: Vec::new() };
+            let result = inputs.options::<CampaignOptions>()?.agenda(&kept, progress)?.to_json();
+            Ok(Output { result, ..Output::default() })
+        },
+    },
+    Operation {
         name: "campaign",
         summary: "Measure, identify and straighten an actuator on a controller, and measure how well it follows a path",
         module: "instruments",
-        roles: &[optional("reference"), Role { name: "earlier", least: 0, many: true }],
+        roles: &[optional("reference"), EARLIER],
         options: CampaignOptions::rows,
         run: campaign,
     },
 ];
+
+/// What an earlier campaign has kept, which is then not measured again.
+const EARLIER: Role = Role { name: "earlier", least: 0, many: true };
 
 /// The files of a campaign; the caller has agreed to it.
 struct Kept {
@@ -46,7 +61,7 @@ struct Kept {
 }
 
 impl Journal for Kept {
-    fn agree(&mut self, _: &Setup, _: &Plan, _: f64) -> Result<(), Error> {
+    fn agree(&mut self, _: &Agenda) -> Result<(), Error> {
         Ok(())
     }
 
@@ -66,14 +81,18 @@ fn acquire(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let options = inputs.options::<AcquireOptions>()?;
     let (drive, columns, mut notes) = (inputs.data("drive")?, inputs.columns()?, Vec::new());
     let outcome = options.run(&drive, &columns, &mut notes, &mut |_| Ok(()), progress);
-    let outcome = outcome.map_err(|error| match error {
-        // A cancelled measurement has to say where the axis is.
-        Error::Cancelled { .. } => Error::Content(format!("{error}; {}", notes.join("; "))),
-        other => other,
-    })?;
+    let outcome = outcome.map_err(|error| placed(error, &notes))?;
     let record = &outcome.record;
     let file = File::new("record.csv", record.written("record.csv")?);
     Ok(Output { result: outcome.to_json(), series: named([("u", record.u()), ("y", record.y())]), files: vec![file] })
+}
+
+/// The error of a measurement. One that was cancelled has to say where the axis is, which is the last note.
+fn placed(error: Error, notes: &[String]) -> Error {
+    match (&error, notes.last()) {
+        (Error::Cancelled { .. }, Some(place)) => Error::Content(format!("{error}; {place}")),
+        _ => error,
+    }
 }
 
 /// A campaign that ended early returns what it has kept, with the reason as `failed`.
@@ -85,19 +104,25 @@ fn campaign(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let outcome = options.run(reference.as_ref().map(|file| (file, &columns)), &mut kept, &mut notes, progress);
     let files = kept.files;
     match outcome {
-        Err(error) if files.is_empty() => Err(error),
+        Err(error) if files.is_empty() => Err(placed(error, &notes)),
         Err(error) => {
-            let result = json!({"failed": format!("{error}; {}", notes.join("; "))});
+            let result = json!({"failed": placed(error, &notes).to_string(), "notes": notes});
             Ok(Output { result, files, ..Output::default() })
         }
         Ok(found) => {
             let (straight, compensated) = (&found.straight, &found.compensated);
             let series = named([
-                ("r", &compensated.r),
+                ("r_straight", &straight.r),
                 ("straight", straight.record.y()),
+                ("r", &compensated.r),
                 ("compensated", compensated.record.y()),
             ]);
-            Ok(Output { result: found.to_json(), series, files })
+            let (mut result, model) = (found.to_json(), &found.identification.found.model);
+            result["model"] = json!(model.to_string());
+            result["sentence"] = json!(found.validated.verdict(model).as_ref().map(Verdict::to_string));
+            result["ts"] = json!(compensated.ts);
+            result["state"] = json!(found.unfinished.is_none().then(|| found.left.text(&found.setup.axis)));
+            Ok(Output { result, series, files })
         }
     }
 }

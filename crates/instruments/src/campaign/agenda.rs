@@ -1,0 +1,127 @@
+//! What a campaign is going to measure and to move, to which its user agrees before anything moves.
+
+use super::{CampaignOptions, Journal};
+use crate::{Drive, Instrument, Setup};
+use piezoid::Error;
+use piezoid::formats::ColumnSelection;
+use piezoid::progress::Progress;
+use piezoid_numerics::number::round;
+use piezoid_verbs::{DataFile, File, Plan, PlanOptions, PlannedDrive};
+use serde_json::{Value, json};
+
+/// What a campaign is going to do.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Agenda {
+    /// The instrument.
+    pub setup: Setup,
+    /// The drives.
+    pub plan: Plan,
+    /// Names of the records that an earlier campaign has measured.
+    pub resumed: Vec<String>,
+    /// The time that everything takes that moves, without what is sent and read in between [s].
+    pub seconds: f64,
+}
+
+impl CampaignOptions {
+    /// Connects to the controller, and plans. Nothing moves.
+    ///
+    /// # Errors
+    /// Returns the errors of [`InstrumentOptions::open`](crate::InstrumentOptions::open) and [`PlanOptions::run`], and
+    /// one for a drive that the controller cannot play within the limits.
+    pub fn agenda(&self, journal: &dyn Journal, progress: &mut Progress) -> Result<Agenda, Error> {
+        self.agenda_on(&*self.instrument.open(progress)?, journal)
+    }
+
+    /// The same on an instrument that is open.
+    pub(super) fn agenda_on(&self, instrument: &dyn Instrument, journal: &dyn Journal) -> Result<Agenda, Error> {
+        let setup = instrument.setup().clone();
+        let plan = self.plan(&setup)?;
+        for drive in plan.drives.iter().chain([&plan.demagnetisation]) {
+            setup.check(&self.drive(&plan, "", &drive.u, drive.ts)).map_err(|error| error.of(&drive.file()))?;
+        }
+        let mut resumed = Vec::new();
+        for drive in &plan.drives {
+            if kept(drive, journal)?.is_some() {
+                resumed.push(drive.name.to_string());
+            }
+        }
+        let seconds = self.duration(&plan, &resumed);
+        Ok(Agenda { setup, plan, resumed, seconds })
+    }
+
+    /// The drives, within what the instrument can play.
+    fn plan(&self, setup: &Setup) -> Result<Plan, Error> {
+        let range = self.range.or((self.actuator.is_none()).then_some(setup.range));
+        let defaults = PlanOptions::default();
+        PlanOptions {
+            range,
+            bandwidth: self.bandwidth,
+            actuator: self.actuator.clone(),
+            ts: self.period,
+            points: setup.most_samples().unwrap_or(defaults.points).min(defaults.points),
+            cycle: Some(setup.cycle),
+            joins: setup.joins,
+            limits: self.instrument.limits.clone(),
+        }
+        .run(None)
+    }
+
+    /// A drive of this sampling period [s], without a wait before it.
+    pub(super) fn drive<'u>(&self, plan: &Plan, what: &'u str, u: &'u [f64], ts: f64) -> Drive<'u> {
+        Drive { what, u, ts, ramp: self.instrument.ramp, settle: 0.0, joined: ts > 1.5 * plan.ts }
+    }
+
+    /// The time that everything takes that moves, without these records [s].
+    fn duration(&self, plan: &Plan, resumed: &[String]) -> f64 {
+        let missing = plan.drives.iter().filter(|drive| !resumed.iter().any(|name| name == drive.name));
+        let records: Vec<f64> = missing.map(|drive| plan.duration(drive)).collect();
+        let path = plan.drives.last().map_or(0.0, |path| plan.duration(path));
+        // Both paths follow; a slow move comes before each drive, each demagnetisation and each wait at rest.
+        let (demagnetisations, moves) = ((records.len() + 2) as f64, (2 * records.len() + 6) as f64);
+        records.iter().sum::<f64>()
+            + 2.0 * path
+            + demagnetisations * (plan.duration(&plan.demagnetisation) + self.wait)
+            + moves * self.instrument.ramp
+    }
+}
+
+/// The record of a drive that was kept earlier, if the drive is still the same.
+pub(super) fn kept(drive: &PlannedDrive, journal: &dyn Journal) -> Result<Option<File>, Error> {
+    let [played, record] = [drive.file(), format!("{}.csv", drive.name)].map(|name| journal.earlier(&name));
+    let same = played.is_some_and(|played| drive.written().is_ok_and(|file| file.bytes == played.bytes));
+    Ok(record.filter(|record| same && DataFile::from(record.clone()).record(&ColumnSelection::default()).is_ok()))
+}
+
+impl Agenda {
+    /// Lowest and highest voltage of all that moves [V].
+    pub fn range(&self) -> (f64, f64) {
+        let all = || self.plan.drives.iter().chain([&self.plan.demagnetisation]);
+        let low = all().map(|drive| drive.usage.lowest.value).fold(f64::INFINITY, f64::min);
+        let high = all().map(|drive| drive.usage.highest.value).fold(f64::NEG_INFINITY, f64::max);
+        (low, high)
+    }
+
+    /// What is to move, as text.
+    pub fn text(&self) -> String {
+        let ((low, high), setup) = (self.range(), &self.setup);
+        let [low, high] = [low, high].map(round);
+        let seconds = self.seconds.ceil();
+        let text = format!(
+            "{}: axis {} is to move between {low} and {high} V, for {seconds} s or more.",
+            setup.identity, setup.axis
+        );
+        if self.resumed.is_empty() {
+            return text;
+        }
+        format!("{text} Measured earlier, and not again: {}.", self.resumed.join(", "))
+    }
+
+    /// The same as a document.
+    pub fn to_json(&self) -> Value {
+        let Setup { identity, axis, servo, .. } = &self.setup;
+        json!({
+            "identity": identity, "axis": axis, "servo": servo, "range": self.range(), "seconds": self.seconds,
+            "text": self.text(), "resumed": self.resumed, "plan": self.plan.to_json(),
+        })
+    }
+}
