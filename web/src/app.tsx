@@ -1,12 +1,13 @@
 // The frame of the page: views, records and models, work under way.
 
-import { Component, type ComponentChildren } from "preact";
+import { Component, type ComponentChildren, type JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { example } from "./example.ts";
 import type { Lists } from "./lists.ts";
 import { download } from "./plot/download.ts";
 import { themeChanged } from "./plot/theme.ts";
 import { message, SharedContext } from "./ui.tsx";
+import { CampaignView } from "./views/campaign.tsx";
 import { CompensateView } from "./views/compensate.tsx";
 import { ControlView } from "./views/control.tsx";
 import { DataView } from "./views/data.tsx";
@@ -18,10 +19,11 @@ import { StudyView } from "./views/study.tsx";
 import { ValidateView } from "./views/validate.tsx";
 import type { Workspace } from "./workspace.ts";
 
-/** The views in the order of the work. */
-const VIEWS = [
+/** The views in the order of the work; some need instruments, which only `piezoid serve` reaches. */
+const VIEWS: { name: string; title: string; show(): JSX.Element; served?: true }[] = [
   { name: "data", title: "Data", show: () => <DataView /> },
   { name: "experiment", title: "Experiment", show: () => <ExperimentView /> },
+  { name: "campaign", title: "Campaign", show: () => <CampaignView />, served: true },
   { name: "loops", title: "Loops", show: () => <LoopsView /> },
   { name: "identify", title: "Identify", show: () => <IdentifyView /> },
   { name: "validate", title: "Validate", show: () => <ValidateView /> },
@@ -31,11 +33,12 @@ const VIEWS = [
   { name: "study", title: "Study", show: () => <StudyView /> },
 ];
 
-const viewNow = () => VIEWS.find((view) => `#${view.name}` === location.hash) ?? VIEWS[0]!;
+const viewsOf = (served: boolean) => VIEWS.filter((view) => served || !view.served);
+const viewNow = (served: boolean) => viewsOf(served).find((view) => `#${view.name}` === location.hash) ?? VIEWS[0]!;
 
 export function App({ workspace, served }: { workspace: Workspace; served: boolean }) {
   const [, setTick] = useState(0);
-  const [view, setView] = useState(viewNow);
+  const [view, setView] = useState(() => viewNow(served));
   const [lists, setLists] = useState<Lists>();
   const main = useRef<HTMLElement>(null);
   useEffect(() => workspace.subscribe(() => setTick((tick) => tick + 1)), []);
@@ -46,13 +49,13 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
     // What nearly everyone needs is loaded after the first paint.
     setTimeout(() => void workspace.library.load?.("inspect", "identify").catch(fail), 100);
     const turn = () => {
-      setView(viewNow());
+      setView(viewNow(served));
       main.current?.focus();
       scrollTo(0, 0);
     };
     addEventListener("hashchange", turn);
     // The address may have changed before this listened.
-    setView(viewNow());
+    setView(viewNow(served));
     return () => removeEventListener("hashchange", turn);
   }, []);
   useEffect(() => void (document.title = `${view.title} \u2013 piezoid`), [view]);
@@ -62,7 +65,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
       <a class="skip" href={`#${view.name}`} onClick={() => main.current?.focus()}>Skip to the view</a>
       <Header workspace={workspace} served={served} />
       <nav aria-label="Views">
-        {VIEWS.map(({ name, title }) => (
+        {viewsOf(served).map(({ name, title }) => (
           <a key={name} href={`#${name}`} aria-current={name === view.name ? "page" : undefined}>{title}</a>
         ))}
       </nav>
@@ -94,7 +97,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
           </SharedContext.Provider>
         ) : <p class="missing">Loading the lists of the library.</p>}
       </main>
-      <Jobs workspace={workspace} />
+      <Jobs workspace={workspace} shown={view.served ? view.name : ""} />
     </div>
   );
 }
@@ -138,10 +141,11 @@ function Header({ workspace, served }: { workspace: Workspace; served: boolean }
   );
 }
 
-function Jobs({ workspace }: { workspace: Workspace }) {
+/** Work under way; a view of instruments shows its own, of its name, itself. */
+function Jobs({ workspace, shown }: { workspace: Workspace; shown: string }) {
   return (
     <div class="jobs" role="status" aria-live="polite">
-      {workspace.jobs.map((job, k) => (
+      {workspace.jobs.filter(({ name }) => name !== shown).map((job, k) => (
         <div key={k} class="job">
           <span>{job.name}<span aria-hidden="true">{job.what && `: ${job.what}`}</span></span>
           <progress aria-label={job.name} max={job.total || 1} value={job.total ? job.done : undefined} />

@@ -17,6 +17,12 @@ const PATIENCE = 5000;
 /** How long an instrument may take to stop [ms]. */
 const STOPPING = 10_000;
 
+/** The calls that move an instrument, and the pause before one that is not at work yet is stopped again [ms]. */
+const MOVING = ["acquire", "campaign"];
+const NOT_YET = 50;
+
+const UNKNOWN = "the instrument has not answered that it stopped: it may still move; switch it off if that is a danger";
+
 /** Where this browser keeps the key. */
 const KEY = "piezoid-key";
 
@@ -126,25 +132,44 @@ export class ServerLibrary implements Library {
 
   async call(request: Request, files: File[], progress: Progress = () => {}, signal?: AbortSignal): Promise<Answer> {
     const body = packed(request, files) as BodyInit;
-    const { headers, ends } = request.call === "acquire" ? this.#stopped(signal) : { headers: {}, ends: signal };
-    const init = { method: "POST", headers: { ...OCTETS, ...headers }, body, signal: ends };
+    const init = { method: "POST", headers: OCTETS, body };
+    if (MOVING.includes(request.call)) return this.#moving(init, progress, signal);
+    return this.#answer({ ...init, ...(signal && { signal }) }, progress);
+  }
+
+  async #answer(init: RequestInit, progress: Progress): Promise<Answer> {
     const response = await this.server.ask("/api/call", init);
     const reader = response.body!.getReader();
-    return unpacked(await answered(() => reader.read().catch(() => gone(ends)), progress));
+    return unpacked(await answered(() => reader.read().catch(() => gone(init.signal)), progress));
   }
 
   /** A call that moves an instrument is stopped by its id, and still answers where the instrument was left. It ends
    * without an answer only if none comes. */
-  #stopped(signal?: AbortSignal): { headers: Record<string, string>; ends: AbortSignal } {
+  async #moving(init: RequestInit & { headers: Record<string, string> }, progress: Progress, signal?: AbortSignal): Promise<Answer> {
+    if (signal?.aborted) throw new Cancelled("cancelled");
     const id = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
     const end = new AbortController();
-    const stop = () => {
-      this.server.ask(`/api/calls/${id}`, { method: "DELETE" }).catch(() => end.abort());
+    let isOver = false;
+    const stop = async () => {
       setTimeout(() => end.abort(), STOPPING);
+      while (!isOver && !end.signal.aborted) {
+        const error = await this.server.ask(`/api/calls/${id}`, { method: "DELETE" }).then(() => undefined, (error) => error);
+        if (error === undefined) return;
+        // A call that waits for its turn cannot be stopped before it begins; one that has ended still hands its answer on.
+        if (error instanceof Refused) await new Promise((passed) => setTimeout(passed, NOT_YET));
+        else end.abort();
+      }
     };
-    if (signal?.aborted) end.abort();
-    else signal?.addEventListener("abort", stop, { once: true });
-    return { headers: { "piezoid-call": id }, ends: end.signal };
+    const requested = () => void stop();
+    signal?.addEventListener("abort", requested, { once: true });
+    try {
+      return await this.#answer({ ...init, headers: { ...init.headers, "piezoid-call": id }, signal: end.signal }, progress);
+    } catch (error) {
+      throw end.signal.aborted ? new Error(UNKNOWN) : error;
+    } finally {
+      isOver = true;
+      signal?.removeEventListener("abort", requested);
+    }
   }
 }
 

@@ -1,5 +1,5 @@
 // The command line, as `cargo build -p piezoid-cli` builds it.
-import { execFileSync } from "node:child_process";
+import { execFileSync, spawn } from "node:child_process";
 import { existsSync } from "node:fs";
 import { join } from "node:path";
 
@@ -12,3 +12,15 @@ export const skip = existsSync(PIEZOID) || process.env.CI ? false : `no ${PIEZOI
 /** Runs it in a folder; what it prints. */
 export const piezoid = (cwd, ...words) =>
   execFileSync(PIEZOID, words, { cwd, encoding: "utf8", stdio: ["ignore", "pipe", "ignore"] });
+
+/** Starts it, and waits until it prints this: the process, and what it printed. */
+export async function started(words, expected) {
+  const running = spawn(PIEZOID, words, { stdio: ["ignore", "pipe", "inherit"] });
+  let all = "";
+  for await (const piece of running.stdout) {
+    all += piece;
+    const found = all.match(expected)?.[0];
+    if (found) return { running, found };
+  }
+  throw new Error(`the program ended: ${all}`);
+}

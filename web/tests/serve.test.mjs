@@ -1,13 +1,12 @@
 // The page from `piezoid serve`: the same work, in native processes, with the project in a folder.
 import assert from "node:assert/strict";
-import { spawn } from "node:child_process";
 import { copyFileSync, existsSync, mkdtempSync, readdirSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { createServer } from "node:http";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launched, opened, skip as noBrowser } from "./browser.mjs";
-import { PIEZOID, piezoid, skip as noPiezoid } from "./piezoid.mjs";
+import { piezoid, skip as noPiezoid, started } from "./piezoid.mjs";
 
 const skip = noBrowser || noPiezoid;
 const folder = mkdtempSync(join(tmpdir(), "piezoid-project-"));
@@ -23,22 +22,12 @@ after(async () => {
   rmSync(folder, { recursive: true });
 });
 
-/** Starts the program, and what it prints up to this. */
-async function printed(process, expected) {
-  let all = "";
-  for await (const piece of process.stdout) {
-    all += piece;
-    const found = all.match(expected)?.[0];
-    if (found) return found;
-  }
-  throw new Error(`the program ended: ${all}`);
-}
-
 /** Starts the server, and waits for the address that it prints. */
-function served(port = 0) {
+async function served(port = 0) {
   running?.kill("SIGKILL");
-  running = spawn(PIEZOID, ["serve", folder, "--port", String(port)], { stdio: ["ignore", "pipe", "inherit"] });
-  return printed(running, /http:\/\/\S+/);
+  const server = await started(["serve", folder, "--port", String(port)], /http:\/\/\S+/);
+  running = server.running;
+  return server.found;
 }
 
 /** A record of the simulated bender in a file of its own folder. */
@@ -119,8 +108,9 @@ test("files of the folder become records where they are", { skip, timeout: 60_00
 });
 
 test("drives of a plan are measured on a controller", { skip, timeout: 180_000 }, async () => {
-  controller = spawn(PIEZOID, ["instrument", "--plant", "paper", "--port", "0"], { stdio: ["ignore", "pipe", "inherit"] });
-  const port = (await printed(controller, /port \d+/)).split(" ")[1];
+  const instrument = await started(["instrument", "--plant", "paper", "--port", "0"], /port \d+/);
+  controller = instrument.running;
+  const port = instrument.found.split(" ")[1];
   const { page, faults, context } = await opened(browser, await served());
   await page.getByRole("link", { name: "Experiment", exact: true }).click();
   await page.getByRole("button", { name: "Plan", exact: true }).click();

@@ -10,8 +10,8 @@ export interface Drives {
   files: File[];
 }
 
-/** What the records of these drives are used for; of all others, training. */
-const USES: Record<string, Use> = { small: "small-signal", path: "validation" };
+/** What the record of a drive of a plan is used for. */
+export const useOf = (drive: string): Use => (drive === "small" ? "small-signal" : drive === "path" ? "validation" : "training");
 
 /** Runs every drive, and adds the records, in one step, until one leaves the actuator elsewhere. The number of records. */
 export async function measured(
@@ -28,7 +28,7 @@ export async function measured(
       const { files: [written], result } = await run(name, drive);
       if (!written) throw new Error(`there is no record of ${file}`);
       const record = { name: `${prefix}-${name}.csv`, bytes: written.bytes };
-      await workspace.addRecords([{ file: record, use: USES[name] ?? "training" }], { passing: true });
+      await workspace.addRecords([{ file: record, use: useOf(name) }], { passing: true });
       count += 1;
       // The record is measured, but the actuator is not where it was to be: no further drive.
       if (result?.unfinished) throw new Error(`${name}: ${result.unfinished}; the record is in the project`);
