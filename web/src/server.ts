@@ -150,8 +150,9 @@ export class ServerLibrary implements Library {
     const id = Array.from(crypto.getRandomValues(new Uint8Array(16)), (byte) => byte.toString(16).padStart(2, "0")).join("");
     const end = new AbortController();
     let isOver = false;
+    let limit: ReturnType<typeof setTimeout> | undefined;
     const stop = async () => {
-      setTimeout(() => end.abort(), STOPPING);
+      limit = setTimeout(() => end.abort(), STOPPING);
       while (!isOver && !end.signal.aborted) {
         const error = await this.server.ask(`/api/calls/${id}`, { method: "DELETE" }).then(() => undefined, (error) => error);
         if (error === undefined) return;
@@ -168,6 +169,7 @@ export class ServerLibrary implements Library {
       throw end.signal.aborted ? new Error(UNKNOWN) : error;
     } finally {
       isOver = true;
+      clearTimeout(limit);
       signal?.removeEventListener("abort", requested);
     }
   }

@@ -1,5 +1,6 @@
 // A campaign in the page of `piezoid serve`, on a simulated controller whose commands are kept with their times.
 import assert from "node:assert/strict";
+import { createRequire } from "node:module";
 import { mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { connect, createServer } from "node:net";
 import { tmpdir } from "node:os";
@@ -12,6 +13,7 @@ const skip = noBrowser || noPiezoid;
 const folder = mkdtempSync(join(tmpdir(), "piezoid-campaign-"));
 /** Where pictures are kept, to be looked at. */
 const SHOTS = process.env.SHOTS;
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const log = [];
 let browser, server, controller, line;
 
@@ -72,7 +74,7 @@ test("a campaign asks before it moves, is stopped, goes on, and ends with a mode
   const dialog = page.getByRole("dialog");
   await dialog.getByText("\u221228.5 and 28.5 V").waitFor();
   assert.match(await dialog.textContent(), /Axis 1 of piezoid, E-727.*for about \d+ s.*Records: small, rise1, rise2, rise3, creep, path\./);
-  await shots(page, "agreement");
+  await viewed(page, "agreement");
   await page.getByRole("button", { name: "Do not move" }).click();
   assert.ok(!log.some(({ text }) => /SVA|WGO/.test(text)), "nothing has moved");
 
@@ -82,27 +84,24 @@ test("a campaign asks before it moves, is stopped, goes on, and ends with a mode
   await page.waitForFunction(() => /\d/.test(document.querySelector(".readings dd").textContent));
   await page.locator(".stop span", { hasText: "the drive is played" }).waitFor({ timeout: 60_000 });
   await page.waitForTimeout(700);
-  await shots(page, "running");
+  if (SHOTS) await page.screenshot({ path: join(SHOTS, "running-1280-light.png"), fullPage: true });
   await stopButton(page).click();
   const fault = await page.getByRole("alert").textContent();
   assert.match(fault, /cancelled: record rise1.*axis 1 is at \S+ V, in open loop, and wave generator 1 is stopped/);
-  await page.getByText("1 record is in the project").waitFor();
-  await shots(page, "stopped");
+  await page.getByText("1 new record is in the project").waitFor();
+  await viewed(page, "stopped");
   assert.ok(readdirSync(folder).includes("campaign-small.csv"));
 
   await page.getByText(/Go on with what an earlier campaign has measured.*: small/).waitFor();
   await page.getByRole("button", { name: "Start", exact: true }).click();
   await dialog.getByText("Measured earlier, and not again: small.").waitFor();
   await page.getByRole("button", { name: "Move the actuator" }).click();
-  if (SHOTS) {
-    await page.locator(".parts .now", { hasText: "record creep" }).waitFor({ timeout: 200_000 });
-    await page.locator(".stop span", { hasText: "the drive is played" }).waitFor({ timeout: 60_000 });
-    await page.waitForTimeout(6000);
-    await shots(page, "creep");
-  }
+  await page.locator(".parts .now", { hasText: "record creep" }).waitFor({ timeout: 200_000 });
+  await page.locator(".stop span", { hasText: "the drive is played" }).waitFor({ timeout: 60_000 });
+  await viewed(page, "creep");
   await page.getByRole("heading", { name: "Result" }).waitFor({ timeout: 300_000 });
   await page.getByText("smaller rms error than with a straight line").waitFor();
-  await shots(page, "result");
+  await viewed(page, "result");
   const html = await download(page, () => page.getByRole("button", { name: "Download campaign.html" }).click());
   assert.match(String(html), /^<!DOCTYPE html>.*Tracking/s);
   await page.waitForTimeout(500);
@@ -146,14 +145,17 @@ for (const [moment, options] of [["slow move of the voltage", { ramp: 4 }], ["th
   });
 }
 
-/** Pictures of the page at two widths in both themes. */
-async function shots(page, name) {
-  if (!SHOTS) return;
+/** Looks at the page at two widths in both themes: nothing wider than the screen, no serious finding of axe-core. */
+async function viewed(page, name) {
   for (const [width, theme] of [[1280, "light"], [1280, "dark"], [380, "light"], [380, "dark"]]) {
     await page.setViewportSize({ width, height: width > 500 ? 900 : 800 });
     await page.emulateMedia({ colorScheme: theme });
     await page.waitForTimeout(250);
-    await page.screenshot({ path: join(SHOTS, `${name}-${width}-${theme}.png`), fullPage: name !== "agreement" });
+    if (SHOTS) await page.screenshot({ path: join(SHOTS, `${name}-${width}-${theme}.png`), fullPage: name !== "agreement" });
+    await page.evaluate(AXE);
+    const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+    const grave = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+    assert.deepEqual(grave.map(({ id, nodes }) => `${name}: ${id}: ${nodes[0].html.slice(0, 200)}`), []);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(wide <= 0, `${name} is ${wide} px wider than the screen`);
   }

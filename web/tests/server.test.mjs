@@ -135,6 +135,32 @@ test("a call that is cancelled ends, before and after it begins", async () => {
   await assert.rejects(library().call(INSPECT, [], undefined, stop.signal), { message: "cancelled" });
 });
 
+test("a call that moves an instrument is stopped by its id, once it is at work, and still answers", async () => {
+  const requested = [];
+  let answers;
+  answer = (request, response) => {
+    requested.push([request.method, request.url === "/api/call" ? request.headers["piezoid-call"] : request.url.split("/").at(-1)]);
+    if (request.method === "POST") {
+      response.write('{"what":"x","done":1,"total":2}\n');
+      answers = () => response.end(Buffer.concat([Buffer.from("\n"), packed({ result: { failed: "axis 1 is at 3 V" }, series: [], bytes: [] }, [])]));
+    } else if (requested.length < 4) {
+      // It waits for its turn.
+      response.writeHead(404).end('{"error":"no call of this id is at work that can be stopped"}');
+    } else {
+      response.writeHead(204).end();
+      setTimeout(answers, 30);
+    }
+  };
+  for (const call of ["acquire", "campaign"]) {
+    requested.length = 0;
+    const stop = new AbortController();
+    const { result } = await library().call({ call }, [], () => stop.abort(), stop.signal);
+    assert.equal(result.failed, "axis 1 is at 3 V");
+    const [[, id]] = requested;
+    assert.deepEqual(requested, [["POST", id], ["DELETE", id], ["DELETE", id], ["DELETE", id]]);
+  }
+});
+
 test("a file is written in place of the version that was read, or of none", async () => {
   const inspection = [];
   answer = (request, response) => {

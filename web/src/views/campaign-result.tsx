@@ -48,7 +48,7 @@ function BrokenOff({ answer: { result, files } }: { answer: Answer }) {
     <Section title="Broken off" wide>
       <Fault text={result.failed} />
       <p role="status">
-        {records.length === 1 ? "1 record is" : `${records.length} records are`} in the project: <a href="#data">Data</a>.
+        {records.length === 1 ? "1 new record is" : `${records.length} new records are`} in the project: <a href="#data">Data</a>.
         {" "}The next campaign with these options goes on from here.
       </p>
       <Notes title="Notes" notes={result.notes.filter((note: string) => !result.failed.includes(note))} />

@@ -70,6 +70,13 @@ export function CampaignView() {
   };
   return (
     <>
+      <Fault text={result.error} />
+      {result.value && !result.busy && (
+        <>
+          <Stale stale={result.stale && !result.value.result.failed} />
+          <CampaignResult answer={result.value} />
+        </>
+      )}
       {result.busy && under ? <Running {...under} stop={stop} /> : (
         <Section title="Measure, identify and straighten an actuator" wide
           help="A controller plays the drives of a plan in open loop and records. A model is identified, and a path is measured with the voltages of a straight line and with those of the model. The actuator moves over the whole range, once you have agreed.">
@@ -89,13 +96,6 @@ export function CampaignView() {
       )}
       {asked && agenda.value && !agenda.stale && !result.busy && (
         <Agreement agenda={agenda.value} agree={run} refuse={() => setAsked(false)} />
-      )}
-      <Fault text={result.error} />
-      {result.value && !result.busy && (
-        <>
-          <Stale stale={result.stale && !result.value.result.failed} />
-          <CampaignResult answer={result.value} />
-        </>
       )}
     </>
   );

@@ -18,7 +18,9 @@ pub(crate) fn options() -> String {
     for (title, rows) in &shared {
         text += &table(title, rows, "");
     }
-    let operations = catalogue().operations.into_iter().map(|operation| (operation.name, (operation.options)()));
+    // Those of `agenda` are those of `campaign`.
+    let operations = catalogue().operations.into_iter().filter(|operation| operation.name != "agenda");
+    let operations = operations.map(|operation| (operation.name, (operation.options)()));
     // A server, which is no operation.
     let all = operations.chain([("instrument", Simulation::rows())]).filter(|(_, rows)| !rows.is_empty());
     for (verb, rows) in all {

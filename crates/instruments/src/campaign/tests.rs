@@ -14,10 +14,14 @@ struct Memory {
     /// The number of files from which on no more are kept.
     most: Option<usize>,
     is_refused: bool,
+    /// What it was to agree to.
+    agreed: Vec<String>,
 }
 
 impl Journal for Memory {
-    fn agree(&mut self, Agenda { plan, resumed, seconds, .. }: &Agenda) -> Result<(), Error> {
+    fn agree(&mut self, agenda: &Agenda) -> Result<(), Error> {
+        self.agreed.push(agenda.text());
+        let Agenda { plan, resumed, seconds, .. } = agenda;
         let missing = || plan.drives.iter().filter(|drive| resumed.iter().all(|name| name != drive.name));
         let records: f64 = missing().map(|drive| plan.duration(drive)).sum();
         let waits = 2.0 * (missing().count() + 2) as f64;
@@ -92,6 +96,12 @@ fn what_was_measured_is_not_measured_again_unless_its_drive_changed() {
     let (found, _, again) = campaign("paper", range, "proportional", &mut memory, &mut Stage::ignore);
     let found = found.unwrap();
     assert_eq!(found.resumed, ["small", "rise2"]);
+    let [first, second] = &memory.agreed[..] else { panic!("{:?}", memory.agreed) };
+    assert!(
+        first.starts_with("a function: axis 1 is to move between -28.5 and 28.5 V, for ")
+            && first.ends_with(" s or more.")
+    );
+    assert!(second.ends_with("Measured earlier, and not again: small, rise2."), "{second}");
     assert!(again > all, "{again} {all}");
 }
 
@@ -107,7 +117,11 @@ fn nothing_moves_before_it_is_agreed_or_after_it_is_cancelled() {
     };
     let mut memory = Memory::default();
     let (error, notes, _) = campaign("paper", (-30.0, 30.0), "proportional", &mut memory, &mut progress);
-    assert!(matches!(error, Err(Error::Cancelled { .. })), "{error:?}");
+    let what = match error {
+        Err(Error::Cancelled { what, .. }) => what,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(what, "record rise1: the drive is played");
     assert_eq!(notes.last().unwrap(), "the last voltage of the function was 0.000 V");
     // One record after its demagnetisation; then the next demagnetisation.
     assert_eq!((calls.get(), memory.files.len()), (4, 2));

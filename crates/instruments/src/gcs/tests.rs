@@ -381,3 +381,48 @@ fn what_is_no_controller_is_told() {
             .contains("no controller answers at no.such.host.invalid:50000")
     );
 }
+
+#[test]
+fn what_the_actuator_does_is_reported_while_it_moves_waits_and_plays() {
+    let options = but_settled(at(served(&Simulation::default())));
+    let mut moments: Vec<(String, f64, f64, f64)> = Vec::new();
+    let acquired = run(&options, &drive(0.01, &sine(100)), &mut |stage: Stage| {
+        let figure = |name: &str| stage.figures.iter().find(|(one, _)| *one == name).map(|(_, value)| *value);
+        if let (Some(t), Some(u), Some(y)) = (figure("t_s"), figure("u_V"), figure("y_um")) {
+            moments.push((stage.what.into(), t, u, y));
+        }
+        ControlFlow::Continue(())
+    });
+    let record = acquired.unwrap().record;
+    for what in ["slow move of the voltage", "settling [ms]", "the drive is played [ms]"] {
+        assert!(moments.iter().any(|(stage, ..)| stage == what), "{what}: {moments:?}");
+    }
+    // About twelve a second, each once.
+    assert!(moments.windows(2).all(|two| two[1].1 > two[0].1 + 0.02), "{moments:?}");
+    let played: Vec<_> = moments.iter().filter(|(stage, ..)| stage.starts_with("the drive")).collect();
+    assert!(played.len() <= 13, "{} in a second", played.len());
+    // What they say is what is recorded: near every moment the record has its voltage with its displacement.
+    let near =
+        |u: f64, y: f64| record.u().iter().zip(record.y()).any(|(v, x)| (u - v).abs() < 1.1 && (y - x).abs() < 40.0);
+    assert!(played.iter().all(|(_, _, u, y)| near(*u, *y)), "{played:?}");
+}
+
+fn but_settled(options: AcquireOptions) -> AcquireOptions {
+    let instrument = InstrumentOptions { ramp: 0.3, ..options.instrument };
+    AcquireOptions { settle: 0.3, instrument, ..options }
+}
+
+#[test]
+fn an_error_that_comes_while_the_actuator_is_observed_is_not_lost() {
+    let port = served(&Simulation::default());
+    let mut is_disturbed = false;
+    let error = run(&at(port), &drive(0.01, &sine(200)), &mut |stage: Stage| {
+        if stage.what.starts_with("the drive is played") && stage.done > 300 && !is_disturbed {
+            is_disturbed = true;
+            text(port, "FLY 1\n");
+        }
+        ControlFlow::Continue(())
+    });
+    let message = error.unwrap_err().to_string();
+    assert!(message.contains("refuses `VOL? 1") && message.contains("generator 1 is stopped"), "{message}");
+}
