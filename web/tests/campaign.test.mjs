@@ -96,8 +96,9 @@ test("a campaign asks before it moves, is stopped, goes on, and ends with a mode
   await page.getByRole("button", { name: "Start", exact: true }).click();
   await dialog.getByText("Measured earlier, and not again: small.").waitFor();
   await page.getByRole("button", { name: "Move the actuator" }).click();
-  await page.locator(".parts .now", { hasText: "record creep" }).waitFor({ timeout: 200_000 });
+  await page.locator(".stop b", { hasText: /^Record creep$/ }).waitFor({ timeout: 200_000 });
   await page.locator(".stop span", { hasText: "the drive is played" }).waitFor({ timeout: 60_000 });
+  await page.waitForTimeout(4000);
   await viewed(page, "creep");
   await page.getByRole("heading", { name: "Result" }).waitFor({ timeout: 300_000 });
   await page.getByText("smaller rms error than with a straight line").waitFor();
@@ -124,6 +125,8 @@ for (const [moment, options] of [["slow move of the voltage", { ramp: 4 }], ["th
   test(`Stop reaches the controller within 200 ms: ${moment}`, { skip, timeout: 200_000 }, async (message) => {
     const times = [];
     const { page, context } = await campaign({ wait: 0.1, ...options });
+    const again = page.getByRole("checkbox", { name: /^Go on with/ });
+    if (await again.count()) await again.uncheck();
     await page.evaluate(() =>
       addEventListener("click", (event) => (globalThis.clicked = performance.timeOrigin + event.timeStamp), true));
     for (let k = 0; k < 5; k++) {

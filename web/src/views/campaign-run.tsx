@@ -48,7 +48,7 @@ export function Running({ live, agenda, stop }: Props) {
           <b>{capital(now)}</b>
           <span>{prose(live.step)}</span>
           <progress aria-label="The present step" max={job?.total || 1} value={job?.total ? job.done : undefined} />
-          <small>{spokenTime((Date.now() - live.begin) / 1000)} of about {spokenTime(seconds)} and the identification</small>
+          <small>{spokenTime((Date.now() - live.begin) / 1000)} passed; it moves for about {spokenTime(seconds)} in all</small>
         </p>
       </div>
       <ol class="parts" aria-label="Parts of the campaign">
@@ -58,7 +58,7 @@ export function Running({ live, agenda, stop }: Props) {
           </li>
         ))}
       </ol>
-      <LivePlots live={live} range={span} title={`Displacement over voltage: ${live.part || "before the first drive"}`} />
+      <LivePlots live={live} range={span} title={`Displacement over voltage: ${live.of || "outside the drives"}`} />
     </Section>
   );
 }

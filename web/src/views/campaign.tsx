@@ -35,18 +35,18 @@ export function CampaignView() {
   const request = { options, reference: values["reference"], continues };
   const agenda = useKept<Answer>("agenda", request);
   const result = useKept<Answer>("campaign", request);
-  const [asked, setAsked] = useState(false);
+  const [isPlanned, setPlanned] = useState(false);
   const lacks = rows.filter((row) => row.required && !(row.name in values)).map((row) => spoken(row.name));
   const busy = controller.busy || agenda.busy || result.busy;
 
   const ask = () => agenda.start(async () => {
     const files = continues ? await earlier(workspace) : [];
     const answer = await workspace.run({ name: "agenda", request: { call: "agenda", options, files: { earlier: namesOf(files) } }, files });
-    setAsked(true);
+    setPlanned(true);
     return answer;
   });
   const run = (agreed: Answer) => {
-    setAsked(false);
+    setPlanned(false);
     const live = new Live();
     under = { live, agenda: agreed };
     result.start(async () => {
@@ -88,14 +88,14 @@ export function CampaignView() {
             {controller.button(busy)}
             <button type="button" class="main" disabled={busy || lacks.length > 0} onClick={ask}>Start</button>
             {lacks.length > 0 && <span class="missing">Give {lacks.join(", ")}.</span>}
-            {agenda.busy && <span role="status">The controller is asked. Nothing moves.</span>}
+            {agenda.busy && <span role="status">The drives are planned. Nothing moves.</span>}
           </div>
           {controller.report}
           <Fault text={agenda.error} />
         </Section>
       )}
-      {asked && agenda.value && !agenda.stale && !result.busy && (
-        <Agreement agenda={agenda.value} agree={run} refuse={() => setAsked(false)} />
+      {isPlanned && agenda.value && !agenda.stale && !result.busy && (
+        <Agreement agenda={agenda.value} agree={run} refuse={() => setPlanned(false)} />
       )}
     </>
   );

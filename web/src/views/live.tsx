@@ -25,8 +25,9 @@ export class Live {
   last = "";
   /** Unit of the displacement. */
   unit = "um";
-  /** What the actuator did in this part. */
+  /** What the actuator did in the last part in which it moved, and that part. */
   moments: Moment[] = [];
+  of = "";
   /** True once nobody wants the work to go on. */
   stopping = false;
   readonly begin = Date.now();
@@ -36,12 +37,13 @@ export class Live {
     const end = what.indexOf(": ");
     const [part, step] = end < 0 ? ["", what] : [what.slice(0, end), what.slice(end + 2)];
     [this.part, this.step] = [part, step.replace(" [ms]", "")];
+    if (part) this.last = part;
     const { t_s: t, u_V: u = NaN } = figures;
     if (t === undefined) return;
     const position = Object.keys(figures).find((name) => name.startsWith("y_"));
     if (position) this.unit = position.slice(2);
-    const before = part === this.last ? this.moments.slice(-KEPT) : [];
-    if (part) this.last = part;
+    const before = part === this.of ? this.moments.slice(-KEPT) : [];
+    this.of = part;
     this.moments = [...before, { t, u, y: figures[position ?? ""] ?? NaN, played: step.startsWith("the drive") }];
   }
 }
