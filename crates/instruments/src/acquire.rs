@@ -5,7 +5,8 @@
 use crate::gcs::Gcs;
 use crate::nv200::Nv200;
 use crate::rest::RESTS;
-use crate::{ConnectOptions, Drive, Instrument, Left, Protocol, Rest};
+use crate::scpi::Scpi;
+use crate::{ConnectOptions, Drive, Instrument, Left, Protocol, Rest, ScpiOptions};
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
@@ -22,7 +23,7 @@ options! {
     pub struct InstrumentOptions {
         /// Axis to drive.
         axis: Option<String> = None, OptionRow::new(OptionKind::Text("AXIS")).absent("the first");
-        /// Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres.
+        /// Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres. With SCPI, the gain of the amplifier.
         gain: Option<f64> = None, OptionRow::positive("V").absent("1");
         /// Number of the output channel and wave generator of the axis.
         channel: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, 64)).absent("that of the axis");
@@ -32,7 +33,7 @@ options! {
         rest: Rest = Rest::Start, OptionRow::new(RESTS);
         /// Servo cycle of the controller.
         cycle: Option<f64> = None, OptionRow::positive("s").absent("the one it reports");
-    } with connection: ConnectOptions with limits: LimitOptions
+    } with connection: ConnectOptions with limits: LimitOptions with scpi: ScpiOptions
 }
 
 options! {
@@ -139,6 +140,7 @@ impl InstrumentOptions {
         let instrument: Box<dyn Instrument + 'a> = match self.connection.protocol {
             Protocol::Gcs => Box::new(Gcs::open(self, progress)?),
             Protocol::Nv200 => Box::new(Nv200::open(self, progress)?),
+            Protocol::Scpi => Box::new(Scpi::open(self, progress)?),
         };
         let (low, high) = instrument.setup().range;
         if self.rest == Rest::Zero && !(low..=high).contains(&0.0) {

@@ -2,6 +2,7 @@
 
 use crate::gcs::Controller;
 use crate::nv200::Nv200;
+use crate::scpi::Scpi;
 use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
@@ -17,11 +18,14 @@ pub enum Protocol {
     Gcs,
     /// The commands of piezosystem jena's NV200/D Net.
     Nv200,
+    /// SCPI: an arbitrary waveform generator with an oscilloscope.
+    Scpi,
 }
 
 const PROTOCOLS: OptionKind = OptionKind::Choice(&[
     ("gcs", "PI's General Command Set, GCS 2.0"),
     ("nv200", "The commands of piezosystem jena's NV200/D Net"),
+    ("scpi", "SCPI: an arbitrary waveform generator before an amplifier, and an oscilloscope"),
 ]);
 
 options! {
@@ -31,7 +35,7 @@ options! {
         protocol: Protocol = Protocol::Gcs, OptionRow::new(PROTOCOLS);
         /// Address or name of the controller in the network.
         host: String = "127.0.0.1".into(), OptionRow::new(OptionKind::Text("HOST"));
-        /// TCP port of the controller; that of an NV200 is 23.
+        /// TCP port of the controller; that of an NV200 is 23, that of an instrument with SCPI 5025 or 5555.
         port: u16 = 50000, OptionRow::new(OptionKind::Integer(1, 65535));
         /// Time for a whole answer.
         timeout: f64 = 5.0, OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: true, below: 3600.0 }) };
@@ -47,6 +51,7 @@ impl ConnectOptions {
         match self.protocol {
             Protocol::Gcs => Controller::open(self, progress).map(|(_, controller)| controller),
             Protocol::Nv200 => Nv200::look(self, progress),
+            Protocol::Scpi => Scpi::look(self, progress),
         }
     }
 

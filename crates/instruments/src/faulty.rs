@@ -1,8 +1,8 @@
 //! A simulated controller behind a line that is cut, goes silent or drips, for tests. The controller keeps what it was
 //! given, as a witness.
 
-use crate::Simulation;
 use crate::simulated::Log;
+use crate::{Model, Simulation};
 use piezoid::plant::Plant;
 use piezoid::{Record, System};
 use std::io::{Read, Write};
@@ -26,6 +26,8 @@ pub(crate) struct Bench {
     pub(crate) port: u16,
     /// Port of the controller itself.
     pub(crate) direct: u16,
+    /// Port of the oscilloscope beside it, if there is one.
+    pub(crate) oscilloscope: u16,
     pub(crate) log: Log,
     /// Answers that have passed on the first connection.
     pub(crate) answers: Arc<AtomicUsize>,
@@ -35,49 +37,73 @@ pub(crate) struct Bench {
 impl Bench {
     /// A line whose fault comes in place of this answer, from 0.
     pub(crate) fn new(simulation: &Simulation, fault: Fault, at: usize) -> Self {
-        let controller = simulation.controller().unwrap();
+        let controller = Arc::new(simulation.controller().unwrap());
+        let second = TcpListener::bind("127.0.0.1:0").unwrap();
+        let oscilloscope = if simulation.model == Model::Scpi { second.local_addr().unwrap().port() } else { 0 };
+        if oscilloscope > 0 {
+            let controller = controller.clone();
+            spawn(move || controller.serve_oscilloscope(&second));
+        }
         let log = controller.log.clone();
         let (direct, line) = (TcpListener::bind("127.0.0.1:0").unwrap(), TcpListener::bind("127.0.0.1:0").unwrap());
         let [inside, port] = [&direct, &line].map(|listener| listener.local_addr().unwrap().port());
         spawn(move || controller.serve(&direct));
-        let bench = Bench { port, direct: inside, log, answers: Arc::default(), is_faulty: Arc::default() };
-        let (answers, is_faulty) = (bench.answers.clone(), bench.is_faulty.clone());
-        spawn(move || {
-            for (k, client) in line.incoming().flatten().enumerate() {
-                let controller = TcpStream::connect(("127.0.0.1", inside)).unwrap();
-                for stream in [&client, &controller] {
-                    stream.set_nodelay(true).unwrap();
-                }
-                let dead = Arc::new(AtomicBool::new(false));
-                let (to, from) = (controller.try_clone().unwrap(), client.try_clone().unwrap());
-                let dead_too = dead.clone();
-                spawn(move || commands(from, to, &dead_too));
-                let fault = if k == 0 { fault } else { Fault::None };
-                let (answers, is_faulty) = (answers.clone(), is_faulty.clone());
-                spawn(move || {
-                    if passed(&controller, &client, (fault != Fault::None || k == 0).then_some((at, &*answers)), fault)
-                    {
-                        return;
-                    }
-                    is_faulty.store(true, Ordering::SeqCst);
-                    dead.store(true, Ordering::SeqCst);
-                    match fault {
-                        Fault::Cut => {
-                            drop(client.shutdown(Shutdown::Both));
-                            drop(controller.shutdown(Shutdown::Both));
-                        }
-                        Fault::Drip => {
-                            while (&client).write_all(b"2").is_ok() {
-                                sleep(Duration::from_millis(50));
-                            }
-                        }
-                        _ => (),
-                    }
-                });
-            }
-        });
+        let bench =
+            Bench { port, direct: inside, oscilloscope, log, answers: Arc::default(), is_faulty: Arc::default() };
+        pass(line, inside, fault, at, (bench.answers.clone(), bench.is_faulty.clone()));
         bench
     }
+
+    /// The port of a line before another port, whose fault comes in place of this answer, from 0.
+    pub(crate) fn before(inside: u16, fault: Fault, at: usize) -> u16 {
+        let line = TcpListener::bind("127.0.0.1:0").unwrap();
+        let port = line.local_addr().unwrap().port();
+        pass(line, inside, fault, at, Default::default());
+        port
+    }
+}
+
+/// Passes the clients of a line on to a port. The first of them has a fault.
+fn pass(
+    line: TcpListener,
+    inside: u16,
+    fault: Fault,
+    at: usize,
+    (answers, is_faulty): (Arc<AtomicUsize>, Arc<AtomicBool>),
+) {
+    spawn(move || {
+        for (k, client) in line.incoming().flatten().enumerate() {
+            let controller = TcpStream::connect(("127.0.0.1", inside)).unwrap();
+            for stream in [&client, &controller] {
+                stream.set_nodelay(true).unwrap();
+            }
+            let dead = Arc::new(AtomicBool::new(false));
+            let (to, from) = (controller.try_clone().unwrap(), client.try_clone().unwrap());
+            let dead_too = dead.clone();
+            spawn(move || commands(from, to, &dead_too));
+            let fault = if k == 0 { fault } else { Fault::None };
+            let (answers, is_faulty) = (answers.clone(), is_faulty.clone());
+            spawn(move || {
+                if passed(&controller, &client, (fault != Fault::None || k == 0).then_some((at, &*answers)), fault) {
+                    return;
+                }
+                is_faulty.store(true, Ordering::SeqCst);
+                dead.store(true, Ordering::SeqCst);
+                match fault {
+                    Fault::Cut => {
+                        drop(client.shutdown(Shutdown::Both));
+                        drop(controller.shutdown(Shutdown::Both));
+                    }
+                    Fault::Drip => {
+                        while (&client).write_all(b"2").is_ok() {
+                            sleep(Duration::from_millis(50));
+                        }
+                    }
+                    _ => (),
+                }
+            });
+        }
+    });
 }
 
 /// Passes commands on, until the line is dead.

@@ -1,6 +1,6 @@
 //! Controllers of piezo actuators over TCP, with PI's General Command Set, GCS 2.0, or the commands of piezosystem
-//! jena's NV200: clients that play a drive and return the measured record, and controllers that are simulated around a
-//! plant.
+//! jena's NV200, and generators with oscilloscopes that speak SCPI: clients that play a drive and return the measured
+//! record, and controllers that are simulated around a plant.
 //!
 //! ```
 //! use piezoid::{formats::ColumnSelection, progress::Stage};
@@ -40,6 +40,7 @@ mod instrument;
 mod moves;
 mod nv200;
 mod rest;
+mod scpi;
 mod simulated;
 mod stop;
 mod watch;
@@ -52,4 +53,5 @@ pub use function::Function;
 pub use gcs::{Axis, Controller};
 pub use instrument::{Drive, Instrument, Left, Setup};
 pub use rest::Rest;
+pub use scpi::ScpiOptions;
 pub use simulated::{Model, Simulated, Simulation};

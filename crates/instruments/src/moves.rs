@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 const STEP: f64 = 0.02;
 
 /// Largest step of a slow move, as a share of the range.
-const LARGEST_STEP: f64 = 0.05;
+pub(crate) const LARGEST_STEP: f64 = 0.05;
 
 /// Pause between two looks while the axis settles.
 const PAUSE: Duration = Duration::from_millis(50);

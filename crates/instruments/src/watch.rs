@@ -4,6 +4,8 @@
 
 use piezoid::Error;
 use piezoid::progress::{Progress, Stage};
+use std::cell::RefCell;
+use std::rc::Rc;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -11,7 +13,7 @@ use std::time::{Duration, Instant};
 pub(crate) const TICK: Duration = Duration::from_millis(10);
 
 pub(crate) struct Watch<'a> {
-    progress: &'a mut Progress<'a>,
+    progress: Rc<RefCell<&'a mut Progress<'a>>>,
     stage: (String, usize, usize),
     /// What all this is a part of, with which stages begin; often empty.
     part: String,
@@ -22,8 +24,13 @@ pub(crate) struct Watch<'a> {
 
 impl<'a> Watch<'a> {
     pub(crate) fn new(progress: &'a mut Progress<'a>) -> Self {
-        let stage = ("connection to the controller".into(), 0, 1);
+        let (progress, stage) = (Rc::new(RefCell::new(progress)), ("connection to the controller".into(), 0, 1));
         Watch { progress, stage, part: String::new(), begin: Instant::now(), is_heeded: true }
+    }
+
+    /// The same for another line of the same work.
+    pub(crate) fn twin(&self) -> Self {
+        Watch { progress: self.progress.clone(), stage: self.stage.clone(), part: self.part.clone(), ..*self }
     }
 
     /// From now on, cancelling ends nothing any more.
@@ -51,7 +58,7 @@ impl<'a> Watch<'a> {
 
     fn check_with(&mut self, figures: &[(&str, f64)]) -> Result<(), Error> {
         let (what, done, total) = &self.stage;
-        let cancelled = (self.progress)(Stage { figures, ..Stage::new(what, *done, *total) }).is_break();
+        let cancelled = (self.progress.borrow_mut())(Stage { figures, ..Stage::new(what, *done, *total) }).is_break();
         if !(cancelled && self.is_heeded) {
             return Ok(());
         }

@@ -82,6 +82,16 @@ pub(crate) trait Behaviour: Debug + Send + 'static {
         false
     }
 
+    /// True if a line may contain blocks: `#`, the number of digits, the number of bytes, the bytes.
+    fn has_blocks(&self) -> bool {
+        false
+    }
+
+    /// The answer to a line at the port of this number, of those that the controller has.
+    fn answer_at(&mut self, _port: usize, line: &str) -> Vec<u8> {
+        self.answer(line)
+    }
+
     /// The answer to a line, which is not empty only if something is answered.
     fn answer(&mut self, line: &str) -> Vec<u8>;
 

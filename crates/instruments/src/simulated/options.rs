@@ -1,7 +1,7 @@
 //! The models of controllers that are simulated, and how to simulate one.
 
 use super::Simulated;
-use crate::{gcs, nv200};
+use crate::{gcs, nv200, scpi};
 use piezoid::Error;
 use piezoid::plant::{Preset, Spec};
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
@@ -26,6 +26,9 @@ pub enum Model {
     /// piezosystem jena NV200/D Net: one axis, one client at a time.
     #[serde(rename = "nv200")]
     Nv200,
+    /// An arbitrary waveform generator, an amplifier and an oscilloscope, with SCPI.
+    #[serde(rename = "scpi")]
+    Scpi,
 }
 
 const MODELS: OptionKind = OptionKind::Choice(&[
@@ -34,6 +37,7 @@ const MODELS: OptionKind = OptionKind::Choice(&[
     ("e-709", "Over a serial line: one client at a time, others are refused"),
     ("open-loop", "An amplifier with a sensor, but without a servo"),
     ("nv200", "piezosystem jena NV200/D Net: its own commands, one client at a time"),
+    ("scpi", "An arbitrary waveform generator and an oscilloscope, at two ports"),
 ]);
 
 impl Model {
@@ -45,6 +49,7 @@ impl Model {
             Model::E709 => "E-709",
             Model::OpenLoop => "open-loop",
             Model::Nv200 => "NV200/D_NET",
+            Model::Scpi => "scpi",
         }
     }
 
@@ -61,7 +66,7 @@ options! {
         plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME")).list("plants");
         /// Seed of the noise of the sensor of axis 1; that of axis 2 has the next one.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-        /// Voltage that an open-loop value of 1 gives.
+        /// Voltage that an open-loop value of 1 gives; on the model scpi, the gain of the amplifier.
         gain: f64 = 1.0, OptionRow::positive("V");
         /// The model of the controller: its name and the commands that it knows.
         model: Model = Model::default(), OptionRow::new(MODELS);
@@ -90,6 +95,10 @@ impl Simulation {
     /// Returns an error for more axes than the model has, a gain that it does not have, and the errors of
     /// [`Plant::new`](piezoid::plant::Plant::new).
     pub fn around(&self, spec: &Spec, name: &str) -> Result<Simulated, Error> {
-        if self.model == Model::Nv200 { nv200::simulated(self, spec) } else { gcs::simulated(self, spec, name) }
+        match self.model {
+            Model::Nv200 => nv200::simulated(self, spec),
+            Model::Scpi => scpi::simulated(self, spec),
+            _ => gcs::simulated(self, spec, name),
+        }
     }
 }

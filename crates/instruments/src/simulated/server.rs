@@ -14,8 +14,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::{Builder, sleep};
 use std::time::{Duration, Instant};
 
-/// A line has at most so many bytes.
+/// A line has at most so many bytes, and so many with blocks.
 const LONGEST: usize = 1 << 16;
+const LONGEST_WITH_BLOCKS: usize = 1 << 24;
 
 /// Time between two updates while something moves, and between two looks whether it does.
 const TICK: Duration = Duration::from_millis(5);
@@ -57,12 +58,24 @@ impl Simulated {
     /// # Errors
     /// Returns the error of the listener.
     pub fn serve(&self, listener: &TcpListener) -> std::io::Result<()> {
+        self.serve_port(0, listener)
+    }
+
+    /// Answers clients of the oscilloscope, on the model that has one.
+    ///
+    /// # Errors
+    /// Returns the error of the listener.
+    pub fn serve_oscilloscope(&self, listener: &TcpListener) -> std::io::Result<()> {
+        self.serve_port(1, listener)
+    }
+
+    fn serve_port(&self, port: usize, listener: &TcpListener) -> std::io::Result<()> {
         let (served, waiting) = (Arc::new(AtomicUsize::new(0)), Arc::new(AtomicUsize::new(0)));
         let (most, is_real) = {
             let mut device = locked(&*self.device);
             (device.clients(), device.time().clock.is_real())
         };
-        if is_real {
+        if is_real && port == 0 {
             let device = Arc::downgrade(&self.device);
             Builder::new().spawn(move || tick(&device))?;
         }
@@ -83,7 +96,7 @@ impl Simulated {
                 let place = place.or_else(|| Place::soon(&served, most));
                 let waits = waits.filter(|_| place.is_none());
                 // One that goes in the middle of a line has ended.
-                drop(if place.is_some() { converse(&*device, &client) } else { refuse(&client, most) });
+                drop(if place.is_some() { converse(&*device, port, &client) } else { refuse(&client, most) });
                 // Free before the client sees the end, because it may connect again at once.
                 drop((place, waits));
             }));
@@ -143,23 +156,38 @@ fn refuse(mut client: &TcpStream, most: usize) -> std::io::Result<()> {
     client.read(&mut [0; LONGEST]).map(|_| ())
 }
 
-fn converse(device: &Mutex<dyn Behaviour>, client: &TcpStream) -> std::io::Result<()> {
+fn converse(device: &Mutex<dyn Behaviour>, port: usize, client: &TcpStream) -> std::io::Result<()> {
     client.set_nodelay(true)?;
     client.set_write_timeout(Some(PATIENCE))?;
     let (mut input, mut output) = (BufReader::new(client), client);
-    let at_return = locked(device).ends_at_return();
+    let (at_return, has_blocks) = {
+        let device = locked(device);
+        (device.ends_at_return(), device.has_blocks())
+    };
+    let longest = if has_blocks { LONGEST_WITH_BLOCKS } else { LONGEST };
+    // Bytes of a block that are still to come.
+    let mut block = 0;
     let (mut line, mut is_too_long, mut before) = (Vec::new(), false, 0);
     loop {
         let ready = input.fill_buf()?;
         let Some(&byte) = ready.first() else { return Ok(()) };
         input.consume(1);
+        if block > 0 {
+            block -= 1;
+            line.push(byte);
+            continue;
+        }
         let after = std::mem::replace(&mut before, byte);
         let is_end = if at_return { byte == b'\r' || byte == b'\n' && after != b'\r' } else { byte == b'\n' };
         if is_end {
             let text: String = line.drain(..).map(char::from).collect();
             // What came of a line that is too long is not obeyed.
             let is_too_long = std::mem::take(&mut is_too_long);
-            let answer = if is_too_long { locked(device).too_long() } else { locked(device).answer(text.trim()) };
+            let answer = if is_too_long {
+                locked(device).too_long()
+            } else {
+                locked(device).answer_at(port, if has_blocks { text.trim_start() } else { text.trim() })
+            };
             output.write_all(&answer)?;
             continue;
         }
@@ -169,8 +197,23 @@ fn converse(device: &Mutex<dyn Behaviour>, client: &TcpStream) -> std::io::Resul
                 let answer = locked(device).answer_byte(byte);
                 output.write_all(&answer)?;
             }
-            _ if is_too_long || line.len() == LONGEST => is_too_long = true,
-            _ => line.push(byte),
+            _ if is_too_long || line.len() == longest => is_too_long = true,
+            _ => {
+                line.push(byte);
+                if has_blocks {
+                    block = length(&line).filter(|length| line.len() + length <= longest).unwrap_or(0);
+                }
+            }
         }
     }
+}
+
+/// The bytes of the block whose head a line ends with.
+fn length(line: &[u8]) -> Option<usize> {
+    // A head has at most eleven bytes.
+    let tail = &line[line.len().saturating_sub(11)..];
+    let head = &tail[tail.iter().rposition(|byte| *byte == b'#')?..];
+    let digits = char::from(*head.get(1)?).to_digit(10).filter(|digits| *digits > 0)? as usize;
+    let number = head.get(2..).filter(|number| number.len() == digits)?;
+    std::str::from_utf8(number).ok()?.parse().ok()
 }

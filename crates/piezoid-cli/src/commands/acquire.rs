@@ -14,6 +14,9 @@ Examples:
     piezoid acquire sine20.csv --host 192.168.0.10 --low -20 --high 120 -o record.csv
   The same on an NV200 of piezosystem jena, which holds 1024 samples:
     piezoid acquire sine20.csv --protocol nv200 --host 192.168.0.11 --port 23 -o record.csv
+  The same by a generator, an amplifier with a gain of 20 and an oscilloscope, with a sensor of 5 um/V:
+    piezoid acquire sine20.csv --protocol scpi --host 192.168.0.12 --port 5025 --oscilloscope 192.168.0.13 --gain 20 \
+--low -20 --high 120 --monitor-channel 1 --monitor-gain 100 --sensitivity 5 -o record.csv
   The first within the current of an amplifier, and to 0 V at the end:
     piezoid acquire sine20.csv --host 192.168.0.10 --driver e-610 --capacitance 1.5e-6 --rest zero -o record.csv
   The first without hardware, with `piezoid instrument` in another terminal:

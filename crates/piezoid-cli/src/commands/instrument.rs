@@ -3,7 +3,7 @@
 use super::lists;
 use super::prelude::*;
 use anyhow::Context;
-use piezoid_instruments::Simulation;
+use piezoid_instruments::{Model, Simulation};
 use std::net::TcpListener;
 
 const EXAMPLES: &str = "\
@@ -17,6 +17,11 @@ Examples:
     piezoid instrument --model nv200 --port 2300
     piezoid acquire sine20.csv --protocol nv200 --port 2300 -o record.csv
 
+  An arbitrary waveform generator and an oscilloscope with SCPI, about an amplifier with a gain of 10:
+    piezoid instrument --model scpi --port 5025 --oscilloscope-port 5026 --gain 10 --plant p885
+    piezoid acquire sine20.csv --protocol scpi --port 5025 --oscilloscope 127.0.0.1:5026 --gain 10 --low 0 --high 100 \
+--monitor-channel 1 --sensitivity 10 -o record.csv
+
   Two axes of an E-754, with a clock that only answers advance:
     piezoid instrument --model e-754 --axes 2 --virtual-time 0.01
 
@@ -28,6 +33,9 @@ pub(crate) struct Instrument {
     /// The TCP port on this machine; 0 is any that is free.
     #[arg(long, value_name = "N", default_value_t = 50000)]
     port: u16,
+    /// The TCP port of the oscilloscope of the model scpi; 0 is any that is free.
+    #[arg(long, value_name = "N", default_value_t = 5026)]
+    oscilloscope_port: u16,
     #[command(flatten)]
     simulation: Flags<Simulation>,
 }
@@ -37,11 +45,26 @@ impl Run for Instrument {
         let simulation = self.simulation.0;
         let plant = lists::plant(&simulation.plant)?;
         let controller = simulation.around(&plant, &simulation.plant).map_err(failed)?;
-        let advice = || format!("port {} cannot be opened: name another by --port", self.port);
-        let listener = TcpListener::bind(("127.0.0.1", self.port)).with_context(advice)?;
-        let port = listener.local_addr()?.port();
+        let (listener, port) = listener("port", self.port)?;
         let plant = &simulation.plant;
-        console.print(&format!("a controller with plant {plant} listens at 127.0.0.1, port {port}\nCtrl-C ends\n"))?;
-        Ok(controller.serve(&listener)?)
+        let head = format!("a controller with plant {plant} listens at 127.0.0.1, port {port}\n");
+        if simulation.model != Model::Scpi {
+            console.print(&(head + "Ctrl-C ends\n"))?;
+            return Ok(controller.serve(&listener)?);
+        }
+        let (second, port) = self::listener("oscilloscope-port", self.oscilloscope_port)?;
+        console.print(&format!("{head}its oscilloscope listens at 127.0.0.1, port {port}\nCtrl-C ends\n"))?;
+        std::thread::scope(|scope| {
+            scope.spawn(|| controller.serve_oscilloscope(&second));
+            Ok(controller.serve(&listener)?)
+        })
     }
+}
+
+/// A listener at a port, which an option names, and the port that it has.
+fn listener(option: &str, port: u16) -> Result<(TcpListener, u16)> {
+    let advice = || format!("port {port} cannot be opened: name another by --{option}");
+    let listener = TcpListener::bind(("127.0.0.1", port)).with_context(advice)?;
+    let port = listener.local_addr()?.port();
+    Ok((listener, port))
 }

@@ -16,7 +16,7 @@ impl Model {
             Model::E709 => '9',
             Model::OpenLoop => 'o',
             // It has commands of its own.
-            Model::Nv200 => '-',
+            Model::Nv200 | Model::Scpi => '-',
         }
     }
 
