@@ -109,10 +109,10 @@ fn a_line_that_goes_silent_at_any_answer_leaves_a_stopped_generator_and_a_true_v
 
 #[test]
 fn an_answer_that_drips_leaves_a_stopped_generator_and_a_true_voltage() {
-    for place in [0, 1, 9, 20, 60, 90, 110] {
+    for place in [0, 1, 9, 20, 40, 50, 55] {
         let bench = bench(Fault::Drip, place);
         let (outcome, text, _) = run(&options(&bench, 0.5), &wave(), &mut Stage::ignore);
-        assert!(outcome.is_err() || outcome.unwrap().unfinished.is_some() || place > 90, "{place}: {text}");
+        assert!(outcome.is_err() || outcome.unwrap().unfinished.is_some(), "{place}: {text}");
         witness(&bench, &text, &format!("drip at {place}"));
     }
 }

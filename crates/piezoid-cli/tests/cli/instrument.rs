@@ -1,4 +1,4 @@
-//! `acquire` and the makers' own clients, PIPython and nv200, on the controllers of `instrument`.
+//! `acquire`, the makers' own clients, PIPython and nv200, and pymeasure, on the controllers of `instrument`.
 
 use crate::bench::{Bench, Run};
 use piezoid_testing::skipped;
@@ -12,7 +12,7 @@ use std::time::{Duration, Instant};
 /// So long must nothing take, even on a machine that is busy.
 const GENEROUS: Duration = Duration::from_secs(30);
 
-/// A running controller, which ends with the test.
+/// A running controller, which ends with the test, and its port.
 struct Controller(Child, String);
 
 impl Controller {
@@ -154,6 +154,48 @@ fn all_well(python: &str, script: &str, controller: &Controller) {
     let message = Command::new(python).arg(script).arg(&controller.1).output().unwrap();
     let text = String::from_utf8_lossy(&message.stderr);
     assert!(message.status.success() && message.stdout.ends_with(b"all well\n"), "{text}");
+}
+
+/// A generator and an oscilloscope, and both ports.
+fn generator() -> (Controller, [String; 2]) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_piezoid"));
+    let line = "instrument --model scpi --plant paper --gain 4 --port 0 --oscilloscope-port 0";
+    let mut child = command.args(line.split(' ')).stdout(Stdio::piped()).spawn().unwrap();
+    let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
+    let ports = [0; 2].map(|_| lines.next().unwrap().unwrap().rsplit(' ').next().unwrap().to_string());
+    (Controller(child, ports[0].clone()), ports)
+}
+
+#[test]
+fn pymeasure_drives_the_generator_and_the_oscilloscope() {
+    let there = Command::new("python3").args(["-c", "import pymeasure, pyvisa_py"]).output();
+    if !there.is_ok_and(|message| message.status.success()) {
+        return skipped("no pymeasure with pyvisa-py");
+    }
+    let (_controller, ports) = generator();
+    let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/scpi.py");
+    let message = Command::new("python3").arg(script).args(ports).output().unwrap();
+    let text = String::from_utf8_lossy(&message.stderr);
+    assert!(message.status.success() && message.stdout.ends_with(b"all well\n"), "{text}");
+}
+
+#[test]
+fn a_drive_by_a_generator_and_an_oscilloscope_becomes_a_record() {
+    let (bench, (_controller, [port, other])) = (Bench::new(), generator());
+    let at = format!("--protocol scpi --port {port} --oscilloscope 127.0.0.1:{other}");
+    let message = bench.run(&format!("acquire --protocol scpi --port {port}")).ok().out;
+    assert!(message.contains("33500B,simulated with paper and a sensor of 200 um/V"), "{message}");
+    bench.run("excite rising-sine --frequency 8 --amplitude 25 --ts 1e-3 --duration 1 -o u.csv").ok();
+    let all = format!("{at} --gain 4 --low -30 --high 30 --monitor-channel 1 --monitor-gain 10 --sensitivity 200");
+    let run = bench.run(&format!("acquire u.csv {all} --ramp 0.1 --settle 0 -o r.csv")).ok();
+    assert_eq!(run.out, "axis 1 is at 0.000 V, in open loop.\n");
+    let record = bench.text("r.csv");
+    assert!(record.starts_with("# piezoid: measured by piezoid,33500B"), "{record:.99}");
+    assert_eq!(record.lines().count(), 1002);
+    let refused = bench.refused(&format!("acquire u.csv {at} --low -30 --high 30 -o none.csv"));
+    refused.says(&["a generator does not know the amplifier: give --gain"]);
+    let refused = bench.refused(&format!("acquire u.csv {all} --sensor-range 0 1 -o none.csv"));
+    refused.says(&["channel 2 of the oscilloscope", "--sensor-range"]);
 }
 
 #[test]
