@@ -18,6 +18,9 @@ use crate::Drive;
 use piezoid::Error;
 use std::time::{Duration, Instant};
 
+/// A time over which the memory limits the sampling rate [s].
+const LONG: f64 = 100.0;
+
 /// Sampling periods of the drive on either side of it.
 const MARGIN: f64 = 2.0;
 
@@ -60,6 +63,14 @@ pub(crate) struct Oscilloscope<'a> {
 }
 
 impl Oscilloscope<'_> {
+    /// Samples of a drive of which the memory holds three or more for each: two are needed, and rates are rounded.
+    pub(crate) fn holds(&mut self) -> Result<usize, Error> {
+        for command in [":TIM:MODE MAIN".into(), ":ACQ:TYPE HRES".into(), format!(":TIM:RANG {LONG}")] {
+            self.line.command(&command)?;
+        }
+        Ok((LONG * self.line.number(":ACQ:SRAT?")? / 3.0).clamp(1.0, 1e9) as usize)
+    }
+
     /// Sets ranges, time and trigger for a drive.
     pub(crate) fn configure(&mut self, drive: &Drive, wave: &Wave) -> Result<(), Error> {
         let margin = MARGIN * drive.ts;

@@ -89,14 +89,15 @@ impl<'a> Scpi<'a> {
             Generator { line, channel: options.channel.unwrap_or(1), gain, range, fastest: limits.fastest() };
         generator.check()?;
         let line = Line::open((&host, port), connection.patience(), twin)?;
-        let oscilloscope = Oscilloscope { line, monitor, sensor, span };
+        let mut oscilloscope = Oscilloscope { line, monitor, sensor, span };
+        let holds = vec![("the generator", MEMORY), ("the oscilloscope", oscilloscope.holds()?)];
         let setup = Setup {
             identity: format!("{} with {}", generator.line.identity, oscilloscope.line.identity),
             axis: AXIS.into(),
             range,
             limits,
             cycle: options.cycle.unwrap_or(CYCLE),
-            holds: vec![("the generator", MEMORY)],
+            holds,
             joins: true,
             servo: None,
         };

@@ -143,7 +143,7 @@ impl Oscilloscope {
 
     /// Keeps a sample, if this servo cycle has one.
     fn keep(&mut self, volts: [f64; 2], stride: u64, count: usize) {
-        if self.cycles % stride == 0 && self.samples.len() < count {
+        if self.cycles.is_multiple_of(stride) && self.samples.len() < count {
             let [first, second] = volts;
             let sample = [self.code(0, first), self.code(1, second)];
             self.samples.push(sample);

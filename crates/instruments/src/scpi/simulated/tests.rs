@@ -21,6 +21,10 @@ fn volts(device: &Simulated) -> f64 {
     locked(&*device.device).state().0
 }
 
+fn wait(device: &Simulated) {
+    (0..20).for_each(|_| drop(ask(device, 0, "*ESR?")));
+}
+
 #[test]
 fn a_burst_holds_its_first_sample_before_and_after_it() {
     let device = device();
@@ -31,7 +35,7 @@ fn a_burst_holds_its_first_sample_before_and_after_it() {
     ask(&device, 0, "*TRG;*TRG");
     assert_eq!(ask(&device, 0, "SYST:ERR?"), "-211,\"Trigger ignored\"");
     assert_eq!(volts(&device), 4.0);
-    (0..20).for_each(|_| drop(volts(&device)));
+    wait(&device);
     assert_eq!(volts(&device), 8.0);
     // The amplitude leaves room for an offset of 2 V.
     ask(&device, 0, "VOLT:OFFS 2;VOLT 18");
@@ -69,7 +73,7 @@ fn the_oscilloscope_records_around_its_trigger_and_clips() {
         0,
         "DATA:ARB UP,0,0.5,1,1,1,1,1,1;FUNC:ARB UP;FUNC:ARB:SRAT 50;TRIG:SOUR BUS;FUNC ARB;VOLT 6;BURS:STAT ON;*TRG",
     );
-    (0..20).for_each(|_| drop(volts(&device)));
+    wait(&device);
     assert_eq!(ask(&device, 1, ":OPER:COND?"), "+0");
     ask(&device, 1, ":WAV:SOUR CHAN1;:WAV:FORM ASC;:WAV:POIN 8000000");
     let preamble = ask(&device, 1, ":WAV:PRE?");
