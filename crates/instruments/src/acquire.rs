@@ -23,7 +23,8 @@ options! {
     pub struct InstrumentOptions {
         /// Axis to drive.
         axis: Option<String> = None, OptionRow::new(OptionKind::Text("AXIS")).absent("the first");
-        /// Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres. With SCPI, the gain of the amplifier.
+        /// Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres.
+        /// With SCPI, the gain of the amplifier.
         gain: Option<f64> = None, OptionRow::positive("V").absent("1");
         /// Number of the output channel and wave generator of the axis.
         channel: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, 64)).absent("that of the axis");

@@ -4,9 +4,9 @@
 //! generator -> amplifier (gain) -> plant -> sensor          -> channel 2 of the oscilloscope
 //!     Sync -> EXT TRIG              monitor, u/10           -> channel 1
 //! ```
-//! The sensor has the round sensitivity with which 8 V or less are its largest displacement; `*IDN?` states it. A line has
-//! commands with `;` between them. Headers are known in their short and long forms, with and without `SOUR1`.
-//! What is refused has its error in a queue (-113 for unknown commands) and is not obeyed, but for an offset that an
+//! The sensor has the round sensitivity with which 8 V or less are its largest displacement; `*IDN?` states it. A line
+//! has commands with `;` between them. Headers are known in their short and long forms, with and without `SOUR1`. What
+//! is refused has its error in a queue (-113 for unknown commands) and is not obeyed, but for an offset that an
 //! amplitude leaves no room for: it is adjusted, with error -221, as by the maker's instruments.
 //!
 //! Reference: as of the [client](super). It does not do: modulation, sweeps, sequences, gated bursts, measurements.

@@ -1,4 +1,5 @@
-//! The oscilloscope: two channels, a converter of 8 bits, or of 12 by averaging, 100 thousand samples, an external trigger.
+//! The oscilloscope: two channels, a converter of 8 bits, or of 12 by averaging, 100 thousand samples, an external
+//! trigger.
 
 use crate::simulated::CYCLE;
 use std::collections::VecDeque;
