@@ -172,6 +172,11 @@ impl<'a> Moves<'a> for Generator<'a> {
         self.source(&format!("VOLT:OFFS {offset:.6}"))
     }
 
+    /// The oscilloscope waits for its trigger: nothing is measured.
+    fn present(&mut self, requested: Option<f64>) -> Result<Vec<(String, f64)>, Error> {
+        Ok(requested.map(|volts| ("u_V".to_string(), volts)).into_iter().collect())
+    }
+
     fn bounds(&self) -> (f64, (f64, f64)) {
         (self.fastest, self.range)
     }

@@ -6,7 +6,7 @@ use super::oscilloscope::{Oscilloscope, Probe};
 use super::wave::{HIGHEST, MEMORY, Wave};
 use crate::checks::{at_place, range};
 use crate::gcs::{Axis, Controller};
-use crate::moves::{Moves, settle};
+use crate::moves::Moves;
 use crate::watch::Watch;
 use crate::{ConnectOptions, Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
 use piezoid::progress::Progress;
@@ -113,6 +113,8 @@ impl Instrument for Scpi<'_> {
 
     fn prepare(&mut self, drive: &Drive) -> Result<(), Error> {
         self.setup.check(drive)?;
+        self.generator.watch().enter(drive.what);
+        self.oscilloscope.line.wire.watch.enter(drive.what);
         let generator = &mut self.generator;
         let wave = Wave::new(drive, generator.gain, generator.fastest, generator.range)?;
         at_place(AXIS, generator.voltage()?, generator.range, NOISE)?;
@@ -134,7 +136,7 @@ impl Instrument for Scpi<'_> {
         generator.ramp(self.at, offset, drive.ramp)?;
         self.at = offset;
         if offset == drive.u[0] {
-            settle(&mut generator.line.wire.watch, drive.settle)?;
+            generator.settle(offset, drive.settle)?;
         }
         generator.expect(offset, "after the move to the first voltage of the drive")?;
         generator.arm(wave)?;
@@ -148,6 +150,7 @@ impl Instrument for Scpi<'_> {
     }
 
     fn rest(&mut self, rest: Rest) -> Result<Left, Error> {
+        self.generator.watch().enter("");
         if let Some(start) = self.start {
             // The wave has gone back from the last voltage of the drive to its offset.
             let target = match rest {

@@ -107,7 +107,7 @@ mod tests {
             (vec![-40.0; 9], false),
             (vec![0.0], false),
         ] {
-            let drive = Drive { u: &u, ts: 0.01, ramp: 0.5, settle: 0.1, joined };
+            let drive = Drive { what: "", u: &u, ts: 0.01, ramp: 0.5, settle: 0.1, joined };
             let wave = Wave::new(&drive, 20.0, 1000.0, range).unwrap();
             assert!(wave.offset.abs() + 0.5 * wave.amplitude <= HIGHEST + 1e-9, "{u:?}: {wave:?}");
             assert_eq!((wave.codes.first(), wave.codes.last()), (Some(&0), Some(&0)), "{u:?}");
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn a_drive_whose_way_back_does_not_fit_is_refused() {
         let u = vec![0.0, 1.0];
-        let drive = Drive { u: &u, ts: 1e-6, ramp: 2.0, settle: 0.0, joined: false };
+        let drive = Drive { what: "", u: &u, ts: 1e-6, ramp: 2.0, settle: 0.0, joined: false };
         let message = Wave::new(&drive, 1.0, f64::INFINITY, (-1.0, 1.0)).unwrap_err().to_string();
         assert!(message.contains("2000002 samples, but the generator holds 1048576"), "{message}");
     }
