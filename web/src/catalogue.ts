@@ -549,7 +549,7 @@ export interface CallOptions {
     operator?: string;
     /** Axis to drive */
     axis?: string;
-    /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres [V] */
+    /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres. With SCPI, the gain of the amplifier [V] */
     gain?: number | string;
     /** Number of the output channel and wave generator of the axis */
     channel?: number;
@@ -560,10 +560,10 @@ export interface CallOptions {
     /** Servo cycle of the controller [s] */
     cycle?: number | string;
     /** What the controller speaks */
-    protocol?: "gcs" | "nv200";
+    protocol?: "gcs" | "nv200" | "scpi";
     /** Address or name of the controller in the network */
     host?: string;
-    /** TCP port of the controller; that of an NV200 is 23 */
+    /** TCP port of the controller; that of an NV200 is 23, that of an instrument with SCPI 5025 or 5555 */
     port?: number;
     /** Time for a whole answer [s] */
     timeout?: number | string;
@@ -579,6 +579,18 @@ export interface CallOptions {
     slew?: number | string;
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
+    /** Address of the oscilloscope, as HOST or HOST:PORT */
+    oscilloscope?: string;
+    /** Channel of the oscilloscope at the voltage monitor of the amplifier */
+    monitor_channel?: number;
+    /** Voltage at the actuator for 1 V at the monitor [V] */
+    monitor_gain?: number | string;
+    /** Channel of the oscilloscope at the sensor */
+    sensor_channel?: number;
+    /** Displacement for 1 V of the sensor [um] */
+    sensitivity?: number | string;
+    /** Lowest and highest voltage of the sensor [V] */
+    sensor_range?: [number, number];
   };
   /** Measure, identify and straighten an actuator on a controller, and measure how well it follows a path. */
   campaign: {
