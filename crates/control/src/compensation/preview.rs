@@ -159,7 +159,7 @@ impl Preview {
     }
 
     /// Frequency response F at `hz` [Hz] over a whole record.
-    pub fn response(&self, hz: f64) -> Complex<f64> {
+    pub(super) fn response(&self, hz: f64) -> Complex<f64> {
         let recursion = self.recursion.as_ref().map_or(Complex::from(1.0), |recursion| phasor(recursion.response(hz)));
         phasor(self.fir.response(hz)) * recursion
     }

@@ -92,8 +92,8 @@ impl Arx {
         Ok(z)
     }
 
-    /// The block 1 / product of (1 - zeta / z) over those zeros zeta inside the unit circle that are chosen, with gain 1
-    /// at 0 Hz; `None` if there are none. Of a conjugate pair both must be chosen.
+    /// The block 1 / product of (1 - zeta / z) over those zeros zeta inside the unit circle that are chosen, with
+    /// gain 1 at 0 Hz; `None` if there are none. Of a conjugate pair both must be chosen.
     ///
     /// # Errors
     /// Those of [`Arx::new`].
