@@ -100,6 +100,10 @@ fn run(options: &AcquireOptions, progress: &mut Progress) -> (Result<Acquired, E
     (outcome, format!("{text}; {}", notes.join("; ")), kept)
 }
 
+/// Answers whose number depends on the clock: ten while the drive is awaited, and three for each report of what the
+/// actuator does in a second.
+const BY_THE_CLOCK: usize = 10 + 3 * 13;
+
 /// Answers of a measurement without a fault.
 fn answers(is_closed: bool) -> usize {
     let bench = bench(Fault::None, 0);
@@ -122,8 +126,8 @@ fn at_every_answer(fault: Fault, timeout: f64, is_closed: bool) {
         let what = format!("{fault:?} at answer {at} of {last}");
         assert!(begin.elapsed() < GENEROUS, "{what}: {:?}", begin.elapsed());
         if !bench.is_faulty.load(Ordering::SeqCst) {
-            // The number of questions while the drive is played depends on the clock.
-            assert!(outcome.unwrap().unfinished.is_none() && at + 10 > last, "{what}: {text}");
+            // The number of questions while the axis moves depends on the clock.
+            assert!(outcome.unwrap().unfinished.is_none() && at + BY_THE_CLOCK > last, "{what}: {text}");
             return;
         }
         match outcome {
