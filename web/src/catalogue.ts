@@ -380,12 +380,7 @@ export interface CallOptions {
     phase_margin?: number | string;
   };
   /** Write a self-contained HTML report on a model and its free-run errors on records. */
-  report: {
-    /** Time at the start of each record that the error figures leave out [s] */
-    skip?: number | string;
-    /** Offset of the model */
-    offset?: "kept" | "free" | "drift";
-  };
+  report: CallOptions["validate"];
   /** Compare models, operators and structures on the same records. */
   compare: {
     /** The record whose loops and residuals are drawn; by default the first */
@@ -533,65 +528,6 @@ export interface CallOptions {
     /** Lowest and highest voltage of the sensor [V] */
     sensor_range?: [number, number];
   };
-  /** Show what a campaign is going to measure, and what will move; nothing moves. */
-  agenda: {
-    /** Highest frequency of the application [Hz] */
-    bandwidth: number | string;
-    /** Lowest and highest voltage of the application [V] */
-    range?: [number, number];
-    /** The actuator, for its range, capacitance and resonance (see {list}) */
-    actuator?: string;
-    /** Sampling period of the model [s] */
-    period?: number | string;
-    /** Wait after each demagnetisation, until creep has decayed [s] */
-    wait?: number | string;
-    /** Hysteresis operators to identify: auto, names separated by commas, or auto,-NAME */
-    operator?: string;
-    /** Axis to drive */
-    axis?: string;
-    /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres. With SCPI, the gain of the amplifier [V] */
-    gain?: number | string;
-    /** Number of the output channel and wave generator of the axis */
-    channel?: number;
-    /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
-    ramp?: number | string;
-    /** Where the axis goes after the drive */
-    rest?: "start" | "zero" | "stay";
-    /** Servo cycle of the controller [s] */
-    cycle?: number | string;
-    /** What the controller speaks */
-    protocol?: "gcs" | "nv200" | "scpi";
-    /** Address or name of the controller in the network */
-    host?: string;
-    /** TCP port of the controller; that of an NV200 is 23, that of an instrument with SCPI 5025 or 5555 */
-    port?: number;
-    /** Time for a whole answer [s] */
-    timeout?: number | string;
-    /** The driver whose limits the voltage must keep (see {list}) */
-    driver?: string;
-    /** Capacitance of the load, for the current limit [F] */
-    capacitance?: number | string;
-    /** Lowest voltage [V] */
-    low?: number | string;
-    /** Highest voltage [V] */
-    high?: number | string;
-    /** Largest slew rate of the voltage [V/s] */
-    slew?: number | string;
-    /** Largest current, in both directions; needs {capacitance} [A] */
-    current?: number | string;
-    /** Address of the oscilloscope, as HOST or HOST:PORT */
-    oscilloscope?: string;
-    /** Channel of the oscilloscope at the voltage monitor of the amplifier */
-    monitor_channel?: number;
-    /** Voltage at the actuator for 1 V at the monitor [V] */
-    monitor_gain?: number | string;
-    /** Channel of the oscilloscope at the sensor */
-    sensor_channel?: number;
-    /** Displacement for 1 V of the sensor [um] */
-    sensitivity?: number | string;
-    /** Lowest and highest voltage of the sensor [V] */
-    sensor_range?: [number, number];
-  };
   /** Measure, identify and straighten an actuator on a controller, and measure how well it follows a path. */
   campaign: {
     /** Highest frequency of the application [Hz] */
@@ -651,6 +587,8 @@ export interface CallOptions {
     /** Lowest and highest voltage of the sensor [V] */
     sensor_range?: [number, number];
   };
+  /** Show what a campaign is going to measure, and what will move; nothing moves. */
+  agenda: CallOptions["campaign"];
 }
 
 export type CallName = keyof CallOptions;

@@ -187,6 +187,14 @@ export const Missing = ({ what, view, title }: { what: string; view: string; tit
   </p>
 );
 
+/** A number in large digits, within a list of the class `readings`. */
+export const Fact = ({ value, unit, name }: { value: string; unit: string; name: string }) => (
+  <div>
+    <dt>{name}</dt>
+    <dd>{value} <small>{unit}</small></dd>
+  </div>
+);
+
 /** A table: heads, then rows of cells. Columns of numbers stand on the right. */
 export function Table(props: { caption: string; head: string[]; rows: ComponentChildren[][]; marked?: number }) {
   const numeric = (j: number) => props.rows.length > 0 && props.rows.every((row) => NUMBER.test(textOf(row[j])));

@@ -1,16 +1,20 @@
 //! A simulated controller behind a line that is cut, goes silent or drips, for tests. The controller keeps what it was
 //! given, as a witness.
 
+use crate::measuring::run;
 use crate::simulated::Log;
-use crate::{Model, Simulation};
+use crate::{AcquireOptions, Model, Simulation};
 use piezoid::plant::Plant;
-use piezoid::{Record, System};
+use piezoid::progress::Stage;
+use piezoid::{Error, Record, System};
+use piezoid_verbs::DataFile;
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
+use std::ops::ControlFlow::{Break, Continue};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::thread::{sleep, spawn};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Fault {
@@ -141,8 +145,87 @@ pub(crate) fn passed(
     true
 }
 
+/// A client whose measurements are disturbed.
+pub(crate) struct Disturbed<'t> {
+    /// A bench with this fault in place of this answer.
+    pub(crate) bench: &'t (dyn Fn(Fault, usize) -> Bench + Sync),
+    /// Options for its line, with this time for an answer [s].
+    pub(crate) options: &'t (dyn Fn(&Bench, f64) -> AcquireOptions + Sync),
+    pub(crate) drive: DataFile,
+    /// So long must nothing take, even on a machine that is busy.
+    pub(crate) longest: Duration,
+    /// Answers whose number depends on the clock.
+    pub(crate) by_the_clock: usize,
+    /// So many answers before the last one a fault may come without effect.
+    pub(crate) unnoticed: usize,
+    /// An error of a line that is lost has one of these.
+    pub(crate) errors: &'t [&'t str],
+    /// Checks what the client states, the second, against what the bench was given. True if a wave ran as it was
+    /// stopped.
+    pub(crate) witness: &'t (dyn Fn(&Bench, &str, &str) -> bool + Sync),
+}
+
+impl Disturbed<'_> {
+    /// Answers of a measurement without a fault.
+    pub(crate) fn answers(&self) -> usize {
+        let bench = (self.bench)(Fault::None, 0);
+        let (outcome, ..) = run(&(self.options)(&bench, 10.0), &self.drive, &mut Stage::ignore);
+        assert_eq!(outcome.unwrap().unfinished, None);
+        bench.answers.load(Ordering::SeqCst)
+    }
+
+    /// Tries a fault in place of each answer.
+    pub(crate) fn at_every_answer(&self, fault: Fault, timeout: f64) {
+        let (running, last) = (AtomicUsize::new(0), self.answers());
+        each(last, |at: usize| {
+            let bench = (self.bench)(fault, at);
+            let begin = Instant::now();
+            let (outcome, text, kept) = run(&(self.options)(&bench, timeout), &self.drive, &mut Stage::ignore);
+            let what = format!("{fault:?} at answer {at} of {last}");
+            assert!(begin.elapsed() < self.longest, "{what}: {:?}", begin.elapsed());
+            if !bench.is_faulty.load(Ordering::SeqCst) {
+                assert!(outcome.unwrap().unfinished.is_none() && at + self.by_the_clock > last, "{what}: {text}");
+                return;
+            }
+            match outcome {
+                Ok(acquired) if acquired.unfinished.is_none() => {
+                    return assert!(at + self.unnoticed > last, "{what}: {text}");
+                }
+                Ok(acquired) => assert_eq!(kept.unwrap().record, acquired.record, "{what}"),
+                Err(error) => {
+                    let is_lost = self.errors.iter().any(|one| error.to_string().contains(one));
+                    assert!(is_lost && kept.is_none(), "{what}: {error}");
+                }
+            }
+            running.fetch_add(usize::from((self.witness)(&bench, &text, &what)), Ordering::SeqCst);
+        });
+        // A line that is silent is noticed only after the drive.
+        let is_tried = fault == Fault::Silent || running.load(Ordering::SeqCst) > 0;
+        assert!(is_tried, "no fault came while the drive was played");
+    }
+
+    /// Cancels a measurement at thirty moments, which are so many milliseconds apart. True if a wave ran then.
+    pub(crate) fn cancelled_at_any_moment(&self, apart: u64) -> bool {
+        let mut was_running = false;
+        for moment in (0..30).map(|k| Duration::from_millis(7 + apart * k)) {
+            let bench = (self.bench)(Fault::None, 0);
+            let begin = Instant::now();
+            let mut after = |_: Stage| if begin.elapsed() > moment { Break(()) } else { Continue(()) };
+            let (outcome, text, kept) = run(&(self.options)(&bench, 10.0), &self.drive, &mut after);
+            match outcome {
+                Err(Error::Cancelled { .. }) => assert!(kept.is_none(), "{text}"),
+                Ok(acquired) if acquired.unfinished.is_none() => continue,
+                Ok(acquired) => assert_eq!(kept.unwrap().record, acquired.record),
+                Err(other) => panic!("{other}"),
+            }
+            was_running |= (self.witness)(&bench, &text, &format!("cancelled after {moment:?}"));
+        }
+        was_running
+    }
+}
+
 /// Tries each of so many cases, several at once.
-pub(crate) fn each(count: usize, one: impl Fn(usize) + Sync) {
+fn each(count: usize, one: impl Fn(usize) + Sync) {
     let next = AtomicUsize::new(0);
     std::thread::scope(|scope| {
         for _ in 0..32 {

@@ -37,6 +37,8 @@ mod faulty;
 mod function;
 mod gcs;
 mod instrument;
+#[cfg(test)]
+mod measuring;
 mod moves;
 mod nv200;
 mod rest;

@@ -29,7 +29,7 @@ impl<'a> Watch<'a> {
     }
 
     /// The same for another line of the same work.
-    pub(crate) fn twin(&self) -> Self {
+    pub(crate) fn beside(&self) -> Self {
         Watch { progress: self.progress.clone(), stage: self.stage.clone(), part: self.part.clone(), ..*self }
     }
 

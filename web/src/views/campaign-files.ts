@@ -15,7 +15,7 @@ const PLACES = "campaign-files";
 const placesOf = (workspace: Workspace): Places => (workspace.project.settings[PLACES] ?? {}) as Places;
 
 /** The names of records, which stand beside their drives: rise1.csv beside rise1_u.csv. */
-const recordsIn = (names: string[]): string[] =>
+export const recordsIn = (names: string[]): string[] =>
   names.flatMap((name) => (name.endsWith("_u.csv") ? [name.replace("_u.csv", "")] : [])).filter((name) => names.includes(`${name}.csv`));
 
 /** Names of the records of the last campaign. */

@@ -4,8 +4,9 @@ import { useMemo } from "preact/hooks";
 import type { Answer } from "../packet.ts";
 import type { Figure, Series } from "../plot/figure.ts";
 import { short, unit as unitOf } from "../plot/ticks.ts";
-import { Chart, Download, Fault, Notes, Section, Table, useShared, Verdict } from "../ui.tsx";
+import { Chart, Download, Fact, Fault, Notes, Section, Table, useShared, Verdict } from "../ui.tsx";
 import { worded } from "../words.ts";
+import { recordsIn } from "./campaign-files.ts";
 
 /** Errors of a path that was measured, over the samples of the path itself. */
 interface Track {
@@ -43,7 +44,7 @@ function State({ result: { state, unfinished } }: { result: { state: string | nu
 }
 
 function BrokenOff({ answer: { result, files } }: { answer: Answer }) {
-  const records = files.filter(({ name }) => files.some((other) => other.name === name.replace(".csv", "_u.csv")));
+  const records = recordsIn(files.map(({ name }) => name));
   return (
     <Section title="Broken off" wide>
       <Fault text={result.failed} />
@@ -71,13 +72,6 @@ function Facts({ better, straight, compensated }: { better: number; straight: Tr
     </>
   );
 }
-
-const Fact = ({ value, unit, name }: { value: string; unit: string; name: string }) => (
-  <div>
-    <dt>{name}</dt>
-    <dd>{value} <small>{unit}</small></dd>
-  </div>
-);
 
 function Paths({ answer }: { answer: Answer }) {
   const figures = useMemo(() => figuresOf(answer), [answer]);

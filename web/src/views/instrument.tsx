@@ -37,7 +37,7 @@ export function Instrument({ drives, files, chosen }: Props) {
   const busy = controller.busy || result.busy;
   return (
     <Section title="Measure on a controller" wide
-      help="A controller with PI's GCS 2.0 plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the voltage then stays where it is, and is shown here.">
+      help="A controller plays the drives in open loop and records. The actuator moves. Cancel stops the wave; the voltage then stays where it is, and is shown here.">
       <Form rows={optionsOf(lists, "acquire")} values={values} change={change} first={["host", "port", "axis", "driver", "rest"]} />
       <div class="row">
         {controller.button(busy)}

@@ -3,7 +3,7 @@
 import { useMemo } from "preact/hooks";
 import type { Figure, Series, Span } from "../plot/figure.ts";
 import { unit as unitOf, written } from "../plot/ticks.ts";
-import { Chart } from "../ui.tsx";
+import { Chart, Fact } from "../ui.tsx";
 
 /** A moment: time [s], voltage [V], displacement. What is not measured is not a number. */
 interface Moment {
@@ -65,10 +65,7 @@ export function LivePlots({ live, range, title }: { live: Live; range: Span; tit
 }
 
 const Reading = ({ name, value, unit }: { name: string; value: number | undefined; unit: string }) => (
-  <div>
-    <dt>{name}</dt>
-    <dd>{value === undefined || Number.isNaN(value) ? "\u2013" : written(value, 0.001)} <small>{unit}</small></dd>
-  </div>
+  <Fact name={name} value={value === undefined || Number.isNaN(value) ? "\u2013" : written(value, 0.001)} unit={unit} />
 );
 
 /** Moments as points; those that are joined in time are none of a loop. */

@@ -18,16 +18,19 @@ pub(crate) fn options() -> String {
     for (title, rows) in &shared {
         text += &table(title, rows, "");
     }
-    // Those of `agenda` are those of `campaign`.
-    let operations = catalogue().operations.into_iter().filter(|operation| operation.name != "agenda");
-    let operations = operations.map(|operation| (operation.name, (operation.options)()));
+    let operations = catalogue().operations.into_iter().map(|operation| (operation.name, (operation.options)()));
     // A server, which is no operation.
     let all = operations.chain([("instrument", Simulation::rows())]).filter(|(_, rows)| !rows.is_empty());
-    for (verb, rows) in all {
+    let all: Vec<(&str, Vec<OptionRow>)> = all.collect();
+    for (k, (verb, rows)) in all.iter().enumerate() {
+        let texts = |rows: &[OptionRow]| rows.iter().map(|row| (row.name, row.help)).collect::<Vec<_>>();
+        if let Some((other, _)) = all[..k].iter().find(|(_, others)| texts(others) == texts(rows)) {
+            text += &format!("### Options of `{verb}`\n\n[Those of `{other}`](#options-of-{other}).\n\n");
+            continue;
+        }
         let is_of =
             |row: &OptionRow, others: &[OptionRow]| others.iter().any(|o| (o.name, o.help) == (row.name, row.help));
-        let (limits, own): (Vec<OptionRow>, Vec<OptionRow>) =
-            rows.into_iter().partition(|row| is_of(row, &shared[1].1));
+        let (limits, own): (Vec<OptionRow>, Vec<OptionRow>) = rows.iter().partition(|row| is_of(row, &shared[1].1));
         let also = if limits.is_empty() { "" } else { "And the [limits of a voltage](#limits-of-a-voltage).\n\n" };
         text += &table(&format!("Options of `{verb}`"), &own, also);
     }

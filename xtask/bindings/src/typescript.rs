@@ -25,8 +25,14 @@ pub(crate) fn catalogue() -> String {
     let known = [(names_of(&options[..1]), "OptionRow"), (names_of(&[lists["plants"][0].clone()]), "Member")];
     text += &typed(&[&lists], "", &known);
     text += "\n\n/** The options of each call by name. */\nexport interface CallOptions {\n";
-    for call in &calls {
-        text += &format!("  /** {}. */\n  {}: {{\n", capitalised(text_of(&call["summary"])), text_of(&call["name"]));
+    for (k, call) in calls.iter().enumerate() {
+        text += &format!("  /** {}. */\n  {}: ", capitalised(text_of(&call["summary"])), text_of(&call["name"]));
+        let is_same = |other: &&Value| other["options"] == call["options"] && !rows(&call["options"]).is_empty();
+        if let Some(other) = calls[..k].iter().find(is_same) {
+            text += &format!("CallOptions[{}];\n", other["name"]);
+            continue;
+        }
+        text += "{\n";
         for row in rows(&call["options"]) {
             let unit = text_of(&row["unit"]);
             let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };

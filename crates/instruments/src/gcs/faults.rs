@@ -1,13 +1,11 @@
 //! The client on lines that are cut, go silent or drip, and work that is cancelled. The simulated controller keeps what
 //! it was given, as a witness.
 
-use crate::faulty::{Bench, Fault, commands, each, passed};
-use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Rest, Simulation};
+use crate::faulty::{Bench, Disturbed, Fault, commands, passed};
+use crate::measuring::{self, Measured, drive, sine};
+use crate::{AcquireOptions, ConnectOptions, InstrumentOptions, Rest, Simulation};
 use piezoid::Error;
-use piezoid::formats::{ColumnSelection, Table};
 use piezoid::progress::{Progress, Stage};
-use piezoid_verbs::{DataFile, File};
-use std::io::{Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -33,12 +31,7 @@ impl Bench {
 
     /// Answers of the controller itself.
     fn text(&self, lines: &str) -> String {
-        let mut stream = TcpStream::connect(("127.0.0.1", self.direct)).unwrap();
-        stream.write_all(lines.as_bytes()).unwrap();
-        stream.shutdown(Shutdown::Write).unwrap();
-        let mut answer = String::new();
-        stream.read_to_string(&mut answer).unwrap();
-        answer
+        measuring::text(self.direct, lines)
     }
 
     /// Checks what the controller says against `text`, what the client states.
@@ -79,25 +72,9 @@ fn bench(fault: Fault, at: usize) -> Bench {
     Bench::new(&simulation, fault, at)
 }
 
-/// A drive of 1 s.
-fn drive() -> DataFile {
-    let u: Vec<f64> = (0..100).map(|t| 20.0 * libm::sin(0.05 * f64::from(t))).collect();
-    File::new("drive.csv", Table::write("drive.csv", 0.01, &[("u_V", &u)]).unwrap()).into()
-}
-
-/// What the client states, and what it kept.
-fn run(options: &AcquireOptions, progress: &mut Progress) -> (Result<Acquired, Error>, String, Option<Acquired>) {
-    let (mut notes, mut kept) = (Vec::new(), None);
-    let mut keep = |acquired: &Acquired| {
-        kept = Some(acquired.clone());
-        Ok(())
-    };
-    let outcome = options.run(&drive(), &ColumnSelection::default(), &mut notes, &mut keep, progress);
-    let text = match &outcome {
-        Ok(acquired) => acquired.unfinished.clone().unwrap_or_default(),
-        Err(error) => error.to_string(),
-    };
-    (outcome, format!("{text}; {}", notes.join("; ")), kept)
+/// A measurement of a drive of 1 s.
+fn run(options: &AcquireOptions, progress: &mut Progress) -> Measured {
+    measuring::run(options, &drive(0.01, &sine(100)), progress)
 }
 
 /// Answers whose number depends on the clock: ten while the drive is awaited, and three for each report of what the
@@ -114,46 +91,40 @@ fn answers(is_closed: bool) -> usize {
     bench.answers.load(Ordering::SeqCst)
 }
 
-/// Tries a fault in place of each answer.
-fn at_every_answer(fault: Fault, timeout: f64, is_closed: bool) {
-    let running = AtomicUsize::new(0);
-    let last = answers(is_closed);
-    let one = |at: usize| {
-        let bench = bench(fault, at);
-        bench.close(is_closed);
-        let begin = Instant::now();
-        let (outcome, text, kept) = run(&bench.options(timeout), &mut Stage::ignore);
-        let what = format!("{fault:?} at answer {at} of {last}");
-        assert!(begin.elapsed() < GENEROUS, "{what}: {:?}", begin.elapsed());
-        if !bench.is_faulty.load(Ordering::SeqCst) {
-            // The number of questions while the axis moves depends on the clock.
-            assert!(outcome.unwrap().unfinished.is_none() && at + BY_THE_CLOCK > last, "{what}: {text}");
-            return;
-        }
-        match outcome {
-            Ok(acquired) => {
-                assert_eq!(kept.unwrap().record, acquired.record, "{what}");
-                assert!(acquired.unfinished.is_some(), "{what}: {text}");
-            }
-            Err(error) => assert!(error.to_string().contains("does not answer") && kept.is_none(), "{what}: {error}"),
-        }
-        bench.witness(&text, &what);
-        running.fetch_add(usize::from(bench.was_running()), Ordering::SeqCst);
-    };
-    each(last, one);
-    // A line that is silent is noticed only after the drive.
-    assert!(fault == Fault::Silent || running.load(Ordering::SeqCst) > 0, "no fault came while the drive was played");
+/// A client on a line before this bench.
+fn disturbed(bench: &(dyn Fn(Fault, usize) -> Bench + Sync)) -> Disturbed<'_> {
+    Disturbed {
+        bench,
+        options: &Bench::options,
+        drive: drive(0.01, &sine(100)),
+        longest: GENEROUS,
+        by_the_clock: BY_THE_CLOCK,
+        unnoticed: 0,
+        errors: &["does not answer"],
+        witness: &|bench, text, what| {
+            bench.witness(text, what);
+            bench.was_running()
+        },
+    }
+}
+
+/// The same with an axis in closed loop before.
+fn closed(fault: Fault, at: usize) -> Bench {
+    let bench = bench(fault, at);
+    bench.close(true);
+    bench
 }
 
 #[test]
 fn a_line_that_is_cut_at_any_answer_leaves_a_stopped_generator_and_a_true_voltage() {
-    at_every_answer(Fault::Cut, 5.0, false);
-    at_every_answer(Fault::Cut, 5.0, true);
+    disturbed(&bench).at_every_answer(Fault::Cut, 5.0);
+    answers(true);
+    disturbed(&closed).at_every_answer(Fault::Cut, 5.0);
 }
 
 #[test]
 fn a_line_that_goes_silent_at_any_answer_leaves_a_stopped_generator_and_a_true_voltage() {
-    at_every_answer(Fault::Silent, 1.5, false);
+    disturbed(&bench).at_every_answer(Fault::Silent, 1.5);
 }
 
 #[test]
@@ -193,19 +164,7 @@ fn cancelling_is_noticed_while_an_answer_is_awaited() {
 
 #[test]
 fn cancelling_at_any_moment_leaves_a_stopped_generator_and_a_true_voltage() {
-    for moment in (0..30).map(|k| Duration::from_millis(7 + 53 * k)) {
-        let bench = bench(Fault::None, 0);
-        let begin = Instant::now();
-        let mut after = |_: Stage| if begin.elapsed() > moment { Break(()) } else { Continue(()) };
-        let (outcome, text, kept) = run(&bench.options(10.0), &mut after);
-        match outcome {
-            Err(Error::Cancelled { .. }) => assert!(kept.is_none(), "{text}"),
-            Ok(acquired) if acquired.unfinished.is_none() => continue,
-            Ok(acquired) => assert_eq!(kept.unwrap().record, acquired.record),
-            Err(other) => panic!("{other}"),
-        }
-        bench.witness(&text, &format!("cancelled after {moment:?}"));
-    }
+    disturbed(&bench).cancelled_at_any_moment(53);
 }
 
 #[test]

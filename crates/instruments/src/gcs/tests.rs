@@ -1,13 +1,14 @@
 //! The client against the simulated controller, over TCP.
 
 use crate::faulty::assert_response_of_the_plant;
+use crate::measuring::{self, drive, refused, served, sine, text};
 use crate::{AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Model, Rest, Simulation};
 use piezoid::Error;
 use piezoid::excitation::LimitOptions;
-use piezoid::formats::{ColumnSelection, Table};
+use piezoid::formats::ColumnSelection;
 use piezoid::progress::{Progress, Stage};
 use piezoid_numerics::options::Options;
-use piezoid_verbs::{DataFile, File};
+use piezoid_verbs::DataFile;
 use serde_json::json;
 use std::io::{Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -16,15 +17,6 @@ use std::ops::ControlFlow;
 /// A simulated controller on a port of its own. Each answer takes a virtual time of 0.05 s.
 pub(crate) fn simulated(simulation: &Simulation) -> u16 {
     served(&Simulation { virtual_time: Some(0.05), ..simulation.clone() })
-}
-
-/// The same with its own clock.
-pub(crate) fn served(simulation: &Simulation) -> u16 {
-    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
-    let port = listener.local_addr().unwrap().port();
-    let controller = simulation.controller().unwrap();
-    std::thread::spawn(move || controller.serve(&listener));
-    port
 }
 
 /// Lets an axis come to rest: the answers take 2 s.
@@ -62,30 +54,8 @@ fn limits(values: serde_json::Value) -> LimitOptions {
     LimitOptions::from_json(values).unwrap()
 }
 
-fn drive(ts: f64, u: &[f64]) -> DataFile {
-    File::new("drive.csv", Table::write("drive.csv", ts, &[("u_V", u)]).unwrap()).into()
-}
-
-fn sine(n: usize) -> Vec<f64> {
-    (0..n).map(|t| 20.0 * (0.05 * t as f64).sin()).collect()
-}
-
 fn run(options: &AcquireOptions, drive: &DataFile, progress: &mut Progress) -> Result<Acquired, Error> {
-    options.run(drive, &ColumnSelection::default(), &mut Vec::new(), &mut |_| Ok(()), progress)
-}
-
-fn refused(options: &AcquireOptions, drive: &DataFile) -> String {
-    run(options, drive, &mut Stage::ignore).unwrap_err().to_string()
-}
-
-/// The answers of a controller to lines, as a terminal shows them.
-fn text(port: u16, lines: &str) -> String {
-    let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-    stream.write_all(lines.as_bytes()).unwrap();
-    stream.shutdown(std::net::Shutdown::Write).unwrap();
-    let mut answer = String::new();
-    stream.read_to_string(&mut answer).unwrap();
-    answer
+    measuring::run(options, drive, progress).0
 }
 
 #[test]

@@ -1,32 +1,27 @@
 //! The client on lines that are cut or go silent, and work that is cancelled. The simulated controller keeps what it
 //! was given, as a witness.
 
-use super::tests::{at, but, run, simulation};
-use crate::faulty::{Bench, Fault, each};
+use super::tests::{at, simulation};
+use crate::faulty::{Bench, Disturbed, Fault};
+use crate::measuring::{but, drive, run};
 use crate::{AcquireOptions, Rest};
 use piezoid::Error;
-use piezoid::formats::Table;
 use piezoid::progress::Stage;
-use piezoid_verbs::{DataFile, File};
+use piezoid_verbs::DataFile;
 use std::ops::ControlFlow::{Break, Continue};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-/// So long must nothing take, even on a machine that is busy.
-const GENEROUS: Duration = Duration::from_secs(60);
+use std::time::Duration;
 
 fn bench(fault: Fault, at: usize) -> Bench {
     Bench::new(&simulation(), fault, at)
 }
 
-fn options(bench: &Bench, timeout: f64) -> AcquireOptions {
-    but(at(bench.port), |options| (options.ramp, options.connection.timeout) = (0.0, timeout))
+/// A drive of 0.6 s.
+fn wave() -> DataFile {
+    drive(0.05, &(0..12).map(|t| 20.0 * libm::sin(0.5 * f64::from(t))).collect::<Vec<_>>())
 }
 
-/// A drive of 0.6 s.
-fn drive() -> DataFile {
-    let u: Vec<f64> = (0..12).map(|t| 20.0 * libm::sin(0.5 * f64::from(t))).collect();
-    File::new("drive.csv", Table::write("drive.csv", 0.05, &[("u_V", &u)]).unwrap()).into()
+fn options(bench: &Bench, timeout: f64) -> AcquireOptions {
+    but(at(bench.port), |options| (options.ramp, options.connection.timeout) = (0.0, timeout))
 }
 
 /// Checks what the client states against what the controller was given. True if a wave ran as it was stopped.
@@ -53,83 +48,51 @@ fn witness(bench: &Bench, text: &str, what: &str) -> bool {
     log[stopped].runs
 }
 
-/// Tries a fault in place of each of the first answers, and of some later ones.
-fn at_many_answers(fault: Fault, timeout: f64) {
-    let whole = bench(Fault::None, 0);
-    let (outcome, ..) = run(&options(&whole, 10.0), &drive(), &mut Stage::ignore);
-    assert_eq!(outcome.unwrap().unfinished, None);
-    let last = whole.answers.load(Ordering::SeqCst);
-    let running = AtomicUsize::new(0);
-    let one = |at: usize| {
-        let bench = bench(fault, at);
-        let begin = Instant::now();
-        let (outcome, text, kept) = run(&options(&bench, timeout), &drive(), &mut Stage::ignore);
-        let what = format!("{fault:?} at answer {at} of {last}");
-        assert!(begin.elapsed() < GENEROUS, "{what}: {:?}", begin.elapsed());
-        if !bench.is_faulty.load(Ordering::SeqCst) {
-            // The number of questions while the drive is played depends on the clock.
-            assert!(outcome.unwrap().unfinished.is_none() && at + 40 > last, "{what}: {text}");
-            return;
-        }
-        match outcome {
-            // The XON after the last answer is too late for a fault.
-            Ok(acquired) if acquired.unfinished.is_none() => return assert!(at + 40 > last, "{what}: {text}"),
-            Ok(acquired) => {
-                assert_eq!(kept.unwrap().record, acquired.record, "{what}");
-                assert!(acquired.unfinished.is_some(), "{what}: {text}");
-            }
-            Err(error) => assert!(error.to_string().contains("does not answer") && kept.is_none(), "{what}: {error}"),
-        }
-        running.fetch_add(usize::from(witness(&bench, &text, &what)), Ordering::SeqCst);
-    };
-    each(last, one);
-    assert!(fault == Fault::Silent || running.load(Ordering::SeqCst) > 0, "no fault came while the drive was played");
+/// What may run on the way is checked but where the client states that nothing has moved.
+fn disturbed() -> Disturbed<'static> {
+    Disturbed {
+        bench: &bench,
+        options: &options,
+        drive: wave(),
+        longest: Duration::from_secs(60),
+        by_the_clock: 40,
+        // The XON after the last answer is too late for a fault.
+        unnoticed: 40,
+        errors: &["does not answer"],
+        witness: &|bench, text, what| !text.contains("nothing has moved") && witness(bench, text, what),
+    }
 }
 
 #[test]
 fn a_line_that_is_cut_at_any_answer_leaves_a_stopped_generator_and_a_true_voltage() {
-    at_many_answers(Fault::Cut, 5.0);
+    disturbed().at_every_answer(Fault::Cut, 5.0);
 }
 
 #[test]
 fn a_line_that_goes_silent_at_any_answer_leaves_a_stopped_generator_and_a_true_voltage() {
-    at_many_answers(Fault::Silent, 1.5);
+    disturbed().at_every_answer(Fault::Silent, 1.5);
 }
 
 #[test]
 fn cancelling_at_any_moment_leaves_a_stopped_generator_and_a_true_voltage() {
-    let mut was_running = false;
-    for moment in (0..30).map(|k| Duration::from_millis(7 + 41 * k)) {
-        let bench = bench(Fault::None, 0);
-        let begin = Instant::now();
-        let mut after = |_: Stage| if begin.elapsed() > moment { Break(()) } else { Continue(()) };
-        let (outcome, text, kept) = run(&options(&bench, 10.0), &drive(), &mut after);
-        match outcome {
-            Err(Error::Cancelled { .. }) => assert!(kept.is_none(), "{text}"),
-            Ok(acquired) if acquired.unfinished.is_none() => continue,
-            Ok(acquired) => assert_eq!(kept.unwrap().record, acquired.record),
-            Err(other) => panic!("{other}"),
-        }
-        was_running |= !text.contains("nothing has moved") && witness(&bench, &text, &format!("after {moment:?}"));
-    }
-    assert!(was_running);
+    assert!(disturbed().cancelled_at_any_moment(41));
 }
 
 #[test]
 fn after_a_cancelled_drive_the_next_one_takes_over_where_the_axis_is() {
     let bench = bench(Fault::None, 0);
     let mut plays = 0;
-    let (outcome, text, _) = run(&options(&bench, 10.0), &drive(), &mut |stage: Stage| {
+    let (outcome, text, _) = run(&options(&bench, 10.0), &wave(), &mut |stage: Stage| {
         plays += usize::from(stage.what.starts_with("the drive is played") && stage.done > 100);
         if plays > 0 { Break(()) } else { Continue(()) }
     });
     assert!(matches!(outcome, Err(Error::Cancelled { .. })), "{text}");
     let left = bench.log.lock().unwrap().last().unwrap().voltage;
     assert!(left.abs() > 1.0 && text.contains("in open loop, and wave generator 1 is stopped"), "{text}");
-    let (outcome, text, _) = run(&options(&bench, 10.0), &drive(), &mut Stage::ignore);
+    let (outcome, text, _) = run(&options(&bench, 10.0), &wave(), &mut Stage::ignore);
     let acquired = outcome.unwrap();
     // It rests where it was found.
     assert!((acquired.voltage.unwrap() - left).abs() < 2e-3, "{left} V: {text}");
     let zero = but(options(&bench, 10.0), |options| options.rest = Rest::Zero);
-    assert_eq!(run(&zero, &drive(), &mut Stage::ignore).0.unwrap().voltage, Some(0.0));
+    assert_eq!(run(&zero, &wave(), &mut Stage::ignore).0.unwrap().voltage, Some(0.0));
 }

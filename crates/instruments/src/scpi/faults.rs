@@ -1,19 +1,16 @@
 //! The client on lines that are cut or go silent, and work that is cancelled. The simulated instruments keep what they
 //! were given, as a witness.
 
-use super::tests::{at, but, drive, run, simulation};
+use super::tests::{at, simulation};
 use crate::AcquireOptions;
-use crate::faulty::{Bench, Fault, each};
+use crate::faulty::{Bench, Disturbed, Fault};
+use crate::measuring::{but, drive, run};
 use crate::simulated::Entry;
 use piezoid::Error;
 use piezoid::progress::Stage;
 use piezoid_verbs::DataFile;
 use std::ops::ControlFlow::{Break, Continue};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::time::{Duration, Instant};
-
-/// So long must nothing take, even on a machine that is busy.
-const GENEROUS: Duration = Duration::from_secs(60);
+use std::time::Duration;
 
 fn bench(fault: Fault, at: usize) -> Bench {
     Bench::new(&simulation(), fault, at)
@@ -66,45 +63,36 @@ fn jumps(log: &[Entry], what: &str) {
     }
 }
 
-/// Tries a fault in place of each of the answers.
-fn at_many_answers(fault: Fault, timeout: f64) {
-    let whole = bench(Fault::None, 0);
-    let (outcome, ..) = run(&options(&whole, 10.0), &wave(), &mut Stage::ignore);
+/// What may run on the way is checked but where the client states that nothing has moved.
+fn disturbed() -> Disturbed<'static> {
+    Disturbed {
+        bench: &bench,
+        options: &options,
+        drive: wave(),
+        longest: Duration::from_secs(60),
+        by_the_clock: 60,
+        unnoticed: 60,
+        errors: &["does not answer", "answers"],
+        witness: &|bench, text, what| !text.contains("nothing has moved") && witness(bench, text, what),
+    }
+}
+
+#[test]
+fn without_a_fault_the_output_does_not_jump() {
+    let bench = bench(Fault::None, 0);
+    let (outcome, ..) = run(&options(&bench, 10.0), &wave(), &mut Stage::ignore);
     assert_eq!(outcome.unwrap().unfinished, None);
-    jumps(&whole.log.lock().unwrap(), "no fault");
-    let last = whole.answers.load(Ordering::SeqCst);
-    let running = AtomicUsize::new(0);
-    each(last, |at: usize| {
-        let bench = bench(fault, at);
-        let begin = Instant::now();
-        let (outcome, text, kept) = run(&options(&bench, timeout), &wave(), &mut Stage::ignore);
-        let what = format!("{fault:?} at answer {at} of {last}");
-        assert!(begin.elapsed() < GENEROUS, "{what}: {:?}", begin.elapsed());
-        match outcome {
-            // The number of questions while the drive is played depends on the clock.
-            Ok(acquired) if acquired.unfinished.is_none() => return assert!(at + 60 > last, "{what}: {text}"),
-            Ok(acquired) => {
-                assert_eq!(kept.unwrap().record, acquired.record, "{what}");
-                assert!(acquired.unfinished.is_some(), "{what}: {text}");
-            }
-            Err(error) => {
-                let expected = ["does not answer", "answers"].iter().any(|word| error.to_string().contains(word));
-                assert!(expected && kept.is_none(), "{what}: {error}");
-            }
-        }
-        running.fetch_add(usize::from(witness(&bench, &text, &what)), Ordering::SeqCst);
-    });
-    assert!(fault == Fault::Silent || running.load(Ordering::SeqCst) > 0, "no fault came while the drive was played");
+    jumps(&bench.log.lock().unwrap(), "no fault");
 }
 
 #[test]
 fn a_line_that_is_cut_at_any_answer_leaves_a_stopped_generator_and_a_true_voltage() {
-    at_many_answers(Fault::Cut, 5.0);
+    disturbed().at_every_answer(Fault::Cut, 5.0);
 }
 
 #[test]
 fn a_line_that_goes_silent_at_any_answer_leaves_a_stopped_generator_and_a_true_voltage() {
-    at_many_answers(Fault::Silent, 1.5);
+    disturbed().at_every_answer(Fault::Silent, 1.5);
 }
 
 #[test]
@@ -135,21 +123,7 @@ fn an_oscilloscope_that_is_lost_leaves_a_stopped_generator_and_a_true_voltage() 
 
 #[test]
 fn cancelling_at_any_moment_leaves_a_stopped_generator_and_a_true_voltage() {
-    let mut was_running = false;
-    for moment in (0..30).map(|k| Duration::from_millis(7 + 41 * k)) {
-        let bench = bench(Fault::None, 0);
-        let begin = Instant::now();
-        let mut after = |_: Stage| if begin.elapsed() > moment { Break(()) } else { Continue(()) };
-        let (outcome, text, kept) = run(&options(&bench, 10.0), &wave(), &mut after);
-        match outcome {
-            Err(Error::Cancelled { .. }) => assert!(kept.is_none(), "{text}"),
-            Ok(acquired) if acquired.unfinished.is_none() => continue,
-            Ok(acquired) => assert_eq!(kept.unwrap().record, acquired.record),
-            Err(other) => panic!("{other}"),
-        }
-        was_running |= !text.contains("nothing has moved") && witness(&bench, &text, &format!("after {moment:?}"));
-    }
-    assert!(was_running);
+    assert!(disturbed().cancelled_at_any_moment(41));
 }
 
 #[test]

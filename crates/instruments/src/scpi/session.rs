@@ -83,12 +83,12 @@ impl<'a> Scpi<'a> {
         }
         let (span, (host, port)) = (scpi.span()?, scpi.address(&connection.host)?);
         let watch = Watch::new(progress);
-        let twin = watch.twin();
+        let beside = watch.beside();
         let line = Line::open((&connection.host, connection.port), connection.patience(), watch)?;
         let mut generator =
             Generator { line, channel: options.channel.unwrap_or(1), gain, range, fastest: limits.fastest() };
         generator.check()?;
-        let line = Line::open((&host, port), connection.patience(), twin)?;
+        let line = Line::open((&host, port), connection.patience(), beside)?;
         let mut oscilloscope = Oscilloscope { line, monitor, sensor, span };
         let holds = vec![("the generator", MEMORY), ("the oscilloscope", oscilloscope.holds()?)];
         let setup = Setup {

@@ -1,18 +1,13 @@
 //! The client against the simulated instruments, over TCP.
 
 use crate::faulty::assert_response_of_the_plant;
-use crate::{
-    AcquireOptions, Acquired, ConnectOptions, InstrumentOptions, Model, Protocol, Rest, ScpiOptions, Simulation,
-};
-use piezoid::Error;
+use crate::measuring::{but, drive, refused, run, sine, text};
+use crate::{AcquireOptions, ConnectOptions, InstrumentOptions, Model, Protocol, Rest, ScpiOptions, Simulation};
 use piezoid::excitation::LimitOptions;
-use piezoid::formats::{ColumnSelection, Table};
-use piezoid::progress::{Progress, Stage};
+use piezoid::progress::Stage;
 use piezoid_numerics::options::Options;
-use piezoid_verbs::{DataFile, File};
 use serde_json::json;
-use std::io::{Read, Write};
-use std::net::{Shutdown, TcpListener, TcpStream};
+use std::net::TcpListener;
 use std::sync::Arc;
 
 /// The amplifier of all tests.
@@ -50,53 +45,6 @@ pub(super) fn at((port, oscilloscope): (u16, u16)) -> AcquireOptions {
     let instrument =
         InstrumentOptions { connection, ramp: 0.1, gain: Some(GAIN), scpi, limits, ..InstrumentOptions::default() };
     AcquireOptions { instrument, settle: 0.0, ..AcquireOptions::default() }
-}
-
-/// The same with other options.
-pub(super) fn but(mut options: AcquireOptions, change: impl FnOnce(&mut InstrumentOptions)) -> AcquireOptions {
-    change(&mut options.instrument);
-    options
-}
-
-pub(super) fn drive(ts: f64, u: &[f64]) -> DataFile {
-    File::new("drive.csv", Table::write("drive.csv", ts, &[("u_V", u)]).unwrap()).into()
-}
-
-fn sine(n: usize) -> Vec<f64> {
-    (0..n).map(|t| 20.0 * libm::sin(0.05 * t as f64)).collect()
-}
-
-/// The outcome, what the client states, and what it kept.
-pub(super) fn run(
-    options: &AcquireOptions,
-    drive: &DataFile,
-    progress: &mut Progress,
-) -> (Result<Acquired, Error>, String, Option<Acquired>) {
-    let (mut notes, mut kept) = (Vec::new(), None);
-    let mut keep = |acquired: &Acquired| {
-        kept = Some(acquired.clone());
-        Ok(())
-    };
-    let outcome = options.run(drive, &ColumnSelection::default(), &mut notes, &mut keep, progress);
-    let text = match &outcome {
-        Ok(acquired) => acquired.unfinished.clone().unwrap_or_default(),
-        Err(error) => error.to_string(),
-    };
-    (outcome, format!("{text}; {}", notes.join("; ")), kept)
-}
-
-fn refused(options: &AcquireOptions, drive: &DataFile) -> String {
-    run(options, drive, &mut Stage::ignore).0.unwrap_err().to_string()
-}
-
-/// The answers at a port.
-fn text(port: u16, lines: &str) -> String {
-    let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
-    stream.write_all(lines.as_bytes()).unwrap();
-    stream.shutdown(Shutdown::Write).unwrap();
-    let mut answer = String::new();
-    stream.read_to_string(&mut answer).unwrap();
-    answer
 }
 
 /// The output, as the generator reports it [V at the actuator].

@@ -11,6 +11,7 @@ mod server;
 
 pub use options::{Model, Simulation};
 pub use server::Simulated;
+pub(crate) use server::head;
 #[cfg(test)]
 pub(crate) use server::locked;
 

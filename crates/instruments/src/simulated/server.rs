@@ -212,8 +212,14 @@ fn converse(device: &Mutex<dyn Behaviour>, port: usize, client: &TcpStream) -> s
 fn length(line: &[u8]) -> Option<usize> {
     // A head has at most eleven bytes.
     let tail = &line[line.len().saturating_sub(11)..];
-    let head = &tail[tail.iter().rposition(|byte| *byte == b'#')?..];
-    let digits = char::from(*head.get(1)?).to_digit(10).filter(|digits| *digits > 0)? as usize;
-    let number = head.get(2..).filter(|number| number.len() == digits)?;
-    std::str::from_utf8(number).ok()?.parse().ok()
+    let begin = tail.iter().rposition(|byte| *byte == b'#')?;
+    head(&tail[begin..]).filter(|(head, _)| begin + head == tail.len()).map(|(_, length)| length)
+}
+
+/// Bytes of the head of a block, `#`, the number of digits and the number of bytes, and bytes of the block. `None` for
+/// what does not begin with a whole head.
+pub(crate) fn head(bytes: &[u8]) -> Option<(usize, usize)> {
+    let digits = char::from(*bytes.get(1)?).to_digit(10).filter(|digits| *digits > 0)? as usize;
+    let number = bytes.get(2..2 + digits).filter(|_| bytes[0] == b'#')?;
+    Some((2 + digits, std::str::from_utf8(number).ok()?.parse().ok()?))
 }

@@ -30,6 +30,14 @@ pub(super) const OPERATIONS: &[Operation] = &[
         run: acquire,
     },
     Operation {
+        name: "campaign",
+        summary: "Measure, identify and straighten an actuator on a controller, and measure how well it follows a path",
+        module: "instruments",
+        roles: &[optional("reference"), EARLIER],
+        options: CampaignOptions::rows,
+        run: campaign,
+    },
+    Operation {
         name: "agenda",
         summary: "Show what a campaign is going to measure, and what will move; nothing moves",
         module: "instruments",
@@ -40,14 +48,6 @@ pub(super) const OPERATIONS: &[Operation] = &[
             let result = inputs.options::<CampaignOptions>()?.agenda(&kept, progress)?.to_json();
             Ok(Output { result, ..Output::default() })
         },
-    },
-    Operation {
-        name: "campaign",
-        summary: "Measure, identify and straighten an actuator on a controller, and measure how well it follows a path",
-        module: "instruments",
-        roles: &[optional("reference"), EARLIER],
-        options: CampaignOptions::rows,
-        run: campaign,
     },
 ];
 

@@ -1,6 +1,6 @@
 //! Clients of the controller over TCP.
 
-use crate::gcs::tests::served;
+use crate::measuring::served;
 use crate::simulated::{Model, Simulation};
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{Shutdown, TcpStream};

@@ -3,13 +3,13 @@
 use super::Device;
 use super::generator::INFINITE;
 use super::words::{Words, commands, short};
+use crate::simulated::head;
 
 /// Errors, as `SYST:ERR?` states them.
 pub(super) const UNKNOWN: i32 = -113;
 const MISSING: i32 = -109;
 pub(super) const IGNORED: i32 = -211;
 pub(super) const CONFLICT: i32 = -221;
-pub(super) const ADJUSTED: i32 = -221;
 pub(super) const RANGE: i32 = -222;
 pub(super) const TOO_LONG: i32 = -223;
 pub(super) const UNKNOWN_WORD: i32 = -224;
@@ -238,7 +238,8 @@ fn one_of(word: &str, known: &[&str]) -> Result<(), i32> {
 /// The values of a wave, as numbers or as a block of words of 16 bits.
 fn values(data: &[&str], is_dac: bool, is_swapped: bool) -> Result<Vec<f64>, i32> {
     let full = if is_dac { 32767.0 } else { 1.0 };
-    let Some(block) = data.first().and_then(|first| first.trim_start().strip_prefix('#')).filter(|_| is_dac) else {
+    let block = data.first().map(|first| first.trim_start()).filter(|first| is_dac && first.starts_with('#'));
+    let Some(block) = block else {
         return data
             .iter()
             .map(|word| word.parse::<f64>().map(|value| value / full).map_err(|_| UNKNOWN_WORD))
@@ -246,9 +247,10 @@ fn values(data: &[&str], is_dac: bool, is_swapped: bool) -> Result<Vec<f64>, i32
     };
     // The line is text of one byte a character.
     let bytes: Vec<u8> = block.chars().filter_map(|c| u8::try_from(c).ok()).collect();
-    let digits = bytes.first().and_then(|c| char::from(*c).to_digit(10)).ok_or(UNKNOWN_WORD)? as usize;
-    let length = bytes.get(1..=digits).and_then(|text| std::str::from_utf8(text).ok()?.parse::<usize>().ok());
-    let words = length.and_then(|length| bytes.get(1 + digits..)?.get(..length)).ok_or(TOO_LONG)?;
+    if !bytes.get(1).is_some_and(u8::is_ascii_digit) {
+        return Err(UNKNOWN_WORD);
+    }
+    let words = head(&bytes).and_then(|(head, length)| bytes.get(head..)?.get(..length)).ok_or(TOO_LONG)?;
     let word = |pair: &[u8]| if is_swapped { [pair[0], pair[1]] } else { [pair[1], pair[0]] };
     Ok(words.chunks_exact(2).map(|pair| f64::from(i16::from_le_bytes(word(pair))) / full).collect())
 }

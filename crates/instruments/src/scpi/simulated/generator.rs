@@ -1,6 +1,6 @@
 //! The generator: a function, an offset, bursts. Without a burst, an arbitrary wave runs again and again.
 
-use super::commands::{ADJUSTED, CONFLICT, EXISTS, IGNORED, MISSING_WAVE, RANGE, UNKNOWN_WORD};
+use super::commands::{CONFLICT, EXISTS, IGNORED, MISSING_WAVE, RANGE, UNKNOWN_WORD};
 use crate::simulated::CYCLE;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -141,7 +141,7 @@ impl Generator {
         let offset = self.offset.max(-most).min(most);
         let is_same = offset == self.offset;
         self.offset = offset;
-        if is_same { Ok(()) } else { Err(ADJUSTED) }
+        if is_same { Ok(()) } else { Err(CONFLICT) }
     }
 
     pub(super) fn set_amplitude(&mut self, volts: f64) -> Result<(), i32> {
