@@ -50,7 +50,7 @@ const FALL: f64 = 2.0;
 /// All drives in the order of measurement: the small signal first, before large ones and the creep that they leave.
 pub(super) fn all(rig: &Rig, notes: &mut Vec<String>) -> Result<Vec<PlannedDrive>, Error> {
     let b = rig.bandwidth;
-    let [slow, middle] = [0.1 * b, b / 3.0].map(two_digits);
+    let (slow, middle) = (slowest(b), two_digits(b / 3.0));
     Ok(vec![
         small(rig, notes)?,
         rise(rig, 0, slow, notes)?,
@@ -86,13 +86,23 @@ fn small(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     )
 }
 
+/// The frequency of the slowest sine.
+pub(super) fn slowest(bandwidth: f64) -> f64 {
+    two_digits(0.1 * bandwidth)
+}
+
+/// The shortest sampling period with which a sine of this frequency has its fewest periods in so many samples [s].
+pub(super) fn shortest_period(hz: f64, points: usize) -> f64 {
+    (FEWEST as f64 + FALL) / (hz * points as f64)
+}
+
 /// A sine that rises to its amplitude, and falls to zero in its last periods.
 fn rise(rig: &Rig, k: usize, hz: f64, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     let ts = rig.rare((PERIODS[k] as f64 + FALL) / hz, hz) * rig.ts;
     let (period, most) = (1.0 / (hz * ts), rig.points as f64);
     let room = (most.min(rig.longest() / ts) / period - FALL) as usize;
     if room < FEWEST {
-        let least = (FEWEST as f64 + FALL) / (hz * most);
+        let least = shortest_period(hz, rig.points);
         let rule = format!(
             "{FEWEST} periods of {} Hz, the slowest sine, would have more than {most} samples: take {} s or more, or \
              raise the bandwidth",
@@ -157,9 +167,10 @@ fn creep(rig: &Rig, notes: &mut Vec<String>) -> Result<PlannedDrive, Error> {
     }
     if (n as f64) * ts < 0.99 * CREEP {
         let (whole, each) = (round(n as f64 * ts), round(hold as f64 * ts));
+        let most = if n == rig.points { n } else { MAX_SAMPLES };
         notes.push(format!(
-            "creep_u.csv: shortened from {CREEP} s to {whole} s, because it has at most {MAX_SAMPLES} samples; it shows creep \
-             up to {each} s. A longer sampling period shows slower creep"
+            "creep_u.csv: shortened from {CREEP} s to {whole} s, because it has at most {most} samples; it shows creep up \
+             to {each} s. A longer sampling period shows slower creep"
         ));
     }
     rig.drive(("creep", "creep"), (ts, &shape), a, "the steps", notes)

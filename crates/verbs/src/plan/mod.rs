@@ -260,7 +260,7 @@ impl PlanOptions {
         })
     }
 
-    /// The sampling period: 1, 2 or 5 times a power of ten.
+    /// The sampling period: 1, 2 or 5 times a power of ten, or a longer one if the slowest sine needs it.
     fn period(&self, resonance: Option<f64>, notes: &mut Vec<String>) -> f64 {
         let mut longest = 1.0 / (OVER_BANDWIDTH * self.bandwidth);
         match resonance {
@@ -281,7 +281,22 @@ impl PlanOptions {
         let power = (libm::log10(longest) + ROUNDING).floor();
         let mantissa = longest / libm::pow(10.0, power) * (1.0 + ROUNDING);
         let step = [5, 2, 1].into_iter().find(|step| f64::from(*step) <= mantissa).unwrap_or(1);
-        format!("{step}e{power}").parse().unwrap_or(longest)
+        let usual: f64 = format!("{step}e{power}").parse().unwrap_or(longest);
+        let hz = drives::slowest(self.bandwidth);
+        let unit = self.cycle.unwrap_or(0.1 * usual);
+        let needed = (drives::shortest_period(hz, self.points) / unit - ROUNDING).ceil() * unit;
+        if self.joins || needed <= usual || 0.1 / needed <= self.bandwidth {
+            return usual;
+        }
+        notes.push(format!(
+            "The sampling period is {} instead of {}: a drive has at most {} samples, too few otherwise for the slowest sine, \
+             of {}. A higher bandwidth allows a shorter one",
+            quantity(needed, "s"),
+            quantity(usual, "s"),
+            self.points,
+            quantity(hz, "Hz")
+        ));
+        needed
     }
 }
 

@@ -117,6 +117,25 @@ fn impossible_requests_are_refused_with_the_limit_and_a_remedy() {
 }
 
 #[test]
+fn a_table_that_is_too_short_for_the_slowest_sine_lengthens_the_sampling_period() {
+    let of = |more: Value| {
+        let mut input = json!({"actuator": "pl140", "bandwidth": 40, "points": 1024, "joins": false, "cycle": 5e-5});
+        input.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        planned(input)
+    };
+    // Six periods of 4 Hz in 1024 samples take 1.465 ms, which is not a multiple of 50 us.
+    let plan = of(json!({})).unwrap();
+    assert_eq!((plan.ts, plan.drives[1].u.len() <= 1024), (0.0015, true));
+    let message = plan.notes.join("\n");
+    assert!(message.contains("The sampling period is 1.5 ms instead of 1 ms"), "{message}");
+    assert!(message.contains("because it has at most 1024 samples"), "{message}");
+    // Slower sampling of the slow drive alone, where the controller joins samples; and none where it is too short.
+    assert_eq!(of(json!({"joins": true})).unwrap().ts, 0.001);
+    let short = of(json!({"points": 520})).unwrap_err().to_string();
+    assert!(short.contains("would have more than 520 samples"), "{short}");
+}
+
+#[test]
 fn files_and_page_are_complete() {
     let plan = planned(requests()[0].clone()).unwrap();
     let files = plan.files().unwrap();
