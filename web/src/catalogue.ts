@@ -483,6 +483,8 @@ export interface CallOptions {
     settle?: number | string;
     /** Join the voltages by straight lines, instead of holding each for a sampling period */
     join?: boolean;
+    /** The drive is positions: play them in closed loop. The servo must be on, and stays on */
+    closed_loop?: boolean;
     /** Axis to drive */
     axis?: string;
     /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres. With SCPI, the gain of the amplifier [V] */

@@ -121,7 +121,7 @@ test("a campaign asks before it moves, is stopped, goes on, and ends with a mode
   await context.close();
 });
 
-for (const [moment, options] of [["slow move of the voltage", { ramp: 4 }], ["the drive is played", { ramp: 0.05 }], ["settling", { wait: 5, ramp: 0.05 }]]) {
+for (const [moment, options] of [["slow move", { ramp: 4 }], ["the drive is played", { ramp: 0.05 }], ["settling", { wait: 5, ramp: 0.05 }]]) {
   test(`Stop reaches the controller within 200 ms: ${moment}`, { skip, timeout: 200_000 }, async (message) => {
     const times = [];
     const { page, context } = await campaign({ wait: 0.1, ...options });

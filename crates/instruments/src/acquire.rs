@@ -1,4 +1,4 @@
-//! A drive played by a controller in open loop, while it records.
+//! A drive played by a controller, while it records: voltages in open loop, or positions in closed loop.
 //!
 //! All checks come before the first move, and the loop is opened after them.
 
@@ -10,7 +10,9 @@ use crate::{ConnectOptions, Drive, Instrument, Left, Protocol, Rest, ScpiOptions
 use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
-use piezoid::{Error, Record, Units};
+use piezoid::validation::Metrics;
+use piezoid::{Error, Record};
+use piezoid_numerics::number::round;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_verbs::DataFile;
 use serde_json::{Value, json};
@@ -44,6 +46,8 @@ options! {
         settle: f64 = 0.5, SECONDS;
         /// Join the voltages by straight lines, instead of holding each for a sampling period.
         join: bool = false, OptionRow::new(OptionKind::Switch);
+        /// The drive is positions: play them in closed loop. The servo must be on, and stays on.
+        closed_loop: bool = false, OptionRow::new(OptionKind::Switch);
     } with instrument: InstrumentOptions
 }
 
@@ -92,21 +96,20 @@ impl AcquireOptions {
         keep: &mut Keep,
         progress: &mut Progress,
     ) -> Result<Acquired, Error> {
-        let signal = drive.input(columns)?;
-        let factor = Units::factor(&signal.unit, "V").ok_or_else(|| {
-            let (what, found) = (format!("the drive in {}", drive.name), signal.unit.clone());
-            Error::Units { what, found, expected: "V".into() }
-        })?;
-        let u: Vec<f64> = signal.samples.iter().map(|u| u * factor).collect();
-        let (ramp, settle) = (self.instrument.ramp, self.settle);
-        let drive = Drive { what: "", u: &u, ts: signal.ts, ramp, settle, joined: self.join };
-        let mut instrument = self.instrument.ready(&drive, progress).inspect_err(|error| {
+        let what = format!("the drive in {}", drive.name);
+        let signal = if self.closed_loop { drive.path(columns) } else { drive.input(columns) }?;
+        let mut unmoved = |error: &Error| {
             if let Error::Cancelled { .. } = error {
                 notes.push("nothing has moved".into());
             }
-        })?;
+        };
+        let mut instrument = self.instrument.opened(self.closed_loop, progress).inspect_err(&mut unmoved)?;
+        let (ts, ramp, settle) = (signal.ts, self.instrument.ramp, self.settle);
+        let u = signal.samples_in(&instrument.setup().unit, &what)?;
+        let drive = Drive { what: "", u: &u, ts, ramp, settle, joined: self.join };
+        instrument.prepare(&drive).inspect_err(&mut unmoved)?;
         let record = instrument.play(&drive).map_err(|error| stopped(&mut *instrument, error, notes))?;
-        notes.extend(remarks(&drive, &record));
+        notes.extend(remarks(&drive, &record, self.closed_loop));
         let unfinished = Some("the axis has not moved to its rest yet".into());
         let setup = instrument.setup().clone();
         let (identity, axis, notes_now) = (setup.identity, setup.axis.clone(), notes.clone());
@@ -114,7 +117,9 @@ impl AcquireOptions {
             Acquired { record, identity, axis, notes: notes_now, unfinished, voltage: None, servo: None };
         let kept = keep(&acquired);
         let (left, unfinished) = at_rest(&mut *instrument, self.instrument.rest);
-        notes.extend(servo_remark(setup.servo, left, &setup.axis));
+        if !self.closed_loop || left.servo != Some(true) {
+            notes.extend(servo_remark(setup.servo, left, &setup.axis));
+        }
         if kept.is_err() {
             notes.push(unfinished.clone().unwrap_or_else(|| left.text(&setup.axis)));
         }
@@ -125,26 +130,28 @@ impl AcquireOptions {
 }
 
 impl InstrumentOptions {
-    /// The controller, ready to play the drive. Nothing has moved, and the servo is as it was.
-    fn ready<'a>(&self, drive: &Drive, progress: &'a mut Progress<'_>) -> Result<Box<dyn Instrument + 'a>, Error> {
-        let mut instrument = self.open(progress)?;
-        instrument.prepare(drive)?;
-        Ok(instrument)
-    }
-
-    /// Connects to the controller. Nothing moves.
+    /// Connects to the controller, for drives of voltages. Nothing moves.
     ///
     /// # Errors
     /// Returns an error for a controller that does not answer or is in use, an unknown axis, and limits that leave no
     /// voltage, or not that of [`InstrumentOptions::rest`].
     pub fn open<'a>(&self, progress: &'a mut Progress<'_>) -> Result<Box<dyn Instrument + 'a>, Error> {
+        self.opened(false, progress)
+    }
+
+    /// The same, or for drives of positions in closed loop.
+    fn opened<'a>(&self, is_closed: bool, progress: &'a mut Progress<'_>) -> Result<Box<dyn Instrument + 'a>, Error> {
         let instrument: Box<dyn Instrument + 'a> = match self.connection.protocol {
-            Protocol::Gcs => Box::new(Gcs::open(self, progress)?),
+            Protocol::Gcs => Box::new(Gcs::open(self, is_closed, progress)?),
+            _ if is_closed => {
+                let rule = "is possible with the protocol gcs alone";
+                return Err(Error::parameter("closed_loop", "true", rule));
+            }
             Protocol::Nv200 => Box::new(Nv200::open(self, progress)?),
             Protocol::Scpi => Box::new(Scpi::open(self, progress)?),
         };
         let (low, high) = instrument.setup().range;
-        if self.rest == Rest::Zero && !(low..=high).contains(&0.0) {
+        if !is_closed && self.rest == Rest::Zero && !(low..=high).contains(&0.0) {
             let rule = format!("is outside {low} to {high} V: let the axis rest elsewhere");
             return Err(Error::parameter("rest", "zero", rule));
         }
@@ -186,11 +193,17 @@ pub(crate) fn servo_remark(before: Option<bool>, left: Left, axis: &str) -> Opti
 }
 
 /// What to say if the record is not what was requested.
-fn remarks(drive: &Drive, record: &Record) -> Vec<String> {
+fn remarks(drive: &Drive, record: &Record, is_closed: bool) -> Vec<String> {
     let (target, found) = (drive.ts, record.ts());
     let period = (found / target - 1.0).abs() > 1e-3;
     let period =
         period.then(|| format!("the controller reports a sampling period of {found} s, not {target} s as requested"));
+    if is_closed {
+        let Metrics { rmse, max_abs, .. } = Metrics::of(drive.u, record.y());
+        let (rms, most, unit) = (round(rmse), round(max_abs), &record.units().y);
+        let error = format!("the position differs from the drive by {rms} {unit} rms, and by up to {most} {unit}");
+        return period.into_iter().chain([error]).collect();
+    }
     let largest = drive.u.iter().zip(record.u()).map(|(a, m)| (a - m).abs()).fold(0.0, f64::max);
     let peak = drive.u.iter().fold(0.0, |peak: f64, u| peak.max(u.abs()));
     let difference = (largest > DIFFERENCE * peak).then(|| {

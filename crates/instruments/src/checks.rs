@@ -30,9 +30,9 @@ impl Setup {
     /// Returns an error if the instrument cannot play the drive within the limits.
     pub(crate) fn check(&self, drive: &Drive) -> Result<(), Error> {
         cycles(drive.ts, self.cycle)?;
-        within(drive, self.range)?;
+        self.reaches(drive)?;
         self.fits(drive)?;
-        speed(drive, &self.limits, self.range)
+        self.follows(drive)
     }
 
     /// Most samples of a drive, if that is limited.
@@ -50,6 +50,58 @@ impl Setup {
              or sample it less often"
         )))
     }
+
+    /// Returns an error if the drive leaves the range.
+    fn reaches(&self, drive: &Drive) -> Result<(), Error> {
+        let ((low, high), unit) = (self.range, &self.unit);
+        let outside = drive.u.iter().enumerate().find(|(_, u)| !(low..=high).contains(*u));
+        let Some((k, value)) = outside else { return Ok(()) };
+        let time = k as f64 * drive.ts;
+        let message = format!("the drive is {value:.4} {unit} at {time:.6} s, outside {low} to {high} {unit}");
+        let advice = if self.is_closed() { "make it smaller" } else { "make it smaller, or give other limits" };
+        Err(Error::Content(format!("{message}: {advice}")))
+    }
+
+    /// Returns an error if the drive changes faster than the limits allow; without such limits, if it jumps over half
+    /// the range.
+    fn follows(&self, drive: &Drive) -> Result<(), Error> {
+        let Setup { limits, range: (low, high), unit, .. } = self;
+        let usage = limits.check(drive.u, drive.ts)?;
+        let time = |sample: usize| round(sample as f64 * drive.ts);
+        let over: Vec<String> = [Some(usage.slew), usage.current]
+            .into_iter()
+            .flatten()
+            .filter(|peak| peak.exceeds())
+            .map(|peak| {
+                let (limit, unit) = (round(peak.limit.unwrap_or(f64::INFINITY)), peak.unit.replace('V', unit));
+                format!(
+                    "{} {} {unit} at {} s, limit {limit} {unit}",
+                    peak.quantity,
+                    round(peak.value),
+                    time(peak.sample)
+                )
+            })
+            .collect();
+        if !over.is_empty() {
+            let over = over.join("; ");
+            return Err(Error::Content(format!("the drive exceeds its limits: {over}; make it slower or smaller")));
+        }
+        let jump = usage.slew.value * drive.ts;
+        if limits.fastest().is_finite() || jump <= JUMP * (high - low) {
+            return Ok(());
+        }
+        let (jump, at) = (round(jump), time(usage.slew.sample));
+        let message = format!("the drive jumps by {jump} {unit} at {at} s, over half of {low} to {high} {unit}: ");
+        if self.is_closed() {
+            return Err(Error::Content(message + "smooth it"));
+        }
+        Err(Error::Content(message + "to check it, ").advised(vec![("driver", Value::Null), ("slew", Value::Null)]))
+    }
+
+    /// True if drives are positions.
+    fn is_closed(&self) -> bool {
+        self.unit != "V"
+    }
 }
 
 /// Returns an error if an axis is not within the range [V], but for an error of its voltage.
@@ -60,42 +112,6 @@ pub(crate) fn at_place(axis: &str, place: f64, (low, high): (f64, f64), error: f
     Err(Error::Content(format!(
         "axis {axis} is at {place:.3} V, outside {low} to {high} V: move it there first, or give other limits"
     )))
-}
-
-/// Returns an error if the drive leaves the range.
-fn within(drive: &Drive, (low, high): (f64, f64)) -> Result<(), Error> {
-    let Some((k, value)) = drive.u.iter().enumerate().find(|(_, u)| !(low..=high).contains(*u)) else { return Ok(()) };
-    let time = k as f64 * drive.ts;
-    Err(Error::Content(format!(
-        "the drive is {value:.4} V at {time:.6} s, outside {low} to {high} V: make it smaller, or give other limits"
-    )))
-}
-
-/// Returns an error if the drive changes faster than the limits allow; without such limits, if it jumps over half the
-/// range.
-fn speed(drive: &Drive, limits: &Limits, (low, high): (f64, f64)) -> Result<(), Error> {
-    let usage = limits.check(drive.u, drive.ts)?;
-    let time = |sample: usize| round(sample as f64 * drive.ts);
-    let over: Vec<String> = [Some(usage.slew), usage.current]
-        .into_iter()
-        .flatten()
-        .filter(|peak| peak.exceeds())
-        .map(|peak| {
-            let (limit, unit) = (round(peak.limit.unwrap_or(f64::INFINITY)), peak.unit);
-            format!("{} {} {unit} at {} s, limit {limit} {unit}", peak.quantity, round(peak.value), time(peak.sample))
-        })
-        .collect();
-    if !over.is_empty() {
-        let over = over.join("; ");
-        return Err(Error::Content(format!("the drive exceeds its limits: {over}; make it slower or smaller")));
-    }
-    let jump = usage.slew.value * drive.ts;
-    if limits.fastest().is_finite() || jump <= JUMP * (high - low) {
-        return Ok(());
-    }
-    let (jump, at) = (round(jump), time(usage.slew.sample));
-    let message = format!("the drive jumps by {jump} V at {at} s, over half of {low} to {high} V: to check it, ");
-    Err(Error::Content(message).advised(vec![("driver", Value::Null), ("slew", Value::Null)]))
 }
 
 /// The servo cycles in a sampling period [s].

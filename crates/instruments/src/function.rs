@@ -54,6 +54,7 @@ impl<'f> Function<'f> {
         let setup = Setup {
             identity: "a function".into(),
             axis: "1".into(),
+            unit: "V".into(),
             range,
             limits: Limits::default(),
             cycle: ts,
@@ -137,7 +138,7 @@ impl Instrument for Function<'_> {
         };
         let u = self.lead(to, self.ramp, 0.0);
         if !u.is_empty() {
-            self.call("slow move of the voltage", &u)?;
+            self.call("slow move", &u)?;
         }
         Ok(Left { voltage: Some(self.at), servo: None })
     }

@@ -4,7 +4,7 @@ use crate::Rest;
 use piezoid::excitation::Limits;
 use piezoid::{Error, Record};
 
-/// An actuator at work on one axis, in open loop.
+/// An actuator at work on one axis: in open loop, or in closed loop if the drives are positions.
 ///
 /// Work is cancelled by the progress that opened it. After an error of [`play`](Self::play) or [`rest`](Self::rest),
 /// [`stop`](Self::stop) is all that is allowed.
@@ -18,7 +18,7 @@ pub trait Instrument {
     /// Returns an error for a drive that it cannot play or record, or that exceeds the limits.
     fn prepare(&mut self, drive: &Drive) -> Result<(), Error>;
 
-    /// Opens the loop, moves slowly to the first voltage of the drive that was prepared, waits there, plays it, and
+    /// Opens the loop if the drive is voltages, moves slowly to the first voltage of the drive that was prepared, waits there, plays it, and
     /// returns what was measured. The axis stays at the last voltage.
     ///
     /// # Errors
@@ -40,7 +40,7 @@ pub trait Instrument {
 pub struct Drive<'u> {
     /// What it is, as a noun phrase: stages of the progress begin with it, unless it is empty.
     pub what: &'u str,
-    /// Voltages [V].
+    /// Voltages [V], or positions in [`Setup::unit`].
     pub u: &'u [f64],
     /// Sampling period [s].
     pub ts: f64,
@@ -59,9 +59,11 @@ pub struct Setup {
     pub identity: String,
     /// Name of the axis.
     pub axis: String,
-    /// Lowest and highest voltage [V].
+    /// Unit of its drives: V, or in closed loop that of the positions.
+    pub unit: String,
+    /// Lowest and highest value of a drive, in this unit.
     pub range: (f64, f64),
-    /// Limits of slew and current.
+    /// Limits of slew and current; in closed loop the slew is that of the position.
     pub limits: Limits,
     /// Sampling periods are multiples of this one [s].
     pub cycle: f64,

@@ -73,7 +73,7 @@ pub(crate) trait Moves<'a> {
         let (values, pause) = slow_move(from, to, time, fastest, range);
         let (begin, mut reports) = (Instant::now(), 0);
         for (k, value) in values.iter().enumerate() {
-            self.watch().stage("slow move of the voltage", k + 1, values.len())?;
+            self.watch().stage("slow move", k + 1, values.len())?;
             self.set(*value)?;
             let moved = Instant::now();
             self.report(begin.elapsed().as_secs_f64(), &mut reports, Some(*value))?;

@@ -123,6 +123,14 @@ impl DataFile {
         })
     }
 
+    /// The requested displacement in it; other columns are not needed.
+    ///
+    /// # Errors
+    /// The errors of [`DataFile::record`].
+    pub fn path(&self, columns: &ColumnSelection) -> Result<Signal, Error> {
+        self.read(|table| table.reference(columns))
+    }
+
     /// The selection that reads records like this one: the columns and units that were found, and the options in
     /// `columns`.
     ///

@@ -1,8 +1,9 @@
 //! PI's General Command Set, GCS 2.0, over TCP: a client, and a controller that is simulated around a plant.
 //!
 //! Reference: Physik Instrumente, GCS 2.0 commands manual PZ281E, GCS array data format SM146E, E-727 user manual
-//! E727T0005. It does not do: closed loop, several axes at once, serial ports and USB.
+//! E727T0005. It does not do: several axes at once, serial ports and USB.
 
+mod closed;
 mod codes;
 mod controller;
 #[cfg(test)]

@@ -21,7 +21,7 @@ const PAUSE: Duration = Duration::from_millis(20);
 
 /// The axis before the measurement.
 pub(crate) struct Before {
-    /// Voltage that was requested in open loop [V].
+    /// Voltage that was requested in open loop [V]; in closed loop the target [unit of the axis].
     pub(crate) start: f64,
     /// Voltage that was measured, if it was [V].
     pub(crate) first: Option<f64>,

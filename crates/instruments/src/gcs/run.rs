@@ -1,4 +1,4 @@
-//! What moves: the drive on an axis in open loop.
+//! What moves: the drive on an axis, in open loop as follows.
 //!
 //! ```text
 //! WAV 1 X PNT 1 10 v_1 ...         the drive to wave table 1
@@ -33,12 +33,14 @@ const POINTS: usize = 10;
 pub(crate) struct Run<'a> {
     pub(crate) line: Line<'a>,
     pub(crate) axis: Axis,
+    /// True if the drive is positions, which the servo follows.
+    pub(crate) is_closed: bool,
     pub(crate) channel: usize,
     /// Voltage of an open-loop value of 1 [V], if it is an option.
     pub(crate) gain: Option<f64>,
-    /// Lowest and highest voltage [V].
+    /// Lowest and highest voltage [V], or position.
     pub(crate) range: (f64, f64),
-    /// Largest slew rate [V/s]; infinite without a limit.
+    /// Largest slew rate [V/s], or velocity; infinite without a limit.
     pub(crate) fastest: f64,
 }
 
@@ -105,8 +107,8 @@ impl<'a> Moves<'a> for Run<'a> {
     }
 
     fn set(&mut self, volts: f64) -> Result<(), Error> {
-        let (axis, value) = (&self.axis.name, volts / self.gain());
-        self.line.command(&format!("SVA {axis} {value:.6}"))
+        let (command, axis, value) = (if self.is_closed { "MOV" } else { "SVA" }, &self.axis.name, volts / self.gain());
+        self.line.command(&format!("{command} {axis} {value:.6}"))
     }
 
     /// Both are measured, one right after the other.

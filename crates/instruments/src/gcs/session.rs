@@ -1,5 +1,6 @@
 //! A controller with GCS 2.0 as an [`Instrument`]: one axis, one wave generator, two tables of the recorder.
 
+use super::closed::travel;
 use super::controller::{Axis, Controller, MOVING, RUNNING};
 use super::recording::{Sources, read};
 use super::rest::Before;
@@ -14,18 +15,22 @@ use piezoid::{Error, Record};
 pub(crate) struct Gcs<'a> {
     run: Run<'a>,
     setup: Setup,
-    /// The axis before anything moved, once the loop is open.
+    /// The axis before anything moved, once the loop is open or the drive is positions.
     before: Option<Before>,
-    /// The last voltage that was requested [V], and least time of a slow move [s].
+    /// The last voltage or position that was requested, and least time of a slow move [s].
     last: f64,
     ramp: f64,
 }
 
 impl<'a> Gcs<'a> {
     /// Connects, and checks that nothing else uses the controller. Nothing moves.
-    pub(crate) fn open(options: &InstrumentOptions, progress: &'a mut Progress<'_>) -> Result<Self, Error> {
+    pub(crate) fn open(
+        options: &InstrumentOptions,
+        is_closed: bool,
+        progress: &'a mut Progress<'_>,
+    ) -> Result<Self, Error> {
         let limits = options.limits.limits()?.unwrap_or_default();
-        let (line, controller) = Controller::open(&options.connection, progress)?;
+        let (mut line, controller) = Controller::open(&options.connection, progress)?;
         if let Some(signs) = controller.in_use() {
             return Err(in_use(&signs));
         }
@@ -34,11 +39,15 @@ impl<'a> Gcs<'a> {
             let message = "must be given, because the controller does not report it (parameter 0x0E000200)";
             Error::parameter("cycle", "(not given)", message)
         })?;
-        let range = range(&limits, axis.range)?;
+        let (range, limits) = match is_closed {
+            true => travel(&mut line, &axis, options)?,
+            false => (range(&limits, axis.range)?, limits),
+        };
         let held = [("a wave table", controller.table), ("a table of the recorder", controller.recorder)];
         let setup = Setup {
             identity: controller.identity,
             axis: axis.name.clone(),
+            unit: if is_closed { axis.unit.clone() } else { "V".into() },
             range,
             limits,
             cycle,
@@ -47,7 +56,7 @@ impl<'a> Gcs<'a> {
             servo: axis.servo,
         };
         let (channel, fastest) = (options.channel.unwrap_or(number), limits.fastest());
-        let run = Run { line, axis, channel, gain: options.gain, range, fastest };
+        let run = Run { line, axis, is_closed, channel, gain: options.gain, range, fastest };
         Ok(Gcs { run, setup, before: None, last: 0.0, ramp: options.ramp })
     }
 }
@@ -75,7 +84,7 @@ impl Instrument for Gcs<'_> {
     fn play(&mut self, drive: &Drive) -> Result<Record, Error> {
         let run = &mut self.run;
         if self.before.is_none() {
-            let (start, first) = run.open_loop()?;
+            let (start, first) = if run.is_closed { (run.target()?, None) } else { run.open_loop()? };
             if let Some(first) = first {
                 run.check_gain(drive, start, first)?;
             }
@@ -91,6 +100,7 @@ impl Instrument for Gcs<'_> {
     fn rest(&mut self, rest: Rest) -> Result<Left, Error> {
         self.run.line.watch.enter("");
         match &self.before {
+            Some(before) if self.run.is_closed => self.run.return_to(rest, before.start, self.last, self.ramp),
             Some(before) => self.run.reach(rest, before, self.last, self.ramp),
             None => self.run.left(),
         }

@@ -23,13 +23,12 @@ const PROBES: usize = 10;
 const STEP: f64 = 0.02;
 
 impl Run<'_> {
-    fn is_closed(&self) -> bool {
-        self.axis.servo == Some(true)
-    }
-
-    /// The voltage of the axis before anything moves, within the range.
+    /// The voltage of the axis before anything moves, or its position if the drive is positions, within the range.
     pub(crate) fn place(&mut self) -> Result<f64, Error> {
-        let measured = if self.is_closed() { self.measured()? } else { None };
+        if self.is_closed {
+            return self.target();
+        }
+        let measured = if self.axis.servo == Some(true) { self.measured()? } else { None };
         let place = measured.map_or_else(|| self.requested(), Ok)?;
         at_place(&self.axis.name, place, self.range, NOISE).map(|()| place)
     }
@@ -37,7 +36,7 @@ impl Run<'_> {
     /// Opens the loop, if it is closed. The voltage then requested in open loop, and that measured at the output, if it
     /// is. If they differ, nothing moves, and the loop is closed again.
     pub(crate) fn open_loop(&mut self) -> Result<(f64, Option<f64>), Error> {
-        let (name, is_closed) = (self.axis.name.clone(), self.is_closed());
+        let (name, is_closed) = (self.axis.name.clone(), self.axis.servo == Some(true));
         if is_closed {
             self.line.command(&format!("SVO {name} 0"))?;
         }

@@ -364,7 +364,7 @@ fn what_the_actuator_does_is_reported_while_it_moves_waits_and_plays() {
         ControlFlow::Continue(())
     });
     let record = acquired.unwrap().record;
-    for what in ["slow move of the voltage", "settling [ms]", "the drive is played [ms]"] {
+    for what in ["slow move", "settling [ms]", "the drive is played [ms]"] {
         assert!(moments.iter().any(|(stage, ..)| stage == what), "{what}: {moments:?}");
     }
     // About twelve a second, each once.

@@ -45,6 +45,7 @@ impl<'a> Nv200<'a> {
         let setup = Setup {
             identity,
             axis: AXIS.into(),
+            unit: "V".into(),
             range,
             limits,
             cycle: CYCLE,

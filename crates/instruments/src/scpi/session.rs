@@ -94,6 +94,7 @@ impl<'a> Scpi<'a> {
         let setup = Setup {
             identity: format!("{} with {}", generator.line.identity, oscilloscope.line.identity),
             axis: AXIS.into(),
+            unit: "V".into(),
             range,
             limits,
             cycle: options.cycle.unwrap_or(CYCLE),

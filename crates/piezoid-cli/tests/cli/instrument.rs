@@ -269,7 +269,7 @@ fn two_signals_on_the_way_to_the_rest_do_not_lose_the_record() {
     sleep(Duration::from_millis(300));
     signal(&child, "-INT");
     signal(&child, "-INT");
-    let run = ended(&line, child).exits(130).says(&["cancelled: slow move of the voltage", "the record is written"]);
+    let run = ended(&line, child).exits(130).says(&["cancelled: slow move", "the record is written"]);
     assert_eq!(bench.text("r.csv").lines().count(), 102);
     let document = bench.json("r.json");
     let unfinished = document["unfinished"].as_str().unwrap();
