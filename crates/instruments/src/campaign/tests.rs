@@ -1,5 +1,5 @@
 use super::*;
-use crate::Function;
+use crate::{ConnectOptions, Function, Model, Protocol};
 use piezoid::System;
 use piezoid::plant::{Plant, Preset};
 use piezoid::progress::Stage;
@@ -135,4 +135,66 @@ fn a_function_that_returns_too_few_displacements_is_refused() {
     let drive = Drive { what: "", u: &[0.0, 0.5], ts: 1e-3, ramp: 0.0, settle: 0.0, joined: false };
     let message = function.play(&drive).unwrap_err().to_string();
     assert_eq!(message, "the function returns 1 displacements for 2 voltages: return one for each");
+}
+
+/// The displacement of a plant that is given all that a campaign played after its records, without a controller.
+fn without_a_controller(found: &Campaign, plant: &str, wait: f64) -> Vec<f64> {
+    let Campaign { plan, straight, compensated, .. } = found;
+    let (middle, ts) = (plan.middle(), plan.ts);
+    let plant = Plant::new(&Preset::find(plant).unwrap().spec(), ts).unwrap();
+    let still = vec![middle; (wait / ts) as usize];
+    // A demagnetisation may be sampled less often.
+    let PlannedDrive { u, ts: rare, .. } = &plan.demagnetisation;
+    let demagnetisation: Vec<f64> =
+        u.iter().flat_map(|u| std::iter::repeat_n(*u, (rare / ts).round() as usize)).collect();
+    let rise: Vec<f64> = (0..1000).map(|k| middle * f64::from(k) / 1000.0).collect();
+    let mut x = plant.initial();
+    for u in [&rise, &demagnetisation, &still, straight.record.u(), &demagnetisation, &still] {
+        plant.resume(&mut x, u);
+    }
+    plant.resume(&mut x, compensated.record.u())
+}
+
+/// Takes four minutes, because it waits with the clock: `cargo test -p piezoid-instruments -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes minutes"]
+fn on_every_controller_a_path_is_followed_as_without_one() {
+    let one = |(model, plant, range): (Model, &str, (f64, f64))| {
+        let port = crate::measuring::served(&crate::Simulation { model, plant: plant.into(), ..Default::default() });
+        let protocol = if model == Model::Nv200 { Protocol::Nv200 } else { Protocol::Gcs };
+        let connection = ConnectOptions { protocol, port, ..ConnectOptions::default() };
+        let instrument = InstrumentOptions { connection, ..InstrumentOptions::default() };
+        let options = CampaignOptions {
+            instrument,
+            bandwidth: 40.0,
+            range: Some(range),
+            operator: "preisach".into(),
+            ..CampaignOptions::default()
+        };
+        let mut memory = Memory::default();
+        let found = options.run(None, &mut memory, &mut Vec::new(), &mut Stage::ignore).unwrap();
+        let Track { r, path, metrics, .. } = &found.compensated;
+        let y = without_a_controller(&found, plant, options.wait);
+        let error = |y: &[f64]| -> Vec<f64> { y.iter().zip(r).map(|(y, r)| y - r).collect() };
+        let direct = error(&y);
+        // The zero of the sensor and creep before the path are not its error.
+        let rms = |error: &[f64]| {
+            let mean = piezoid_numerics::series::mean(error);
+            (error.iter().map(|e| (e - mean) * (e - mean)).sum::<f64>() / error.len() as f64).sqrt()
+        };
+        let [measured, direct] = [error(found.compensated.record.y()), direct].map(|e| rms(&e[path.clone()]));
+        let (name, better, whole) = (model.title(), found.better(), metrics.rmse);
+        println!(
+            "{name}, {plant}: {better:.0} times better, {whole:.4} um; without its mean {measured:.4}, without a controller {direct:.4}"
+        );
+        assert!(better > 20.0 && measured < 1.5 * direct, "{name}");
+    };
+    let all = [
+        (Model::E727, "pl140", (-30.0, 30.0)),
+        (Model::E754, "p885", (10.0, 90.0)),
+        (Model::E709, "p885", (0.0, 100.0)),
+        (Model::OpenLoop, "pl140", (-30.0, 30.0)),
+        (Model::Nv200, "pl140", (-30.0, 30.0)),
+    ];
+    std::thread::scope(|scope| all.map(|each| scope.spawn(move || one(each))).map(|thread| thread.join().unwrap()));
 }

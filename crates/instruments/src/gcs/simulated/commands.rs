@@ -1,8 +1,8 @@
 //! Commands that act: they have no answer, and all of a command is refused or obeyed.
 
 use super::errors::{
-    COUNT, GENERATOR_RUNS, POSITION, RECORDER_OPTION, RECORDER_SOURCE, SERVO_IS_OFF, SERVO_IS_ON, UNKNOWN, VELOCITY,
-    VOLTAGE, refused,
+    COUNT, GENERATOR_RUNS, POSITION, RANGE, RECORDER_OPTION, RECORDER_SOURCE, SERVO_IS_OFF, SERVO_IS_ON,
+    TOO_FEW_POINTS, UNKNOWN, VELOCITY, VOLTAGE, refused,
 };
 use super::recorder::{source, tables};
 use super::words::{code, flag, positive, real, triples};
@@ -66,8 +66,10 @@ impl Device {
             }
         };
         outcome.unwrap_or_else(|error| {
-            self.error = error;
-            Vec::new()
+            // Points that are still to be recorded are answered by an empty line.
+            let are_awaited = error == TOO_FEW_POINTS && query == Some("DRR") && self.recorder.is_running();
+            self.error = if are_awaited { RANGE } else { error };
+            vec![String::new(); usize::from(are_awaited)]
         })
     }
 
@@ -114,12 +116,14 @@ impl Device {
             "SEP" => self.save_parameters(arguments),
             "DRC" => self.set_sources(arguments),
             "DRT" => {
-                let (table, trigger) = match arguments {
-                    [table, trigger] | [table, trigger, _] => (*table, code(trigger)?),
-                    _ => return Err(COUNT),
+                let of = |table: &str, trigger: &str| {
+                    Ok((if table == "0" { tables(&[])? } else { tables(&[table])? }, code(trigger)?))
                 };
-                let these = if table == "0" { tables(&[])? } else { tables(&[table])? };
-                self.recorder.arm(&these, trigger)
+                let triggers = match arguments {
+                    [table, trigger] => vec![of(table, trigger)?],
+                    _ => triples(arguments)?.map(|triple| of(triple[0], triple[1])).collect::<Result<_, i32>>()?,
+                };
+                self.recorder.arm(&triggers)
             }
             "RTR" => match arguments {
                 [rate] => {

@@ -46,6 +46,7 @@ pub(crate) fn simulated(simulation: &Simulation, spec: &Spec, name: &str) -> Res
         axes,
         tables: Tables::new(),
         recorder: Recorder::default(),
+        kept: BTreeMap::new(),
         saved: BTreeMap::new(),
         time: Time::new(simulation.virtual_time),
     };
@@ -67,7 +68,9 @@ struct Device {
     generators: Vec<Generator>,
     tables: Tables,
     recorder: Recorder,
-    /// What `SEP` keeps, by axis and number.
+    /// What `SPA` changed of parameters that nothing uses, by axis and number.
+    kept: BTreeMap<(usize, u32), f64>,
+    /// What `SEP` keeps.
     saved: BTreeMap<(usize, u32), f64>,
     time: Time,
 }

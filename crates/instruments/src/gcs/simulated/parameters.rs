@@ -1,7 +1,7 @@
 //! The parameters of the controller, by the numbers of PI's manuals.
 //!
-//! `SPA` changes some of them at command level 1 (`CCL 1 advanced`) until the controller ends; `SEP` keeps a value that
-//! `SEP?` answers, and that nothing uses.
+//! `SPA` changes some of them at command level 1 (`CCL 1 advanced`) until the controller ends, the number of recorder tables
+//! at any level. P-term, notch filters and the like change without effect; so does all that `SEP` keeps and `SEP?` answers.
 
 use super::errors::{COUNT, PARAMETER, PASSWORD, PROTECTED, RANGE, READ_ONLY, refused};
 use super::generators::{POINTS, WAVES};
@@ -21,21 +21,43 @@ struct Row {
     kind: &'static str,
     what: &'static str,
     get: fn(&Device, &Axis) -> String,
-    set: Option<fn(&mut Axis) -> &mut f64>,
+    set: Set,
+}
+
+/// How `SPA` changes a parameter.
+enum Set {
+    Never,
+    /// In an axis.
+    Axis(fn(&mut Axis) -> &mut f64),
+    /// It is answered again, and nothing else.
+    Kept,
 }
 
 const fn row(number: u32, kind: &'static str, what: &'static str, get: fn(&Device, &Axis) -> String) -> Row {
-    Row { number, kind, what, get, set: None }
+    Row { number, kind, what, get, set: Set::Never }
 }
 
-/// A number that `SPA` changes.
+/// A number of an axis that `SPA` changes.
 const fn float(
     number: u32,
     what: &'static str,
     get: fn(&Device, &Axis) -> String,
     set: fn(&mut Axis) -> &mut f64,
 ) -> Row {
-    Row { number, kind: "FLOAT", what, get, set: Some(set) }
+    Row { number, kind: "FLOAT", what, get, set: Set::Axis(set) }
+}
+
+/// A number that `SPA` changes without effect.
+const fn kept(number: u32, kind: &'static str, what: &'static str, get: fn(&Device, &Axis) -> String) -> Row {
+    Row { number, kind, what, get, set: Set::Kept }
+}
+
+/// The number of tables of the recorder, which share its points.
+const RECORDER_TABLES: u32 = 0x1600_0300;
+
+/// A number without the rounding of its computation.
+fn text(value: f64) -> String {
+    format!("{value:.8e}").parse().unwrap_or(value).to_string()
 }
 
 /// Those of a servo have numbers in this range.
@@ -44,24 +66,24 @@ const SERVO_END: u32 = 0x0900_0000;
 
 #[rustfmt::skip]
 const ROWS: [Row; 31] = [
-    row(0x0700_0000, "FLOAT", "Range Limit min", |_, axis| axis.travel.0.to_string()),
-    row(0x0700_0001, "FLOAT", "Range Limit max", |_, axis| axis.travel.1.to_string()),
-    float(0x0700_0200, "Servo Loop Slew-Rate", |_, axis| axis.velocity.to_string(), |axis| &mut axis.velocity),
-    float(0x0700_0201, "Open Loop Slew-Rate", |_, axis| axis.slew.to_string(), |axis| &mut axis.slew),
-    row(0x0700_0300, "FLOAT", "Servo Loop P-Term", |_, _| "0".into()),
+    row(0x0700_0000, "FLOAT", "Range Limit min", |_, axis| text(axis.travel.0)),
+    row(0x0700_0001, "FLOAT", "Range Limit max", |_, axis| text(axis.travel.1)),
+    float(0x0700_0200, "Servo Loop Slew-Rate", |_, axis| text(axis.velocity), |axis| &mut axis.velocity),
+    float(0x0700_0201, "Open Loop Slew-Rate", |_, axis| text(axis.slew), |axis| &mut axis.slew),
+    kept(0x0700_0300, "FLOAT", "Servo Loop P-Term", |_, _| "0".into()),
     float(0x0700_0301, "Servo Loop I-Term", |_, axis| axis.bandwidth.to_string(), |axis| &mut axis.bandwidth),
-    row(0x0700_0302, "FLOAT", "Servo Loop D-Term", |_, _| "0".into()),
-    row(0x0703_0600, "FLOAT", "Servo Loop Feed-Forward", |_, _| "1".into()),
-    row(0x0600_0500, "INT", "ADC Channel for Target", |_, _| "0".into()),
-    row(0x0800_0100, "FLOAT", "Notch Frequency 1", |_, _| "0".into()),
-    row(0x0800_0101, "FLOAT", "Notch Frequency 2", |_, _| "0".into()),
-    row(0x0800_0200, "FLOAT", "Notch Rejection 1", |_, _| "1".into()),
-    row(0x0800_0201, "FLOAT", "Notch Rejection 2", |_, _| "1".into()),
-    row(0x0800_0300, "FLOAT", "Notch Bandwidth 1", |_, _| "0".into()),
-    row(0x0800_0301, "FLOAT", "Notch Bandwidth 2", |_, _| "0".into()),
+    kept(0x0700_0302, "FLOAT", "Servo Loop D-Term", |_, _| "0".into()),
+    kept(0x0703_0600, "FLOAT", "Servo Loop Feed-Forward", |_, _| "1".into()),
+    kept(0x0600_0500, "INT", "ADC Channel for Target", |_, _| "0".into()),
+    kept(0x0800_0100, "FLOAT", "Notch Frequency 1", |_, _| "0".into()),
+    kept(0x0800_0101, "FLOAT", "Notch Frequency 2", |_, _| "0".into()),
+    kept(0x0800_0200, "FLOAT", "Notch Rejection 1", |_, _| "1".into()),
+    kept(0x0800_0201, "FLOAT", "Notch Rejection 2", |_, _| "1".into()),
+    kept(0x0800_0300, "FLOAT", "Notch Bandwidth 1", |_, _| "0".into()),
+    kept(0x0800_0301, "FLOAT", "Notch Bandwidth 2", |_, _| "0".into()),
     row(0x0700_0600, "CHAR", "Axis Name", |_, axis| axis.name.clone()),
     row(0x0700_0601, "CHAR", "Axis Unit", |_, _| "um".into()),
-    float(0x0700_0900, "ON Target Tolerance", |_, axis| axis.tolerance.to_string(), |axis| &mut axis.tolerance),
+    float(0x0700_0900, "ON Target Tolerance", |_, axis| text(axis.tolerance), |axis| &mut axis.tolerance),
     float(0x0700_0901, "Settling Time", |_, axis| axis.settling.to_string(), |axis| &mut axis.settling),
     row(0x0700_0A00, "FLOAT", "AutoZero Low Voltage", |_, axis| axis.range.0.to_string()),
     row(0x0700_0A01, "FLOAT", "AutoZero High Voltage", |_, axis| axis.range.1.to_string()),
@@ -73,8 +95,8 @@ const ROWS: [Row; 31] = [
     row(0x0E00_0B02, "INT", "Number Of Output Channels", |device, _| device.axes.len().to_string()),
     row(0x1300_0004, "INT", "Max Wave Points", |_, _| POINTS.to_string()),
     row(0x1300_010A, "INT", "Number Of Waves", |_, _| WAVES.to_string()),
-    row(0x1600_0200, "INT", "Data Recorder Max Points", |_, _| (RECORDED * TABLES).to_string()),
-    row(0x1600_0300, "INT", "Data Recorder Channel Number", |_, _| TABLES.to_string()),
+    row(0x1600_0200, "INT", "Data Recorder Max Points", |device, _| (RECORDED * device.recorder_tables()).to_string()),
+    kept(RECORDER_TABLES, "INT", "Data Recorder Channel Number", |_, _| TABLES.to_string()),
 ];
 
 impl Device {
@@ -93,23 +115,40 @@ impl Device {
     pub(super) fn parameter_list(&self) -> Vec<String> {
         let line = |row: &Row| {
             let (number, kind, what) = (row.number, row.kind, row.what);
-            format!("0x{number:X}=\t{}\t1\t{kind}\tsystem\t{what}", u8::from(row.set.is_some()))
+            format!(
+                "0x{number:X}=\t{}\t1\t{kind}\tsystem\t{what}",
+                u8::from(!matches!(row.set, Set::Never) && row.number != RECORDER_TABLES)
+            )
         };
         self.rows().map(line).collect()
     }
 
     /// Parameters, each of an axis; all without arguments. `is_saved` asks for those that `SEP` keeps.
     pub(super) fn parameters(&self, arguments: &[&str], is_saved: bool) -> Result<Vec<String>, i32> {
-        let line = |k: usize, row: &Row| {
-            let (name, number) = (&self.axes[k].name, row.number);
-            let saved = self.saved.get(&(k, number)).filter(|_| is_saved).map(f64::to_string);
-            format!("{name} 0x{number:X}={}", saved.unwrap_or_else(|| (row.get)(self, &self.axes[k])))
+        let line = |k: usize, row: &Row, number: String| {
+            let (name, place) = (&self.axes[k].name, (k, row.number));
+            let saved = self.saved.get(&place).filter(|_| is_saved).or(self.kept.get(&place)).map(f64::to_string);
+            format!("{name} 0x{number}={}", saved.unwrap_or_else(|| (row.get)(self, &self.axes[k])))
         };
+        let short = |row: &Row| format!("{:X}", row.number);
         if arguments.is_empty() {
-            return Ok((0..self.axes.len()).flat_map(|k| self.rows().map(move |row| line(k, row))).collect());
+            return Ok((0..self.axes.len())
+                .flat_map(|k| self.rows().map(move |row| line(k, row, short(row))))
+                .collect());
         }
         refused(&[(arguments.len() % 2 == 1, COUNT)])?;
-        arguments.chunks(2).map(|pair| Ok(line(self.axis(pair[0])?, self.row(pair[1])?))).collect()
+        let of_pair = |pair: &[&str]| {
+            let (k, row) = (self.axis(pair[0])?, self.row(pair[1])?);
+            // An E-754 repeats the digits that it was given.
+            let digits = pair[1].strip_prefix("0x").or(pair[1].strip_prefix("0X"));
+            let digits = digits.filter(|_| self.model == Model::E754).map(String::from);
+            Ok(line(k, row, digits.unwrap_or_else(|| short(row))))
+        };
+        arguments.chunks(2).map(of_pair).collect()
+    }
+
+    fn recorder_tables(&self) -> usize {
+        self.kept.get(&(0, RECORDER_TABLES)).map_or(TABLES, |tables| *tables as usize)
     }
 
     /// Sets parameters: axis, number, value, and so on. `is_saved` keeps them for `SEP?` only.
@@ -117,17 +156,22 @@ impl Device {
         let mut changes = Vec::new();
         for triple in triples(arguments)? {
             let (k, row) = (self.axis(triple[0])?, self.row(triple[1])?);
-            refused(&[(self.level == 0, PROTECTED)])?;
-            let (set, value) = (row.set.ok_or(READ_ONLY)?, real(triple[2])?);
-            // From a standstill to a full move in one servo cycle.
-            refused(&[(!(1e-9..=1e9).contains(&value), RANGE)])?;
-            changes.push((k, row.number, set, value));
+            refused(&[(self.level == 0 && row.number != RECORDER_TABLES, PROTECTED)])?;
+            let value = real(triple[2])?;
+            let is_possible = match row.set {
+                Set::Never => return Err(READ_ONLY),
+                // From a standstill to a full move in one servo cycle.
+                Set::Axis(_) => (1e-9..=1e9).contains(&value),
+                Set::Kept if row.number == RECORDER_TABLES => (1..=TABLES).any(|tables| tables as f64 == value),
+                Set::Kept => value.abs() <= 1e9,
+            };
+            refused(&[(!is_possible, RANGE)])?;
+            changes.push((k, row, value));
         }
-        for (k, number, set, value) in changes {
-            if is_saved {
-                self.saved.insert((k, number), value);
-            } else {
-                *set(&mut self.axes[k]) = value;
+        for (k, row, value) in changes {
+            match row.set {
+                Set::Axis(set) if !is_saved => *set(&mut self.axes[k]) = value,
+                _ => drop(if is_saved { &mut self.saved } else { &mut self.kept }.insert((k, row.number), value)),
             }
         }
         Ok(())

@@ -105,10 +105,13 @@ impl Recorder {
         self.start(|trigger| trigger == WAVE || trigger == MOVE);
     }
 
-    /// Sets the trigger of a table, or of all; 4 starts at once.
-    pub(super) fn arm(&mut self, tables: &[usize], trigger: u32) -> Result<(), i32> {
-        refused(&[(TRIGGERS.iter().all(|(number, _)| *number != trigger), RANGE)])?;
-        tables.iter().for_each(|table| self.tables[table - 1].trigger = trigger);
+    /// Sets the triggers of tables; 4 starts at once.
+    pub(super) fn arm(&mut self, triggers: &[(Vec<usize>, u32)]) -> Result<(), i32> {
+        let is_unknown = |trigger: u32| TRIGGERS.iter().all(|(number, _)| *number != trigger);
+        refused(&[(triggers.iter().any(|(_, trigger)| is_unknown(*trigger)), RANGE)])?;
+        for (tables, trigger) in triggers {
+            tables.iter().for_each(|table| self.tables[table - 1].trigger = *trigger);
+        }
         self.start(|trigger| trigger == NOW);
         Ok(())
     }

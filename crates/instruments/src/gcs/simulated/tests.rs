@@ -142,7 +142,8 @@ fn the_recorder_fills_as_time_goes_from_its_trigger() {
     ask(&device, "MVR 1 200");
     let [first, second] = [0, 1].map(|_| number(&device, "DRL? 1"));
     assert_eq!((first, second), (20.0, 40.0));
-    assert_eq!(ask(&device, "DRR? 1 500 1\nERR?"), "77");
+    assert_eq!(locked(&*device.device).answer("DRR? 1 500 1"), b"\n", "they are awaited");
+    assert_eq!(ask(&device, "ERR?"), "17");
     wait(&device, 2.0);
     let rows = ask(&device, "DRR? 1 4000 1 2");
     let rows: Vec<&str> = rows.lines().skip_while(|line| !line.contains("END_HEADER")).skip(1).collect();

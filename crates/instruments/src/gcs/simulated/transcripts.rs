@@ -40,7 +40,9 @@ fn epics_finds_its_controller_starts_and_polls() {
         for parameter in [0x0700_0300, 0x0700_0301, 0x0703_0600, 0x0800_0100, 0x0700_0200, 0x0800_0300, 0x0600_0500] {
             converse(&device, &format!("SPA? 1 {parameter}"));
         }
-        converse(&device, "CCL 1 advanced\nSPA 1 117441281 2.5\nCCL 0\nVEL 1 500.000000\nMOV 1 100.000000");
+        // It writes them without asking for errors, which its next move would find.
+        ask(&device, "CCL 1 advanced\nSPA 1 117441280 0.01\nSPA 1 134217984 300\nSPA 1 117638656 1\nSPA 1 100664576 5");
+        converse(&device, "SPA 1 117441281 2.5\nCCL 0\nVEL 1 500.000000\nMOV 1 100.000000");
         assert_eq!(ask(&device, "\x05"), "1");
         wait(&device, 2.0);
         assert_eq!(ask(&device, "\x05"), "0");
@@ -61,6 +63,11 @@ fn bliss_starts_an_e_727_and_reads_its_information() {
     assert!(ask(&device, "SPA? 1 0x7000900").starts_with("1 0x7000900="));
     converse(&device, "VEL 1 200.000000\nMOV 1 50");
     assert_eq!(ask(&device, "ONT? 1"), "1=0");
+    // It sets the number of tables, and arms all of them at once.
+    converse(&device, "SPA 1 0x16000300 2\nSPA? 1 0x16000200\nDRC 1 1 2\nDRC 2 1 3\nRTR 100\nDRT 1 1 0 2 1 0");
+    assert_eq!(ask(&device, "SPA? 1 0x16000200\nDRT? 1 2"), "1 0x16000200=65536\n1=1 0\n2=1 0");
+    // Points that are not there yet are an empty line.
+    assert_eq!(ask(&device, "MOV 1 40\nDRR? 1 500 1 2\nERR?"), "17");
     assert_eq!(ask(&device, "HLT 1\nERR?"), "10");
 }
 
@@ -74,6 +81,9 @@ fn bliss_starts_an_e_754_and_plays_a_wave() {
          SPA? 1 0X02000300\nSPA? 1 0X07000A00\nSPA? 1 0X07000A01\nIFC? IPADR MACADR IPSTART\nTSP?\nTAD?
          SPA? 1 0xe000200\nSPA? 1 0x13000004\nWSL 1 1\nWAV 1 X LIN 1000 20 0 1000 0 2\nWTR 0 1 1\nWGC 1 2\nWGO 1 1",
     );
+    // Only the E-727 drops a zero before the number of a parameter.
+    assert!(ask(&device, "SPA? 1 0X07000000").starts_with("1 0x07000000="));
+    assert!(ask(&device, "SPA? 1 0xe000200").starts_with("1 0xe000200="));
     // It reads so many lines, in this order.
     let lines = ["IFC?", "TSP?", "TAD?", "IFC? IPADR MACADR IPSTART"].map(|query| ask(&device, query));
     assert_eq!(lines.each_ref().map(|lines| lines.lines().count()), [5, 3, 3, 3]);
