@@ -29,6 +29,7 @@
 //! ```
 
 mod acquire;
+mod bench;
 mod campaign;
 mod checks;
 mod connect;
@@ -45,6 +46,7 @@ mod rest;
 mod scpi;
 mod simulated;
 mod stop;
+mod timing;
 mod watch;
 mod wire;
 
@@ -57,3 +59,4 @@ pub use instrument::{Drive, Instrument, Left, Setup};
 pub use rest::Rest;
 pub use scpi::ScpiOptions;
 pub use simulated::{Model, Simulated, Simulation};
+pub use timing::{Agree, MeasuredTiming, MeasuredTimingOptions};

@@ -46,7 +46,7 @@ pub fn answered(request: &[u8], progress: &mut Progress) -> Vec<u8> {
 
 /// True if the request moves an instrument, which must be stopped in an orderly way. Its files are not read.
 pub fn moves(request: &[u8]) -> bool {
-    document(request).is_ok_and(|(head, _)| ["acquire", "campaign"].iter().any(|call| head["call"] == *call))
+    document(request).is_ok_and(|(head, _)| ["acquire", "campaign", "moves"].iter().any(|call| head["call"] == *call))
 }
 
 /// The words of an answer: options stand in braces, and the page writes their labels.

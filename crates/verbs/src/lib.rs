@@ -39,7 +39,10 @@ pub use plan::{Plan, PlanOptions, PlannedDrive};
 pub use prepare::{Source, Step};
 pub use simulate::{SimulateOptions, Simulated, Subject};
 pub use split::{Split, Test};
-pub use timing::{FastestMove, Landing, Players, RunTiming, ScanLag, StepTiming, Timing, TimingOptions};
+pub use timing::{
+    FastestMove, Landing, MoveOptions, PlannedMoves, Players, RunTiming, ScanLag, Start, StepTiming, Timing,
+    TimingOptions,
+};
 pub use validate::{Compared, ValidateRecords, Validated};
 pub use verdict::{StatedVerdict, Verdict};
 

@@ -1,11 +1,11 @@
 //! What a campaign is going to measure and to move, to which its user agrees before anything moves.
 
 use super::{CampaignOptions, Journal};
-use crate::{Drive, Instrument, Setup};
+use crate::bench::{drive_of, to_move};
+use crate::{Instrument, Setup};
 use piezoid::Error;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
-use piezoid_numerics::number::round;
 use piezoid_verbs::{DataFile, File, Plan, PlanOptions, PlannedDrive};
 use serde_json::{Value, json};
 
@@ -37,7 +37,8 @@ impl CampaignOptions {
         let setup = instrument.setup().clone();
         let plan = self.plan(&setup)?;
         for drive in plan.drives.iter().chain([&plan.demagnetisation]) {
-            setup.check(&self.drive(&plan, "", &drive.u, drive.ts)).map_err(|error| error.of(&drive.file()))?;
+            let drive_now = drive_of(("", &drive.u), (drive.ts, plan.ts), self.instrument.ramp);
+            setup.check(&drive_now).map_err(|error| error.of(&drive.file()))?;
         }
         let mut resumed = Vec::new();
         for drive in &plan.drives {
@@ -64,11 +65,6 @@ impl CampaignOptions {
             limits: self.instrument.limits.clone(),
         }
         .run(None)
-    }
-
-    /// A drive of this sampling period [s], without a wait before it.
-    pub(super) fn drive<'u>(&self, plan: &Plan, what: &'u str, u: &'u [f64], ts: f64) -> Drive<'u> {
-        Drive { what, u, ts, ramp: self.instrument.ramp, settle: 0.0, joined: ts > 1.5 * plan.ts }
     }
 
     /// The time that everything takes that moves, without these records [s].
@@ -104,12 +100,7 @@ impl Agenda {
     /// What is to move, as text.
     pub fn text(&self) -> String {
         let ((low, high), setup) = (self.range(), &self.setup);
-        let [low, high] = [low, high].map(round);
-        let seconds = self.seconds.ceil();
-        let text = format!(
-            "{}: axis {} is to move between {low} and {high} V, for {seconds} s or more.",
-            setup.identity, setup.axis
-        );
+        let text = to_move(setup, (low, high), self.seconds);
         if self.resumed.is_empty() {
             return text;
         }

@@ -21,13 +21,14 @@ pub use agenda::Agenda;
 pub use path::Track;
 
 use crate::acquire::{at_rest, servo_remark, stopped};
-use crate::{Drive, Instrument, InstrumentOptions, Left, Setup};
+use crate::bench::{Bench, WAIT};
+use crate::{Instrument, InstrumentOptions, Left, Setup};
 use agenda::kept;
 use path::Path;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
 use piezoid::validation::{Offset, ValidateOptions};
-use piezoid::{Error, Identification, IdentifyOptions, Record};
+use piezoid::{Error, Identification, IdentifyOptions};
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_verbs::{DataFile, File, Plan, PlannedDrive, Source, ValidateRecords, Validated};
 use serde_json::{Value, json};
@@ -46,7 +47,7 @@ options! {
         /// Sampling period of the model.
         period: Option<f64> = None, OptionRow::positive("s").absent("from bandwidth and resonance");
         /// Wait after each demagnetisation, until creep has decayed.
-        wait: f64 = 10.0, OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: false, below: 3600.0 }) };
+        wait: f64 = 10.0, WAIT;
         /// Hysteresis operators to identify: auto, names separated by commas, or auto,-NAME.
         operator: String = "auto".into(), OptionRow::new(OptionKind::Text("NAME")).list("operators");
     } with instrument: InstrumentOptions
@@ -95,9 +96,6 @@ pub struct Campaign {
     pub notes: Vec<String>,
 }
 
-/// Time at rest over which the displacement is averaged before a path [s].
-const STILL: f64 = 0.2;
-
 impl CampaignOptions {
     /// Connects to the controller and runs the campaign. `reference` is the path to follow [unit of the sensor];
     /// without it, the campaign has one of its own.
@@ -138,10 +136,19 @@ impl CampaignOptions {
         notes.extend(agenda.plan.notes.iter().cloned());
         journal.agree(&agenda)?;
         let Agenda { setup, plan, .. } = agenda;
-        let mut bench = Bench { options: self, instrument, plan: &plan, part: String::new() };
-        let found = bench.found(reference, journal, notes, progress);
-        let found = found.map_err(|error| stopped(bench.instrument, error, notes))?;
-        let (left, unfinished) = at_rest(bench.instrument, self.instrument.rest);
+        let bench = Bench {
+            instrument,
+            demagnetisation: &plan.demagnetisation,
+            middle: plan.middle(),
+            ts: plan.ts,
+            ramp: self.instrument.ramp,
+            wait: self.wait,
+            part: String::new(),
+        };
+        let mut work = Work { options: self, plan: &plan, bench };
+        let found = work.found(reference, journal, notes, progress);
+        let found = found.map_err(|error| stopped(work.bench.instrument, error, notes))?;
+        let (left, unfinished) = at_rest(work.bench.instrument, self.instrument.rest);
         notes.extend(servo_remark(setup.servo, left, &setup.axis));
         let Found { resumed, identification, validated, straight, compensated } = found;
         let notes = notes.clone();
@@ -171,16 +178,14 @@ struct Found {
     compensated: Track,
 }
 
-/// An instrument with what it is to play.
-struct Bench<'b> {
+/// A campaign at work on an instrument.
+struct Work<'b> {
     options: &'b CampaignOptions,
-    instrument: &'b mut dyn Instrument,
     plan: &'b Plan,
-    /// What is measured now, for the progress.
-    part: String,
+    bench: Bench<'b>,
 }
 
-impl Bench<'_> {
+impl Work<'_> {
     fn found(
         &mut self,
         reference: Option<(&DataFile, &ColumnSelection)>,
@@ -209,44 +214,22 @@ impl Bench<'_> {
         let validated = options.run(model, path.into_iter().collect())?;
         let path = Path::new(self.options, self.plan, model, reference)?;
         let gain = path::gain(&validated.files);
-        self.part = "straight line".into();
-        let straight = path.on(self, |r, rest| path.straight(r, rest, gain), notes)?;
-        self.part = "compensated path".into();
-        let compensated = path.on(self, |r, rest| path.inverse(r, rest), notes)?;
+        self.bench.part = "straight line".into();
+        let straight = path.on(&mut self.bench, |r, rest| path.straight(r, rest, gain), notes)?;
+        self.bench.part = "compensated path".into();
+        let compensated = path.on(&mut self.bench, |r, rest| path.inverse(r, rest), notes)?;
         Ok(Found { resumed, identification, validated, straight, compensated })
     }
 
     /// Measures the record of a drive, and keeps both.
     fn record(&mut self, drive: &PlannedDrive, journal: &mut dyn Journal) -> Result<File, Error> {
-        self.part = format!("record {}", drive.name);
-        self.demagnetise()?;
-        let record = self.play("", &drive.u, drive.ts, self.options.wait)?;
+        self.bench.part = format!("record {}", drive.name);
+        self.bench.demagnetise()?;
+        let record = self.bench.play("", &drive.u, drive.ts, self.options.wait)?;
         let name = format!("{}.csv", drive.name);
         let file = File::new(name.clone(), record.written(&name)?);
         journal.keep(vec![drive.written()?, file.clone()])?;
         Ok(file)
-    }
-
-    fn demagnetise(&mut self) -> Result<(), Error> {
-        let PlannedDrive { u, ts, .. } = &self.plan.demagnetisation;
-        self.play(", demagnetisation", u, *ts, 0.0).map(drop)
-    }
-
-    /// Plays voltages after a wait [s], and returns what was measured. `what` follows the name of the part.
-    fn play(&mut self, what: &str, u: &[f64], ts: f64, settle: f64) -> Result<Record, Error> {
-        let what = format!("{}{what}", self.part);
-        let drive = Drive { settle, ..self.options.drive(self.plan, &what, u, ts) };
-        self.instrument.prepare(&drive)?;
-        self.instrument.play(&drive)
-    }
-
-    /// Demagnetises, waits, and returns the mean displacement at rest.
-    fn at_rest(&mut self) -> Result<f64, Error> {
-        self.demagnetise()?;
-        let ts = self.plan.ts;
-        let still = vec![self.plan.middle(); (STILL / ts).ceil().max(2.0) as usize];
-        let record = self.play(", displacement at rest", &still, ts, self.options.wait)?;
-        Ok(piezoid_numerics::series::mean(record.y()))
     }
 }
 

@@ -7,7 +7,8 @@
 //! The path begins and ends at rest at the middle of the range, from where a minimum-jerk move leads to its first
 //! value.
 
-use super::{Bench, CampaignOptions};
+use super::CampaignOptions;
+use crate::bench::Bench;
 use piezoid::compensation::{FeedForward, FeedForwardSettings};
 use piezoid::excitation::Multisine;
 use piezoid::formats::{ColumnSelection, Table};

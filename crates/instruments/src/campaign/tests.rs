@@ -1,5 +1,5 @@
 use super::*;
-use crate::{ConnectOptions, Function, Model, Protocol};
+use crate::{ConnectOptions, Drive, Function, InstrumentOptions, Model, Protocol};
 use piezoid::System;
 use piezoid::plant::{Plant, Preset};
 use piezoid::progress::Stage;

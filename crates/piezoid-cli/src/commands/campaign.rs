@@ -1,16 +1,13 @@
 //! `piezoid campaign`: from a controller to a model and a compensated path that was measured.
 
+use super::agreed::agreed;
 use super::prelude::*;
-use crate::console::is_interrupted;
 use crate::values::Ended;
 use piezoid::Error;
 use piezoid_host::files::FileSet;
 use piezoid_instruments::{Agenda, Campaign as Found, CampaignOptions, Journal, Track};
 use piezoid_numerics::number::{round, short};
 use piezoid_verbs::File;
-use std::io::{BufRead, IsTerminal, Write, stderr, stdin};
-use std::sync::mpsc;
-use std::time::Duration;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -97,20 +94,7 @@ struct Folder<'c> {
 
 impl Journal for Folder<'_> {
     fn agree(&mut self, agenda: &Agenda) -> Result<(), Error> {
-        if self.is_agreed {
-            return Ok(());
-        }
-        let text = agenda.text();
-        if !stdin().is_terminal() {
-            return Err(Error::Content(format!("{text} Add --yes to agree to it; nothing has moved")));
-        }
-        let mut err = stderr().lock();
-        drop(write!(err, "{text} Continue? [y/N] ").and_then(|()| err.flush()));
-        drop(err);
-        match answer().as_deref() {
-            Some("y" | "Y" | "yes") => Ok(()),
-            _ => Err(Error::Content("nothing has moved".into())),
-        }
+        agreed(&agenda.text(), self.is_agreed)
     }
 
     fn earlier(&self, name: &str) -> Option<File> {
@@ -122,22 +106,5 @@ impl Journal for Folder<'_> {
             .map_err(anyhow::Error::from)
             .and_then(|set| Results::of(set).write(self.console));
         written.map_err(|error| Error::Content(format!("{error:#}")))
-    }
-}
-
-/// A line of stdin; `None` at its end, and after Ctrl-C.
-fn answer() -> Option<String> {
-    let (to, from) = mpsc::channel();
-    std::thread::spawn(move || {
-        let mut line = String::new();
-        let read = stdin().lock().read_line(&mut line);
-        drop(to.send(read.map(|_| line.trim().to_string())));
-    });
-    loop {
-        match from.recv_timeout(Duration::from_millis(20)) {
-            Ok(line) => return line.ok().filter(|line| !line.is_empty()),
-            Err(mpsc::RecvTimeoutError::Timeout) if !is_interrupted() => (),
-            Err(_) => return None,
-        }
     }
 }

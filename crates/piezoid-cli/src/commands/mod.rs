@@ -2,6 +2,7 @@
 //! becomes a verb by its row alone ([`derived`]).
 
 mod acquire;
+mod agreed;
 mod campaign;
 mod compare;
 mod compensate;
@@ -123,9 +124,10 @@ const VERBS: &[Verb] = &[
     own::<shell::Manual>("man", "Print the manual page"),
 ];
 
-/// All verbs: the rows above, and the operations that they leave out. `acquire` does what `controller` does.
+/// All verbs: the rows above, and the operations that they leave out. `acquire` does what `controller` does, and
+/// `timing --controller` what `moves` does.
 pub(crate) fn all() -> Vec<Verb> {
-    let names = Operation::all().map(|operation| operation.name).filter(|name| *name != "controller");
+    let names = Operation::all().map(|operation| operation.name).filter(|name| !["controller", "moves"].contains(name));
     let others = names.filter(|name| VERBS.iter().all(|verb| verb.name != *name)).map(derived);
     VERBS.iter().copied().chain(others).collect()
 }

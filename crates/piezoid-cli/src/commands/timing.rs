@@ -1,10 +1,17 @@
 //! `piezoid timing`: settling, overshoot and scan lag along a path, and the fastest moves.
 
+use super::agreed::agreed;
 use super::lists;
 use super::prelude::*;
-use crate::values::{apart, record};
+use crate::values::{Ended, apart, record};
+use crate::words::flag;
+use piezoid::formats::ColumnSelection;
+use piezoid::plant::Spec;
+use piezoid_instruments::{InstrumentOptions, MeasuredTiming, MeasuredTimingOptions};
 use piezoid_numerics::number::short as number;
-use piezoid_verbs::{FastestMove, RunTiming, ScanLag, StepTiming, Timing, TimingOptions};
+use piezoid_numerics::options::Options;
+use piezoid_verbs::{FastestMove, Players, RunTiming, ScanLag, StepTiming, Timing, TimingOptions};
+use serde_json::Value;
 
 const EXAMPLES: &str = "\
 Examples:
@@ -14,8 +21,11 @@ Examples:
     piezoid timing --model model.json --path steps.csv --tolerance 0.5um --smooth 10ms --plant pl140
   What a controller measured along a path:
     piezoid timing --model model.json --path scan.csv --tolerance 50nm --measured measured.csv
+  On a controller itself, within the limits of its amplifier; the actuator moves:
+    piezoid timing --model model.json --path steps.csv --tolerance 0.5um --smooth 10ms --driver pl140 --controller \
+--host 192.168.0.10
 
-Settling is the time from the first sample of a step until the error stays within the tolerance, overshoot the largest error beyond the goal, lag the delay that leaves the least rms error along a periodic path. The path is clipped to the limits. Plants are read without the noise of their sensor.";
+Settling is the time from the first sample of a step until the error stays within the tolerance, overshoot the largest error beyond the goal, lag the delay that leaves the least rms error along a periodic path. The path is clipped to the limits. Plants are read without the noise of their sensor. A controller is demagnetised before each voltage, and the displacement at rest is set to that of the model. Ctrl-C stops its wave generator; the voltage then stays where it is, and is shown.";
 
 /// Largest number of steps in the table.
 const SHOWN: usize = 8;
@@ -35,8 +45,14 @@ pub(crate) struct TimingCall {
     /// Also play the path on this plant: a name (see `piezoid plants`), or a JSON file of its parameters.
     #[arg(long, value_name = "NAME|FILE")]
     plant: Option<String>,
+    /// Also play both voltages on a controller, which `acquire` describes. The actuator moves.
+    #[arg(long, conflicts_with = "measured")]
+    controller: bool,
+    /// Do not ask before the actuator moves.
+    #[arg(short, long, requires = "controller")]
+    yes: bool,
     #[command(flatten)]
-    options: Flags<TimingOptions>,
+    options: Flags<MeasuredTimingOptions>,
     /// Write path, voltage and displacements: CSV, or .npz or .mat by the extension; - is stdout.
     #[arg(short, long, value_name = "FILE", value_parser = record())]
     output: Option<PathBuf>,
@@ -56,20 +72,82 @@ impl Run for TimingCall {
         let columns = self.columns.read()?;
         let plant = self.plant.as_deref().map(|name| Ok((name, lists::plant(name)?)));
         let plant = plant.transpose().map_err(|error: anyhow::Error| error)?;
-        let named = plant
+        let plant = plant
             .as_ref()
             .map(|(name, spec)| (Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name), spec));
+        if self.controller {
+            return self.on_controller(plant, &columns, console);
+        }
+        let options = self.options.0.clone();
+        apart_from_controllers(&options)?;
+        let options = TimingOptions { moves: options.moves, limits: options.instrument.limits };
         let model = files::read(&self.model)?;
         let path = self.path.as_deref().map(files::data).transpose()?;
         let measured = self.measured.as_deref().map(files::data).transpose()?;
         let data = (path.as_ref(), measured.as_ref());
-        let result = console.work(|progress| self.options.0.run(&model, data, named, &columns, progress))?;
-        if !results.contains(&Some(Path::new("-"))) {
-            console.print(&tables(&result, console))?;
+        let result = console.work(|progress| options.run(&model, data, plant, &columns, progress))?;
+        self.show(&result, &result.to_json(), console)
+    }
+}
+
+/// Returns an error if options of a controller are named, but no controller is meant.
+fn apart_from_controllers(options: &MeasuredTimingOptions) -> Result<()> {
+    let instrument = InstrumentOptions { limits: Default::default(), ..options.instrument.clone() };
+    let alone = MeasuredTimingOptions { moves: Default::default(), instrument, ..options.clone() };
+    match alone.changed().first() {
+        Some((row, _)) => {
+            let name = flag(row.name);
+            bail!(Ended::Misused(format!("--{name} has no effect without --controller")))
         }
-        console.remarks(result.notes.iter().chain([&result.proven()]));
-        let record = Results::default().record(self.output.as_deref(), |name| result.written(name))?;
-        record.json(self.json.as_deref(), &result.to_json()).write(console)
+        None => Ok(()),
+    }
+}
+
+impl TimingCall {
+    fn on_controller(&self, plant: Option<(&str, &Spec)>, columns: &ColumnSelection, console: &Console) -> Result<()> {
+        let model = files::read(&self.model)?.model().map_err(failed)?;
+        let path = self.path.as_deref().map(files::data).transpose()?;
+        let path = path.map(|path| path.reference(columns, &model)).transpose().map_err(failed)?;
+        let (players, mut notes) = (Players { plant, measured: None }, Vec::new());
+        let mut agree = |text: &str| agreed(text, self.yes);
+        let outcome = console.work_until_cancelled(|progress| {
+            let outcome = self.options.0.run((&model, path), &players, &mut agree, &mut notes, progress);
+            Ok((outcome, std::mem::take(&mut notes)))
+        });
+        let ((outcome, notes), is_cancelled) = outcome?;
+        let found: MeasuredTiming = match outcome {
+            Ok(found) => found,
+            Err(error) => {
+                console.remarks(&notes);
+                match error {
+                    piezoid::Error::Cancelled { .. } => {
+                        bail!(Ended::Cancelled(format!("{error}: nothing was written")))
+                    }
+                    other => return Err(failed(other)),
+                }
+            }
+        };
+        self.show(&found.timing, &found.to_json(), console)?;
+        match &found.unfinished {
+            Some(unfinished) if is_cancelled => bail!(Ended::Cancelled(unfinished.clone())),
+            Some(unfinished) => bail!(unfinished.clone()),
+            None if self.is_piped() => Ok(()),
+            None => console.sentence(&found.state()),
+        }
+    }
+
+    fn show(&self, timing: &Timing, document: &Value, console: &Console) -> Result<()> {
+        if !self.is_piped() {
+            console.print(&tables(timing, console))?;
+        }
+        console.remarks(timing.notes.iter().chain([&timing.proven()]));
+        let record = Results::default().record(self.output.as_deref(), |name| timing.written(name))?;
+        record.json(self.json.as_deref(), document).write(console)
+    }
+
+    /// True if a result goes to stdout, where nothing else may be then.
+    fn is_piped(&self) -> bool {
+        [&self.output, &self.json].into_iter().flatten().any(|path| files::is_stream(path))
     }
 }
 

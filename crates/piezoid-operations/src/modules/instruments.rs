@@ -1,12 +1,14 @@
 //! Controllers in the network.
 
-use super::{named, one, optional};
+use super::models::timed;
+use super::{MODEL, NAME, named, one, optional};
 use crate::{Inputs, Operation, Output, Role};
+use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::{Error, Verdict};
-use piezoid_instruments::{AcquireOptions, Agenda, CampaignOptions, ConnectOptions, Journal};
-use piezoid_numerics::options::Options;
-use piezoid_verbs::{DataFile, File};
+use piezoid_instruments::{AcquireOptions, Agenda, CampaignOptions, ConnectOptions, Journal, MeasuredTimingOptions};
+use piezoid_numerics::options::{OptionRow, Options, options};
+use piezoid_verbs::{DataFile, File, Players};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -49,7 +51,36 @@ pub(super) const OPERATIONS: &[Operation] = &[
             Ok(Output { result, ..Output::default() })
         },
     },
+    Operation {
+        name: "moves",
+        summary: "Time moves along a path on a controller: settling, overshoot, scan lag",
+        module: "instruments",
+        roles: &[MODEL, optional("path")],
+        options: MovesCall::rows,
+        run: moves,
+    },
 ];
+
+options! {
+    /// Options of `moves`.
+    pub(crate) struct MovesCall {
+        /// Also play the path on this plant.
+        plant: Option<String> = None, OptionRow::new(NAME).list("plants");
+    } with timing: MeasuredTimingOptions
+}
+
+/// Times moves; the caller has agreed to them.
+fn moves(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let MovesCall { plant, timing } = inputs.options()?;
+    let spec = plant.as_deref().map(|name| Ok((name, Preset::find(name)?.spec()))).transpose()?;
+    let players = Players { plant: spec.as_ref().map(|(name, spec)| (*name, spec)), measured: None };
+    let (model, mut notes) = (inputs.one("model")?.model()?, Vec::new());
+    let path =
+        inputs.some("path")?.map(|file| DataFile::from(file).reference(&inputs.columns()?, &model)).transpose()?;
+    let outcome = timing.run((&model, path), &players, &mut |_| Ok(()), &mut notes, progress);
+    let outcome = outcome.map_err(|error| placed(error, &notes))?;
+    timed(&outcome.timing, outcome.to_json())
+}
 
 /// What an earlier campaign has kept, which is then not measured again.
 const EARLIER: Role = Role { name: "earlier", least: 0, many: true };

@@ -11,10 +11,10 @@ use piezoid_models::hysteresis::LoopOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::{MIN_REVERSAL_SHARE, reversals};
 use piezoid_verbs::{
-    CompensateOptions, DataFile, File, OnlineOptions, OnlineRow, SimulateOptions, Subject, TimingOptions,
+    CompensateOptions, DataFile, File, OnlineOptions, OnlineRow, SimulateOptions, Subject, Timing, TimingOptions,
     ValidateRecords,
 };
-use serde_json::json;
+use serde_json::{Value, json};
 
 pub(super) const OPERATIONS: &[Operation] = &[
     Operation {
@@ -99,7 +99,12 @@ fn timing(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let plant = spec.as_ref().map(|(name, spec)| (*name, spec));
     let data = (path.as_ref(), measured.as_ref());
     let outcome = timing.run(&inputs.one("model")?, data, plant, &inputs.columns()?, progress)?;
-    let mut result = outcome.to_json();
+    let document = outcome.to_json();
+    timed(&outcome, document)
+}
+
+/// The timing of moves with its document, for the page.
+pub(super) fn timed(outcome: &Timing, mut result: Value) -> Result<Output, Error> {
     result["sentence"] = outcome.proven().into();
     result["units"] = json!(outcome.units);
     let mut series = named([("r", &outcome.path[..]), ("u", &outcome.u)]);

@@ -168,6 +168,14 @@ impl PlanOptions {
         Ok(plan)
     }
 
+    /// What brings the hysteresis to the middle of its loop, alone.
+    ///
+    /// # Errors
+    /// Those of [`run`](Self::run) for range, sampling period, bandwidth and limits.
+    pub fn demagnetisation(&self) -> Result<PlannedDrive, Error> {
+        drives::demagnetisation(&self.rig(None, &mut Vec::new())?, &mut Vec::new())
+    }
+
     fn rig(&self, model: Option<&Model>, notes: &mut Vec<String>) -> Result<Rig, Error> {
         let actuator = self.actuator.as_deref().map(Actuator::find).transpose()?;
         let mut arguments = self.limits.clone();

@@ -10,23 +10,23 @@
 //! plant is without the noise of its sensor, which is no motion. It does not simulate feedback: `control` does.
 
 mod fastest;
+mod planned;
 mod run;
 
 pub use fastest::{FastestMove, Landing};
+pub use planned::{PlannedMoves, Start};
 pub use run::{RunTiming, ScanLag, StepTiming};
 
 use super::same_actuator::matched;
-use super::verdict::{StatedVerdict, proven};
-use super::{CompensateOptions, DataFile, File, Verdict, blamed};
-use fastest::{Mover, Player};
+use super::verdict::proven;
+use super::{DataFile, File, Verdict, blamed};
+use piezoid_control::compensation::FeedForwardSettings;
 use piezoid_control::compensation::shaping::Shaping;
-use piezoid_control::compensation::{FeedForward, FeedForwardSettings};
 use piezoid_models::hammerstein::Model;
-use piezoid_numerics::error::{Error, finite};
-use piezoid_numerics::number::{ascii_unit, short};
+use piezoid_numerics::error::Error;
+use piezoid_numerics::number::ascii_unit;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_numerics::progress::{Progress, Stage};
-use piezoid_numerics::series::ends;
 use piezoid_numerics::system::System;
 use piezoid_records::excitation::LimitOptions;
 use piezoid_records::formats::{ColumnSelection, Table};
@@ -34,27 +34,22 @@ use piezoid_records::record::{Record, Units};
 use piezoid_twins::{Plant, Spec};
 use serde_json::{Value, json};
 
-/// The default tolerance, over the height of the path.
-const TOLERANCE: f64 = 0.01;
-
-/// Height of the default step, and of the default flyback, over the stroke.
-const STEP: f64 = 0.1;
-const FLYBACK: f64 = 0.8;
-
-/// Time for which the default step is held [s], and its smallest number of samples.
-const HELD: f64 = 0.25;
-const HELD_SAMPLES: usize = 600;
-
 options! {
-    /// How to time moves.
-    pub struct TimingOptions {
+    /// How to time moves, within limits that are stated elsewhere.
+    pub struct MoveOptions {
         /// Largest error of a settled displacement: a number in the model's output unit, or with a unit, such as 0.1um.
         tolerance: Option<String> = None, OptionRow::new(LENGTH).absent("1 % of the height of the path");
         /// Height of the step up and down that is the path if none is given, written like {tolerance}.
         step: Option<String> = None, OptionRow::new(LENGTH).absent("a tenth of the stroke");
         /// Largest number of iterations that correct the error left in the model's free run.
         iterations: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-    } with limits: LimitOptions with shape: Shaping
+    } with shape: Shaping
+}
+
+options! {
+    /// How to time moves.
+    pub struct TimingOptions {
+    } with moves: MoveOptions with limits: LimitOptions
 }
 
 const LENGTH: OptionKind = OptionKind::Text("LENGTH");
@@ -97,8 +92,7 @@ impl TimingOptions {
     /// Times the path `r` [output unit], or a step up and down, with `model`.
     ///
     /// # Errors
-    /// Returns an error for a tolerance or a step that is no positive length, inconsistent limits, a model without an
-    /// inverse, a path that cannot be held or shaped, a measured displacement of another length, and cancellation.
+    /// Those of [`MoveOptions::planned`] and [`PlannedMoves::timed`].
     pub fn of(
         &self,
         model: &Model,
@@ -106,81 +100,7 @@ impl TimingOptions {
         players: &Players,
         progress: &mut Progress,
     ) -> Result<Timing, Error> {
-        let settings =
-            FeedForwardSettings { iterations: self.iterations, ..FeedForwardSettings::within(&self.limits, false)? };
-        let inverse = FeedForward::new(model, settings)?;
-        let (units, reach) = (model.units(), inverse.reach());
-        let is_path = r.is_some();
-        if let (true, Some(step)) = (is_path, &self.step) {
-            return Err(Error::parameter("step", step, "has no effect beside a path: leave it out"));
-        }
-        let r = r.map_or_else(|| self.step_along(model, reach), Ok)?;
-        finite("path", &r)?;
-        inverse.holds(&r)?;
-        let (low, high) = ends(r.iter().copied());
-        let tolerance = match &self.tolerance {
-            Some(text) => length("tolerance", text, &units.y)?,
-            None => TOLERANCE * (high - low),
-        };
-        if tolerance <= 0.0 || tolerance.is_nan() {
-            let rule = "must be a positive length, because the path stays where it is";
-            return Err(Error::parameter("tolerance", short(tolerance), rule));
-        }
-        let options = CompensateOptions {
-            clip: true,
-            iterations: self.iterations,
-            limits: self.limits.clone(),
-            shape: self.shape,
-        };
-        let compensation = options.of(model, r)?;
-        let (r, u) = (&compensation.shaped, &compensation.compensated.u);
-        let line = straight(model, settings.ends(model)?, reach, r);
-        let mut played = vec![
-            ("model, compensated".to_string(), compensation.compensated.reached.clone()),
-            (
-                "model, straight line".to_string(),
-                model.follow(&mut model.settled(line.first().copied().unwrap_or(0.0)), &line),
-            ),
-        ];
-        let mut notes = compensation.compensated.notes.clone();
-        let plant = players.plant.map(|plant| Twin::new(plant, model, &settings, &mut notes)).transpose()?;
-        if let Some(twin) = &plant {
-            for (what, u) in [("compensated", u), ("straight line", &line)] {
-                played.push((format!("{}, {what}", twin.name), twin.play(u)));
-            }
-            notes.extend(twin.saturated(u));
-        }
-        if let Some(y) = &players.measured {
-            if y.len() != r.len() {
-                let (left, right) = ("the path".into(), "the measured displacement".into());
-                return Err(Error::Lengths { left, left_len: r.len(), right, right_len: y.len() });
-            }
-            played.push(("measured".into(), y.clone()));
-        }
-        cancelled(progress, 1)?;
-        let play = plant.as_ref().map(|twin| |u: &[f64]| twin.play(u));
-        let play = play.as_ref().map(|play| play as Player);
-        let mover = Mover { model, inverse: &inverse, tolerance, plant: play };
-        let (step, flyback) = self.goals(r, reach, is_path);
-        let mut fastest = mover.fastest("step", step);
-        cancelled(progress, 2)?;
-        fastest.extend(mover.fastest("flyback", flyback));
-        cancelled(progress, 3)?;
-        let (runs, displacements) =
-            played.into_iter().map(|(name, y)| (RunTiming::of(name, model.ts(), (r, &y), tolerance), y)).unzip();
-        notes.extend(self.remarks(&compensation, tolerance));
-        Ok(Timing {
-            ts: model.ts(),
-            units: units.clone(),
-            tolerance,
-            runs,
-            displacements,
-            fastest,
-            notes,
-            verdict: model.verdict(),
-            u: compensation.compensated.u,
-            path: compensation.shaped,
-        })
+        self.moves.planned(&self.limits, model, r, Start::Settled)?.timed(players, progress)
     }
 
     /// The same from files; `measured` is the record of a controller along the path, whose column y counts.
@@ -205,51 +125,6 @@ impl TimingOptions {
         let result = self.of(&model, r, &Players { plant, measured }, progress);
         result.map_err(|e| path.map_or(e.clone(), |path| blamed(e, file).about(&path.name)))
     }
-
-    /// The default path: a step up and down about the middle of the stroke.
-    fn step_along(&self, model: &Model, reach: (f64, f64)) -> Result<Vec<f64>, Error> {
-        let height = match &self.step {
-            Some(text) => length("step", text, &model.units().y)?,
-            None => STEP * (reach.1 - reach.0),
-        };
-        let middle = 0.5 * (reach.0 + reach.1);
-        let (low, high) = (middle - 0.5 * height, middle + 0.5 * height);
-        let held = ((HELD / model.ts()).min(1e6) as usize).max(HELD_SAMPLES);
-        Ok([vec![low; HELD_SAMPLES], vec![high; held], vec![low; held]].concat())
-    }
-
-    /// The ends of the step and of the flyback whose fastest moves are searched: the largest step of the path, or a
-    /// tenth of its height, and from its top to its bottom. Without a path, the flyback is over 0.8 of the stroke.
-    fn goals(&self, r: &[f64], reach: (f64, f64), is_path: bool) -> ((f64, f64), (f64, f64)) {
-        let (low, high) = ends(r.iter().copied());
-        let steps = RunTiming::of("path", 1.0, (r, r), 0.0).steps;
-        let largest = steps.iter().rev().max_by(|a, b| (a.to - a.from).abs().total_cmp(&(b.to - b.from).abs()));
-        let middle = 0.5 * (low + high);
-        let step = largest.map_or((middle, middle + STEP * (high - low)), |step| (step.from, step.to));
-        let (centre, half) = (0.5 * (reach.0 + reach.1), 0.5 * FLYBACK * (reach.1 - reach.0));
-        (step, if is_path { (high, low) } else { (centre + half, centre - half) })
-    }
-
-    /// Notes on the tolerance and on the limits.
-    fn remarks(&self, compensation: &super::Compensation, tolerance: f64) -> Vec<String> {
-        let (unit, mut notes) = (&compensation.units.y, Vec::new());
-        if let Some(expected) = compensation.expected_rms().filter(|expected| tolerance < 2.0 * expected) {
-            notes.push(format!(
-                "the tolerance of {} {unit} is below twice the rms error to expect of this model along the path, {} \
-                 {unit}: on the actuator moves may settle later, or not at all; identify a better model, or allow more",
-                short(tolerance),
-                short(expected)
-            ));
-        }
-        if self.limits == LimitOptions::default() {
-            notes.push(
-                "the limits of the driver are not known, so that moves may be shorter here than on the actuator: name \
-                 the driver"
-                    .into(),
-            );
-        }
-        notes
-    }
 }
 
 /// Returns an error if the work is cancelled after `done` of its steps.
@@ -271,14 +146,6 @@ fn length(name: &str, text: &str, unit: &str) -> Result<f64, Error> {
         let rule = format!("must be a positive length, in {unit} or with a unit that can be converted to it");
         Error::parameter(name, text, rule)
     })
-}
-
-/// The straight line from displacement to voltage through the ends of the stroke, within these ends.
-fn straight(model: &Model, (low, high): (f64, f64), reach: (f64, f64), r: &[f64]) -> Vec<f64> {
-    // A model may fall with its input.
-    let falls = model.linear().dc_gain() < 0.0;
-    let (from, to) = if falls { (reach.1, reach.0) } else { reach };
-    r.iter().map(|r| (low + (r - from) * (high - low) / (to - from)).max(low).min(high)).collect()
 }
 
 /// The displacement in a record along a path, in the output unit of the model.
@@ -335,6 +202,21 @@ impl Twin {
 }
 
 impl Timing {
+    /// Adds a run with this displacement along the path [output unit].
+    ///
+    /// # Errors
+    /// Returns an error for a displacement of another length.
+    pub fn add(&mut self, name: impl Into<String>, y: Vec<f64>) -> Result<(), Error> {
+        let (name, r) = (name.into(), &self.path);
+        if y.len() != r.len() {
+            let (left, right) = ("the path".into(), format!("the displacement `{name}`"));
+            return Err(Error::Lengths { left, left_len: r.len(), right, right_len: y.len() });
+        }
+        self.runs.push(RunTiming::of(name, self.ts, (r, &y), self.tolerance));
+        self.displacements.push(y);
+        Ok(())
+    }
+
     /// How good the model is, in words.
     pub fn proven(&self) -> String {
         proven(self.verdict.as_ref())

@@ -1,5 +1,6 @@
 use super::*;
 use crate::{IdentifyOptions, Records, identify};
+use piezoid_control::compensation::FeedForward;
 use piezoid_models::hammerstein::Domain;
 use piezoid_models::hysteresis::Proportional;
 use piezoid_models::linear::Arx;
@@ -27,7 +28,8 @@ fn linear(hz: f64, damping: f64) -> Model {
 }
 
 fn options(tolerance: &str) -> TimingOptions {
-    TimingOptions { tolerance: Some(tolerance.into()), ..TimingOptions::default() }
+    let moves = MoveOptions { tolerance: Some(tolerance.into()), ..MoveOptions::default() };
+    TimingOptions { moves, ..TimingOptions::default() }
 }
 
 fn timed(options: &TimingOptions, model: &Model, r: Option<Vec<f64>>, players: &Players) -> Timing {
@@ -113,7 +115,8 @@ fn times_predicted_by_a_model_identified_from_a_twin_are_those_on_the_twin() {
     let limits = LimitOptions::from_json(json!({"driver": "pl140"})).unwrap();
     for smooth in [None, Some(0.012)] {
         let shape = Shaping { smooth, ..Shaping::default() };
-        let options = TimingOptions { limits: limits.clone(), shape, ..options("5um") };
+        let moves = MoveOptions { shape, ..options("5um").moves };
+        let options = TimingOptions { limits: limits.clone(), moves };
         let timing =
             timed(&options, &model, Some(r.clone()), &Players { plant: Some(("pl140", &spec)), measured: None });
         let names: Vec<&str> = timing.runs.iter().map(|run| &*run.name).collect();
