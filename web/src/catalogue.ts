@@ -300,6 +300,12 @@ export interface CallOptions {
     step?: string;
     /** Largest number of iterations that correct the error left in the model's free run */
     iterations?: number;
+    /** Smooth steps and corners to minimum-jerk moves of this duration [s] */
+    smooth?: number | string;
+    /** Filter the reference with a notch at the model's resonance */
+    notch?: boolean;
+    /** Shape the reference (ZVD) so that the resonance is not excited */
+    zvd?: boolean;
     /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
@@ -312,12 +318,6 @@ export interface CallOptions {
     slew?: number | string;
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
-    /** Smooth steps and corners to minimum-jerk moves of this duration [s] */
-    smooth?: number | string;
-    /** Filter the reference with a notch at the model's resonance */
-    notch?: boolean;
-    /** Shape the reference (ZVD) so that the resonance is not excited */
-    zvd?: boolean;
   };
   /** Follow gain, hysteresis weights and linear block of a model along a stream or a record. */
   online: {
@@ -591,6 +591,69 @@ export interface CallOptions {
   };
   /** Show what a campaign is going to measure, and what will move; nothing moves. */
   agenda: CallOptions["campaign"];
+  /** Time moves along a path on a controller: settling, overshoot, scan lag. */
+  moves: {
+    /** Also play the path on this plant */
+    plant?: string;
+    /** Wait after each demagnetisation, until creep has decayed [s] */
+    wait?: number | string;
+    /** Largest error of a settled displacement: a number in the model's output unit, or with a unit, such as 0.1um */
+    tolerance?: string;
+    /** Height of the step up and down that is the path if none is given, written like {tolerance} */
+    step?: string;
+    /** Largest number of iterations that correct the error left in the model's free run */
+    iterations?: number;
+    /** Smooth steps and corners to minimum-jerk moves of this duration [s] */
+    smooth?: number | string;
+    /** Filter the reference with a notch at the model's resonance */
+    notch?: boolean;
+    /** Shape the reference (ZVD) so that the resonance is not excited */
+    zvd?: boolean;
+    /** Axis to drive */
+    axis?: string;
+    /** Voltage that an open-loop value of 1 gives; some controllers count open-loop values in micrometres. With SCPI, the gain of the amplifier [V] */
+    gain?: number | string;
+    /** Number of the output channel and wave generator of the axis */
+    channel?: number;
+    /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
+    ramp?: number | string;
+    /** Where the axis goes after the drive */
+    rest?: "start" | "zero" | "stay";
+    /** Servo cycle of the controller [s] */
+    cycle?: number | string;
+    /** What the controller speaks */
+    protocol?: "gcs" | "nv200" | "scpi";
+    /** Address or name of the controller in the network */
+    host?: string;
+    /** TCP port of the controller; that of an NV200 is 23, that of an instrument with SCPI 5025 or 5555 */
+    port?: number;
+    /** Time for a whole answer [s] */
+    timeout?: number | string;
+    /** The driver whose limits the voltage must keep (see {list}) */
+    driver?: string;
+    /** Capacitance of the load, for the current limit [F] */
+    capacitance?: number | string;
+    /** Lowest voltage [V] */
+    low?: number | string;
+    /** Highest voltage [V] */
+    high?: number | string;
+    /** Largest slew rate of the voltage [V/s] */
+    slew?: number | string;
+    /** Largest current, in both directions; needs {capacitance} [A] */
+    current?: number | string;
+    /** Address of the oscilloscope, as HOST or HOST:PORT */
+    oscilloscope?: string;
+    /** Channel of the oscilloscope at the voltage monitor of the amplifier */
+    monitor_channel?: number;
+    /** Voltage at the actuator for 1 V at the monitor [V] */
+    monitor_gain?: number | string;
+    /** Channel of the oscilloscope at the sensor */
+    sensor_channel?: number;
+    /** Displacement for 1 V of the sensor [um] */
+    sensitivity?: number | string;
+    /** Lowest and highest voltage of the sensor [V] */
+    sensor_range?: [number, number];
+  };
 }
 
 export type CallName = keyof CallOptions;

@@ -43,6 +43,21 @@ fn track<'py>(py: Python<'py>, track: &Track) -> PyResult<Bound<'py, PyDict>> {
     Ok(columns)
 }
 
+/// What a [`Function`] calls: `call(u)` of Python. What that raises is kept, to be raised again.
+pub(crate) fn measuring<'a>(
+    call: &'a Py<PyAny>,
+    raised: &'a mut Option<PyErr>,
+) -> impl FnMut(&[f64]) -> Result<Vec<f64>, Error> + 'a {
+    |u| {
+        let answer = Python::attach(|py| call.call1(py, (array(py, u.to_vec()),))?.extract::<Vec<f64>>(py));
+        answer.map_err(|error| {
+            let text = error.to_string();
+            *raised = Some(error);
+            Error::Content(text)
+        })
+    }
+}
+
 /// The model, the path with a straight line and the compensated one, the results as a document, and the page.
 type Found<'py> = (Model, Bound<'py, PyDict>, Bound<'py, PyDict>, Py<PyAny>, String);
 
@@ -70,14 +85,7 @@ pub(crate) fn campaign<'py>(
         let shared = RefCell::new(progress);
         let mut of_function = |stage: Stage| (shared.borrow_mut())(stage);
         let mut own = |stage: Stage| (shared.borrow_mut())(stage);
-        let measure = |u: &[f64]| {
-            let answer = Python::attach(|py| call.call1(py, (array(py, u.to_vec()),))?.extract::<Vec<f64>>(py));
-            answer.map_err(|error| {
-                let text = error.to_string();
-                exception = Some(error);
-                Error::Content(text)
-            })
-        };
+        let measure = measuring(&call, &mut exception);
         let function = Function::new(range, ts, Box::new(measure), &mut of_function)?;
         let mut function = function.in_unit(unit).within(limits);
         let reference = reference.as_ref().map(|(file, columns)| (file, columns));

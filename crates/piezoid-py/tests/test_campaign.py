@@ -50,3 +50,15 @@ def test_what_the_function_raises_is_raised_and_nonsense_is_refused():
         run(broken)
     with pytest.raises(pz.PiezoidError, match="returns 3731 displacements for 3732 voltages: return one for each"):
         run(lambda u: u[:-1])
+
+
+def test_a_path_is_timed_on_a_function_whose_offset_does_not_count():
+    model = pz.Model.from_dict(TWIN | {"identified": {"u": [-10, 10], "hz": [0, 50], "slew": 1e6, "mean": [0, 0]}})
+    measure = rig()
+    path = np.repeat([0.0, 5.0, -5.0], 60)
+    found = pz.timing(model, path, on=lambda u: 300.0 + measure(u), wait=0, tolerance=0.05, slew=1e4)
+    names = ["model, compensated", "model, straight line", "controller, compensated", "controller, straight line"]
+    assert list(found.displacements) == names and found.figures["controller"]["unfinished"] is None
+    assert np.allclose(found.displacements[names[2]], path, atol=0.02)
+    with pytest.raises(ZeroDivisionError):
+        pz.timing(model, path, on=lambda u: 1 / 0, wait=0, slew=1e4)

@@ -295,3 +295,25 @@ def test_matplotlib_is_imported_by_who_draws_alone():
 def test_the_example_runs():
     done = doctest.testmod(pz.plot)
     assert done.attempted >= 5 and done.failed == 0
+
+
+def test_the_figure_of_moves_marks_tolerance_and_settling_of_each_run(model):
+    path = np.repeat([0.0, 100.0, -50.0], 400)
+    found = pz.timing(model, path, plant="pl140", tolerance="10um", smooth=0.02, driver="pl140")
+    axes = found.plot()
+    assert len(axes) == 3, "two steps and the error"
+    for k, ax in enumerate(axes[:2]):
+        settled = [run["steps"][k]["settling_s"] for run in found.figures["runs"]]
+        marked = [line.get_xdata()[0] for line in ax.lines if line.get_marker() == "o"]
+        step = found.figures["runs"][0]["steps"][k]
+        assert np.allclose(marked, [1e3 * (step["at_s"] + s) for s in settled if s is not None])
+        assert ax.get_xlim()[0] < 1e3 * step["at_s"] < ax.get_xlim()[1]
+    lines = {line.get_label(): line for line in axes[2].lines}
+    for name, y in found.displacements.items():
+        assert np.array_equal(lines[name].get_ydata(), y - found.path)
+    assert axes[2].get_ylim()[1] <= 80.0 and axes[2].get_ylabel() == "error [µm]"
+    # A scan has no steps: it is drawn whole.
+    scan = pz.timing(model, 50.0 * np.sin(np.arange(2000) / 50), tolerance="10um", driver="pl140").plot()
+    assert len(scan) == 2
+    with pytest.raises(pz.PiezoidError, match="is no timing"):
+        pz.plot.moves(model)

@@ -14,6 +14,7 @@ import { runsFigure } from "../schemes.ts";
 import { inUnit } from "../signal.tsx";
 import { Chart, Entry, Fault, Missing, Notes, Section, Stale, Table, useKept, useLatest, useOutcome, useShared, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
+import { Moves } from "./moves.tsx";
 
 /** What this view remembers. */
 interface Settings {
@@ -27,6 +28,8 @@ interface Settings {
   signal?: Options;
   options?: Options;
   plant?: string;
+  /** Options of moves in time. */
+  moves?: Options;
 }
 
 /** Share of what the model reaches that a path uses at first. */
@@ -98,6 +101,10 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
         />
       </Section>
       {path.value && <Twin file={file} ts={model.ts} path={path.value.file} expected={path.value.expected} settings={settings} change={change} />}
+      {path.value && (
+        <Moves file={file} model={model} path={path.value.file} expected={path.value.expected} shared={settings.options ?? {}}
+          values={settings.moves ?? {}} change={(moves) => change({ moves })} />
+      )}
     </>
   );
 }

@@ -13,14 +13,14 @@ use std::time::{Duration, Instant};
 const GENEROUS: Duration = Duration::from_secs(30);
 
 /// A running controller, which ends with the test, and its port.
-struct Controller(Child, String);
+pub(crate) struct Controller(Child, pub(crate) String);
 
 impl Controller {
     fn new() -> Self {
         Controller::with("--plant paper")
     }
 
-    fn with(options: &str) -> Self {
+    pub(crate) fn with(options: &str) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_piezoid"));
         let options = options.split(' ');
         let mut child =
@@ -41,7 +41,7 @@ impl Controller {
         answer
     }
 
-    fn voltage(&self) -> f64 {
+    pub(crate) fn voltage(&self) -> f64 {
         self.text("VOL?\n").trim().strip_prefix("1=").unwrap().parse().unwrap()
     }
 }
@@ -56,12 +56,12 @@ fn started(bench: &Bench, port: &str, options: &str) -> (String, Child) {
     (line, child)
 }
 
-fn signal(child: &Child, name: &str) {
+pub(crate) fn signal(child: &Child, name: &str) {
     assert!(Command::new("kill").args([name, &child.id().to_string()]).status().unwrap().success());
 }
 
 /// How the measurement ended, which must be soon.
-fn ended(line: &str, child: Child) -> Run {
+pub(crate) fn ended(line: &str, child: Child) -> Run {
     let begin = Instant::now();
     let run = Run::of(line, &child.wait_with_output().unwrap());
     assert!(begin.elapsed() < GENEROUS, "{run:?}");
@@ -77,7 +77,7 @@ fn awaited(bench: &Bench, name: &str) {
 }
 
 /// Checks what the client says against the controller.
-fn witness(controller: &Controller, run: &Run) {
+pub(crate) fn witness(controller: &Controller, run: &Run) {
     assert_eq!(controller.text("\x09"), "0x0\n", "{run:?}");
     let stated = format!("axis 1 is at {:.3} V, in open loop", controller.voltage());
     assert!(run.err.contains(&stated) || run.err.contains("nothing has moved"), "`{stated}`: {run:?}");

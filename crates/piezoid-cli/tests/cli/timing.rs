@@ -1,6 +1,10 @@
 //! Moves in time.
 
 use crate::bench::{Bench, number};
+use crate::instrument::{Controller, ended, signal, witness};
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
 
 #[test]
 fn steps_scans_and_measured_paths_are_timed_in_tables_json_and_files() {
@@ -26,4 +30,51 @@ fn steps_scans_and_measured_paths_are_timed_in_tables_json_and_files() {
     bench.misused("timing --model model.json --step 3V").says(&["--step", "length"]);
     bench.misused(&format!("{path} --step 3um")).says(&["--step", "leave it out"]);
     bench.misused(&format!("{path} --plant nothing")).says(&["nothing", "pl140"]);
+}
+
+#[test]
+fn a_path_is_timed_on_a_controller_once_its_user_agrees() {
+    let (bench, controller) = (Bench::stocked(), Controller::with("--plant pl140"));
+    let row = |t: i32| format!("{},{}\n", f64::from(t) * 5e-4, 200.0 * f64::from((t / 400) % 2));
+    bench.write("r.csv", "t_s,r_um\n".to_string() + &(0..1200).map(row).collect::<String>());
+    let line = "timing --model model.json --path r.csv --smooth 20ms --tolerance 5um --driver pl140";
+    // What names a controller without meaning one would be forgotten silently.
+    bench.misused(&format!("{line} --host 192.0.2.1")).says(&["--host has no effect without --controller"]);
+    bench.misused(&format!("{line} --wait 1")).says(&["--wait has no effect without --controller"]);
+    bench.run(&format!("{line} --yes")).exits(2).says(&["--controller"]);
+    let line = format!("{line} --plant pl140 --controller --port {} --ramp 0.1", controller.1);
+    let refusal = ["axis 1 is to move between -2", "Add --yes to agree to it; nothing has moved"];
+    bench.run(&format!("{line} -o none.csv")).exits(1).says(&refusal);
+    assert!(controller.voltage() == 0.0 && !bench.path("none.csv").exists());
+
+    let run = bench.run(&format!("{line} --wait 0.2 --yes --json c.json -o c.csv")).ok();
+    run.prints(&["controller, compensated", "controller, straight line", "axis 1 is at 0.000 V, in open loop."]);
+    let figures = bench.json("c.json");
+    assert_eq!(figures["controller"]["unfinished"], serde_json::Value::Null);
+    for k in 0..2 {
+        let of = |run: usize| number(&figures["runs"][run]["steps"][k]["settling_s"]);
+        assert!((of(4) - of(2)).abs() <= 1.01e-3, "controller {}, plant {}", of(4), of(2));
+    }
+    let head = bench.text("c.csv").lines().next().unwrap().to_string();
+    assert!(head.ends_with("controller_compensated_um,controller_straight_line_um"), "{head}");
+    assert_eq!((bench.text("c.csv").lines().count(), controller.voltage()), (1201, 0.0));
+}
+
+#[test]
+#[cfg(unix)]
+fn ctrl_c_ends_a_timed_path_with_the_axis_at_rest() {
+    let (bench, controller) = (Bench::stocked(), Controller::with("--plant pl140"));
+    let line = format!(
+        "timing --model model.json --tolerance 5um --smooth 20ms --driver pl140 --controller --yes --port {} --wait 60 -o none.csv",
+        controller.1
+    );
+    let child = bench.command(&line).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    // The demagnetisation goes on for 1.5 s; then it waits.
+    while controller.voltage() == 0.0 {
+        sleep(Duration::from_millis(50));
+    }
+    signal(&child, "-INT");
+    let run = ended(&line, child).exits(130).says(&["nothing was written"]);
+    witness(&controller, &run);
+    assert!(!bench.path("none.csv").exists());
 }

@@ -122,15 +122,15 @@ class TimingOptions(TypedDict, total=False):
     tolerance: str | None
     step: str | None
     iterations: int
+    smooth: float | str | None
+    notch: bool
+    zvd: bool
     driver: str | None
     capacitance: float | str | None
     low: float | str | None
     high: float | str | None
     slew: float | str | None
     current: float | str | None
-    smooth: float | str | None
-    notch: bool
-    zvd: bool
 
 
 class ControlOptions(TypedDict, total=False):
@@ -495,15 +495,15 @@ DEFAULTS: dict[str, dict[str, Any]] = {
         "tolerance": None,
         "step": None,
         "iterations": 0,
+        "smooth": None,
+        "notch": False,
+        "zvd": False,
         "driver": None,
         "capacitance": None,
         "low": None,
         "high": None,
         "slew": None,
         "current": None,
-        "smooth": None,
-        "notch": False,
-        "zvd": False,
     },
     "ControlOptions": {
         "preview": None,

@@ -246,8 +246,7 @@ def unfinished(path: str | os.PathLike[str]) -> str | None: ...
 def timing(
     model: Model,
     path: Samples | None,
-    plant: tuple[str, Plant] | None,
-    measured: Samples | None,
+    played: tuple[tuple[str, Plant] | None, Samples | None, Callable[[Array], Any] | None],
     settings: dict[str, Any],
     progress: OnProgress | None,
 ) -> tuple[dict[str, Any], Array, Array, list[tuple[str, Array]]]: ...

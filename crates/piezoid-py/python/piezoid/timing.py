@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -66,6 +67,15 @@ class Timing:
         """Remarks: on the tolerance, clipped voltages, the plant."""
         return [str(note) for note in self.figures["notes"]]
 
+    def plot(self, *, ax: Any = None) -> Any:
+        """A figure of the first steps, of when each run settles, and of the error along the path.
+
+        It needs matplotlib and is `pz.plot.moves`. Returns an array of the Axes.
+        """
+        from . import plot
+
+        return plot.moves(self, ax=ax)
+
     def __repr__(self) -> str:
         lines = [f"{m['purpose']} {1e3 * m['settling_s']:.4g} ms ({m['shape']})" for m in self._shortest()]
         unit = self.figures["unit"]
@@ -83,6 +93,8 @@ def timing(
     *,
     plant: Plant | str | None = None,
     measured: Samples | None = None,
+    on: Callable[[Array], Any] | None = None,
+    wait: float = 10.0,
     progress: Progress = None,
     **options: Unpack[TimingOptions],
 ) -> Timing:
@@ -93,6 +105,9 @@ def timing(
 
     plant: also plays the path on this simulated actuator: a Plant, or the name of one
     measured: the displacement that was measured along the path [output unit], of shape (n,)
+    on: also plays the path on the actuator, as in `campaign`: a function that plays voltages [V], one every `model.ts`,
+    and returns the displacement at each of them [output unit]; it moves over the whole range, to demagnetise
+    wait: after each demagnetisation, until creep has decayed [s]
 
     {options}
 
@@ -109,6 +124,8 @@ def timing(
     if twin is not None and not isinstance(twin, Plant):
         raise _piezoid.PiezoidError(f"plant = {plant!r}: must be a Plant, or the name of one")
     named = None if twin is None else (twin.name, twin._core)
+    if on is not None:
+        settings["wait"] = wait
     with watched(progress) as watch:
-        figures, u, shaped, runs = _piezoid.timing(own._core, path, named, measured, settings, watch)
+        figures, u, shaped, runs = _piezoid.timing(own._core, path, (named, measured, on), settings, watch)
     return Timing(figures, own.ts, u, shaped, dict(runs))

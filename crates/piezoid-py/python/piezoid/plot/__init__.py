@@ -26,6 +26,7 @@ from ._models import blocks, branches, response
 from ._records import loops, residuals, series
 from ._search import search
 from ._style import COLOURS, EQUALS, style
+from ._timing import moves
 
 __all__ = [
     "COLOURS",
@@ -34,6 +35,7 @@ __all__ = [
     "branches",
     "frequencies",
     "loops",
+    "moves",
     "residuals",
     "response",
     "search",

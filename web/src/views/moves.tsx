@@ -1,0 +1,262 @@
+// Moves in time: when each step of a path settles, how far it overshoots, and the fastest moves; on the model, on a twin,
+// and, with `piezoid serve`, on a controller, once its user has agreed.
+
+import { useEffect, useMemo, useRef, useState } from "preact/hooks";
+import type { CallName } from "../catalogue.ts";
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import type { Answer, File } from "../packet.ts";
+import type { Figure } from "../plot/figure.ts";
+import { short, unit as unitOf } from "../plot/ticks.ts";
+import type { Options } from "../project.ts";
+import { Chart, Choice, Download, Fact, Fault, Notes, Section, Stale, Table, useKept, useShared, Verdict } from "../ui.tsx";
+import { worded } from "../words.ts";
+import { those, useController } from "./controller.tsx";
+
+/** The timing of one step in one run. */
+interface Step {
+  at_s: number;
+  from: number;
+  to: number;
+  move_s: number;
+  settling_s: number | null;
+  overshoot_percent: number;
+}
+
+interface Run {
+  name: string;
+  within_percent: number;
+  steps: Step[];
+  scan: { lag_s: number; rms: number; rms_without_lag: number } | null;
+}
+
+interface Fastest {
+  purpose: string;
+  shape: string;
+  from: number;
+  to: number;
+  move_s: number | null;
+  settling_s: number | null;
+  overshoot: number | null;
+  on_plant: { settling_s: number | null; overshoot: number } | null;
+}
+
+interface Props {
+  /** The model, and its document. */
+  file: string;
+  model: any;
+  /** The path above, and what it is made of. */
+  path: File;
+  expected: string;
+  /** Limits and shaping, which the compensation above has too. */
+  shared: Options;
+  values: Options;
+  change(values: Options): void;
+}
+
+/** What plays the path: the path above, or a step up and down. */
+const PATHS = ["the path above", "a step up and down"];
+
+export function Moves({ file, model, path, expected, shared, values, change }: Props) {
+  const { workspace, lists } = useShared();
+  const isStep = values["along"] === PATHS[1];
+  const optionsFor = (call: CallName): Options => {
+    const own = those(lists, call, { ...values, ...those(lists, "timing", shared) });
+    return isStep ? own : Object.fromEntries(Object.entries(own).filter(([name]) => name !== "step"));
+  };
+  const files = { model: [file], ...(!isStep && { path: [path.name] }) };
+  const start = (call: CallName, name: string) => async () =>
+    workspace.run({ name, request: { call, options: optionsFor(call), files }, files: [await workspace.file(file), ...(isStep ? [] : [path])] });
+  const request = [file, isStep || expected, optionsFor("timing")];
+  const work = useKept<Answer>("timing", request);
+  const served = lists.operations.some(({ name }) => name === "moves");
+  const measured = useKept<Answer>("moves", [...request, served && optionsFor("moves")]);
+  const own = ["tolerance", "plant", ...(isStep ? ["step"] : [])];
+  const rows = optionsOf(lists, "timing").filter(({ name }) => own.includes(name));
+  const shown = measured.value && !measured.stale ? measured : work;
+  const busy = work.busy || measured.busy;
+  return (
+    <Section title="Moves in time" wide
+      help="When each step settles within the tolerance, how far it overshoots, and the fastest moves. Limits and shaping are those above; the voltage is clipped to the limits.">
+      <Choice label="Path of the moves" names={PATHS} chosen={isStep ? PATHS[1] : PATHS[0]} choose={(along) => change({ ...values, along })} />
+      <Form rows={rows} values={values} change={change} first={own} />
+      <div class="row">
+        <button type="button" class="main" disabled={busy} onClick={() => work.start(start("timing", "moves in time"))}>Time the moves</button>
+        {work.busy && <span role="status">The fastest moves are searched.</span>}
+      </div>
+      <Fault text={work.error} />
+      {served && (
+        <Measure model={model} values={values} change={change} busy={busy} run={() => measured.start(start("moves", "moves on the controller"))}
+          isMoving={measured.busy} error={measured.error} />
+      )}
+      <Stale stale={shown.stale} />
+      {shown.value && <Result answer={shown.value} />}
+    </Section>
+  );
+}
+
+/** Options of a controller that stand first. */
+const FIRST = ["host", "port", "axis", "wait", "rest"];
+
+interface MeasureProps {
+  model: any;
+  values: Options;
+  change(values: Options): void;
+  busy: boolean;
+  isMoving: boolean;
+  error: string | undefined;
+  run(): void;
+}
+
+/** The same path on a controller. */
+function Measure({ model, values, change, busy, run, isMoving, error }: MeasureProps) {
+  const { workspace, lists } = useShared();
+  const [asks, ask] = useState(false);
+  const controller = useController("moves controller", values);
+  const elsewhere = new Set(optionsOf(lists, "timing").map(({ name }) => name as string));
+  const rows = optionsOf(lists, "moves").filter(({ name }) => !elsewhere.has(name));
+  const stop = () => workspace.jobs.find(({ name }) => name === "moves on the controller")?.cancel();
+  return (
+    <details>
+      <summary>On a controller</summary>
+      <p class="help">
+        A controller plays the compensated voltage and that of a straight line. Before each, the actuator is demagnetised and waits; its displacement at
+        rest is set to that of the model.
+      </p>
+      <Form rows={rows} values={values} change={change} first={FIRST} />
+      <div class="row">
+        {controller.button(busy)}
+        <button type="button" disabled={busy || controller.busy} onClick={() => ask(true)}>Time them on the controller</button>
+        {isMoving && <button type="button" class="stop" onClick={stop}>Stop</button>}
+        {isMoving && <span role="status">The actuator moves.</span>}
+      </div>
+      {controller.report}
+      <Fault text={error} />
+      {asks && <Agreement model={model} host={String(values["host"] ?? "127.0.0.1")} agree={() => { ask(false); run(); }} refuse={() => ask(false)} />}
+    </details>
+  );
+}
+
+function Agreement({ model, host, agree, refuse }: { model: any; host: string; agree(): void; refuse(): void }) {
+  const dialog = useRef<HTMLDialogElement>(null);
+  useEffect(() => dialog.current?.showModal(), []);
+  const [low, high]: [number, number] = model.identified?.u ?? model.hysteresis?.range ?? [NaN, NaN];
+  return (
+    <dialog ref={dialog} aria-labelledby="moves-agreement" onClose={refuse}>
+      <h2 id="moves-agreement">The actuator will move</h2>
+      <p>
+        The axis of the controller at {host} moves between about <b>{short(low)} and {short(high)} V</b>, the range of the model, or within the limits if
+        these are narrower: it is demagnetised twice, and plays the path twice.
+      </p>
+      <p class="help">Keep a hand at the switch. Stop holds the voltage where it is.</p>
+      <div class="row">
+        <button type="button" class="main" onClick={agree}>Move the actuator</button>
+        <button type="button" autofocus onClick={() => dialog.current?.close()}>Do not move</button>
+      </div>
+    </dialog>
+  );
+}
+
+/** A time in milliseconds, or a dash. */
+const ms = (seconds: number | null | undefined): string => (seconds === null || seconds === undefined ? "\u2013" : short(1e3 * seconds));
+
+/** Steps in the table. */
+const SHOWN = 8;
+
+function Result({ answer }: { answer: Answer }) {
+  const { lists } = useShared();
+  const { result } = answer;
+  const runs: Run[] = result.runs;
+  const unit = unitOf(result.unit);
+  const steps = runs[0]?.steps ?? [];
+  const [chosen, choose] = useState(0);
+  const at = Math.min(chosen, steps.length - 1);
+  const figure = useMemo(() => figureOf(answer, at), [answer, at]);
+  return (
+    <>
+      <dl class="readings">
+        <Fact value={ms(result.step.shortest?.settling_s)} unit="ms" name={`shortest step, ${result.step.shortest?.shape ?? "none settles"}`} />
+        <Fact value={ms(result.flyback.shortest?.settling_s)} unit="ms" name={`shortest flyback, ${result.flyback.shortest?.shape ?? "none settles"}`} />
+        <Fact value={short(result.tolerance)} unit={unit} name="tolerance" />
+      </dl>
+      <Verdict text={result.sentence} />
+      {result.controller && (result.controller.unfinished
+        ? <Fault text={result.controller.unfinished} />
+        : <p role="status">{worded(result.controller.state ?? "", lists)}</p>)}
+      <Table caption="Runs" head={["Run", "Within [%]", "Settled", "Slowest [ms]", "Overshoot [%]", "Lag [ms]", `rms [${unit}]`]}
+        rows={runs.map((run) => [run.name, short(run.within_percent), ...ofSteps(run), run.scan ? short(1e3 * run.scan.lag_s) : "\u2013", run.scan ? short(run.scan.rms) : "\u2013"])} />
+      {steps.length > 0 && (
+        <Table caption="Settling [ms] and overshoot [% of the step]" marked={at}
+          head={["Step", "At [ms]", `From [${unit}]`, `To [${unit}]`, "Move [ms]", ...runs.map(({ name }) => name)]}
+          rows={steps.slice(0, SHOWN).map((step, k) => [
+            <button type="button" class="link" aria-pressed={k === at} onClick={() => choose(k)}>{k + 1}</button>,
+            short(1e3 * step.at_s), short(step.from), short(step.to), short(1e3 * step.move_s),
+            ...runs.map(({ steps }) => `${ms(steps[k]?.settling_s)}, ${short(steps[k]?.overshoot_percent ?? NaN)} %`),
+          ])} />
+      )}
+      <Chart figure={figure} height={440} />
+      <FastestMoves moves={result.fastest} unit={unit} />
+      <Notes title="Notes" notes={result.notes} />
+      <div class="row"><Download files={answer.files} title="Download timing.csv" /></div>
+    </>
+  );
+}
+
+/** How many steps of a run settle, the slowest, and the most overshoot. */
+function ofSteps({ steps }: Run): string[] {
+  if (steps.length === 0) return ["\u2013", "\u2013", "\u2013"];
+  const settled = steps.filter(({ settling_s }) => settling_s !== null);
+  const slowest = settled.length === steps.length ? Math.max(...settled.map(({ settling_s }) => settling_s!)) : null;
+  return [`${settled.length} of ${steps.length}`, ms(slowest), short(Math.max(...steps.map(({ overshoot_percent }) => overshoot_percent)))];
+}
+
+function FastestMoves({ moves, unit }: { moves: Fastest[]; unit: string }) {
+  const onPlant = moves.some(({ on_plant }) => on_plant);
+  return (
+    <Table caption="Fastest moves, within the limits, whose displacement is within the tolerance"
+      head={["Move", "Shape", "Move [ms]", "Settling [ms]", `Overshoot [${unit}]`, ...(onPlant ? ["On the twin [ms]"] : [])]}
+      rows={moves.map((move) => [
+        `${move.purpose}, ${short(move.from)} to ${short(move.to)} ${unit}`, move.shape, ms(move.move_s), ms(move.settling_s),
+        move.overshoot === null ? "\u2013" : short(move.overshoot), ...(onPlant ? [ms(move.on_plant?.settling_s)] : []),
+      ])} />
+  );
+}
+
+/** What is shown of a step, over its longest move or settling; a part of it before; at least so many samples. */
+const AROUND = 1.6;
+const BEFORE = 0.15;
+const FEWEST = 20;
+
+/** Errors that are shown at first [tolerances]. */
+const ERRORS = 8;
+
+/** Displacement and error of each run, at first around a step, with the tolerance and when each run has settled. */
+function figureOf({ result, series }: Answer, at: number): Figure {
+  const { ts, unit, tolerance }: { ts: number; unit: string; tolerance: number } = result;
+  const runs: Run[] = result.runs;
+  const r = series.get("r")!;
+  const step = runs[0]?.steps[at];
+  const next = runs[0]?.steps[at + 1]?.at_s ?? ts * (r.length - 1);
+  const settled = runs.flatMap(({ name, steps }) => (typeof steps[at]?.settling_s === "number" ? [{ name, time: steps[at]!.settling_s! }] : []));
+  const length = step && AROUND * Math.max(step.move_s, FEWEST * ts, ...settled.map(({ time }) => time));
+  const look = (k: number) => ({ colour: 1 + (Math.floor(k / 2) % 7), ...(k % 2 === 1 && runs[k]!.name.endsWith("straight line") && { style: "dashed" as const }) });
+  const y = runs.map(({ name }, k) => ({ name, step: ts, y: series.get(`y/${k}`)!, ...look(k) }));
+  const errors = y.map(({ y, ...rest }) => ({ ...rest, y: y.map((value, k) => value - r[k]!) }));
+  const goal = step ? [{ at: step.to - tolerance, label: "" }, { at: step.to + tolerance, label: "tolerance" }] : [];
+  const most = errors.reduce((most, { y }) => y.reduce((most, value) => Math.max(most, Math.abs(value)), most), tolerance);
+  const high = Math.min(1.1 * most, ERRORS * tolerance);
+  // Runs that settle at the same sample share a mark.
+  const marks = [...new Set(settled.map(({ time }) => time))].map((time) => ({
+    at: step!.at_s + time,
+    label: settled.filter((one) => one.time === time).map(({ name }) => name).join("; "),
+  }));
+  return {
+    title: step ? `Step ${at + 1}, and when each run has settled` : "Displacement along the path",
+    x: { label: "Time", unit: "s", ...(step && length && { span: { from: Math.max(0, step.at_s - BEFORE * length), to: Math.min(next, step.at_s + length) } }) },
+    panels: [
+      { y: { label: "Displacement", unit }, series: [{ name: "path", style: "pale", step: ts, y: r }, ...y], levels: goal, places: marks.map(({ at }) => ({ at, label: "" })) },
+      { y: { label: "Error", unit, span: { from: -high, to: high } }, series: errors,
+        levels: [{ at: -tolerance, label: "" }, { at: tolerance, label: "tolerance" }], places: marks },
+    ],
+  };
+}
