@@ -34,7 +34,15 @@ fn steps_scans_and_measured_paths_are_timed_in_tables_json_and_files() {
 
 #[test]
 fn a_path_is_timed_on_a_controller_once_its_user_agrees() {
-    let (bench, controller) = (Bench::stocked(), Controller::with("--plant pl140"));
+    let (bench, controller) = (Bench::new(), Controller::with("--plant pl140"));
+    for drive in
+        ["prbs --duration 2.0475 --amplitude 1 --order 12", "rising-sine --duration 2 --amplitude 28 --frequency 5"]
+    {
+        let name = &drive[..4];
+        bench.run(&format!("excite {drive} --ts 5e-4 -o {name}.csv")).ok();
+        bench.run(&format!("simulate --plant pl140 --input {name}.csv -o y_{name}.csv")).ok();
+    }
+    bench.run("identify y_risi.csv --small-signal y_prbs.csv --operator preisach --order 5 -o model.json").ok();
     let row = |t: i32| format!("{},{}\n", f64::from(t) * 5e-4, 200.0 * f64::from((t / 400) % 2));
     bench.write("r.csv", "t_s,r_um\n".to_string() + &(0..1200).map(row).collect::<String>());
     let line = "timing --model model.json --path r.csv --smooth 20ms --tolerance 5um --driver pl140";

@@ -1,0 +1,122 @@
+// Moves in time in the page of `piezoid serve`: on the model and a twin, then on a simulated controller.
+import assert from "node:assert/strict";
+import { createRequire } from "node:module";
+import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { connect, createServer } from "node:net";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
+import { skip as noPiezoid, started } from "./piezoid.mjs";
+
+const skip = noBrowser || noPiezoid;
+const folder = mkdtempSync(join(tmpdir(), "piezoid-moves-"));
+/** Where pictures are kept, to be looked at. */
+const SHOTS = process.env.SHOTS;
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const log = [];
+let browser, server, controller, line;
+
+before(async () => {
+  if (skip) return;
+  if (SHOTS) mkdirSync(SHOTS, { recursive: true });
+  browser = await launched();
+  server = await started(["serve", folder, "--port", "0"], /http:\/\/\S+/);
+  controller = await started(["instrument", "--plant", "pl140", "--port", "0"], /port \d+/);
+  line = createServer((client) => {
+    const there = connect(Number(controller.found.split(" ")[1]), "127.0.0.1");
+    client.on("data", (piece) => log.push(String(piece)));
+    for (const stream of [client, there]) stream.setNoDelay(true).on("error", () => {});
+    client.pipe(there).pipe(client);
+  });
+  await new Promise((listens) => line.listen(0, "127.0.0.1", listens));
+});
+after(async () => {
+  await browser?.close();
+  line?.close();
+  server?.running.kill("SIGKILL");
+  controller?.running.kill();
+  rmSync(folder, { recursive: true });
+});
+
+test("moves are timed on the model, on a twin, and on a controller once its user agrees", { skip, timeout: 240_000 }, async () => {
+  const { page, faults, context } = await opened(browser, server.found);
+  await page.getByRole("button", { name: "Open the example" }).click();
+  await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
+  await page.getByRole("link", { name: "Identify", exact: true }).click();
+  await page.getByLabel("Operator", { exact: true }).fill("preisach");
+  await page.getByLabel("Operator", { exact: true }).blur();
+  await page.getByRole("button", { name: "Identify", exact: true }).click();
+  await page.locator("tr", { has: page.getByText("good to") }).first().waitFor({ timeout: 120_000 });
+  await page.getByRole("link", { name: "Compensate", exact: true }).click();
+  const limits = page.getByRole("region", { name: "Limits and shaping" });
+  await fill(limits, "driver", "pl140");
+  await fill(limits, "smooth", "12ms");
+
+  const moves = page.getByRole("region", { name: "Moves in time" });
+  await moves.getByRole("button", { name: "a step up and down" }).click();
+  for (const [name, value] of [["tolerance", "5um"], ["plant", "pl140"], ["step", "200um"]]) await fill(moves, name, value);
+  await moves.getByRole("button", { name: "Time the moves" }).click();
+  const cells = (run) => moves.getByRole("region", { name: "Runs", exact: true }).locator("tr", { hasText: run }).locator("td");
+  await cells("pl140, compensated").first().waitFor({ timeout: 60_000 });
+  const slowest = async (run) => Number(await cells(run).nth(2).textContent());
+  const [onModel, onTwin] = [await slowest("model, compensated"), await slowest("pl140, compensated")];
+  assert.ok(onModel > 5 && Math.abs(onModel - onTwin) <= 2.1, `${onModel} ms on the model, ${onTwin} ms on the twin`);
+  await moves.getByRole("button", { name: "2", exact: true }).click();
+  await moves.getByText("Step 2, and when each run has settled").first().waitFor({ state: "attached" });
+  await viewed(page, "moves");
+  const text = String(await download(page, () => moves.getByRole("button", { name: "Download timing.csv" }).click()));
+  assert.match(text, /^t_s,u_V,r_um,model_compensated_um,model_straight_line_um,pl140_compensated_um,pl140_straight_line_um\n/);
+
+  await moves.locator("summary", { hasText: "On a controller" }).click();
+  for (const [name, value] of [["port", line.address().port], ["wait", 0.1]]) await fill(moves, name, value);
+  await moves.getByRole("button", { name: "Time them on the controller" }).click();
+  await page.getByRole("dialog").getByText("it is demagnetised twice").waitFor();
+  await page.getByRole("button", { name: "Do not move" }).click();
+  assert.equal(log.length, 0, "nothing was asked of the controller");
+  await moves.getByRole("button", { name: "Time them on the controller" }).click();
+  await page.getByRole("button", { name: "Move the actuator" }).click();
+  await moves.getByText("The actuator moves.").waitFor();
+  await cells("controller, compensated").first().waitFor({ timeout: 120_000 });
+  const onController = await slowest("controller, compensated");
+  assert.ok(Math.abs(onController - onTwin) <= 1.1, `${onController} ms on the controller, ${onTwin} ms on the twin`);
+  await moves.getByText("Axis 1 is at 0.000 V, in open loop", { exact: false }).or(moves.getByText("axis 1 is at 0.000 V, in open loop")).first().waitFor();
+  await viewed(page, "controller");
+
+  await moves.getByRole("button", { name: "Time them on the controller" }).click();
+  await page.getByRole("button", { name: "Move the actuator" }).click();
+  await page.waitForTimeout(2500);
+  await moves.getByRole("button", { name: "Stop", exact: true }).click();
+  await moves.getByRole("alert").getByText(/axis 1 is at \S+ V, in open loop/).waitFor({ timeout: 20_000 });
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+/** Fills the field of an option, opening its group if need be. */
+async function fill(within, name, value) {
+  const field = within.locator(`[name="${name}"]`);
+  await field.waitFor({ state: "attached" });
+  while (!(await field.isVisible())) {
+    await within.locator("details:not([open])", { has: within.page().locator(`[name="${name}"]`) }).first().locator("summary").first().click();
+  }
+  await field.fill(String(value));
+  await field.blur();
+}
+
+/** Looks at the page at two widths in both themes: nothing wider than the screen, no serious finding of axe-core. */
+async function viewed(page, name) {
+  for (const [width, theme] of [[1280, "light"], [1280, "dark"], [380, "light"], [380, "dark"]]) {
+    await page.setViewportSize({ width, height: width > 500 ? 900 : 800 });
+    await page.emulateMedia({ colorScheme: theme });
+    await page.waitForTimeout(250);
+    if (SHOTS) await page.screenshot({ path: join(SHOTS, `${name}-${width}-${theme}.png`), fullPage: true });
+    await page.evaluate(AXE);
+    const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
+    const grave = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
+    assert.deepEqual(grave.map(({ id, nodes }) => `${name}: ${id}: ${nodes[0].html.slice(0, 200)}`), []);
+    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
+    assert.ok(wide <= 0, `${name} is ${wide} px wider than the screen`);
+  }
+  await page.setViewportSize({ width: 1280, height: 900 });
+  await page.emulateMedia({ colorScheme: "light" });
+}
