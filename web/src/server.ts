@@ -18,7 +18,7 @@ const PATIENCE = 5000;
 const STOPPING = 10_000;
 
 /** The calls that move an instrument, and the pause before one that is not at work yet is stopped again [ms]. */
-const MOVING = ["acquire", "campaign"];
+const MOVING = ["acquire", "campaign", "moves"];
 const NOT_YET = 50;
 
 const UNKNOWN = "the instrument has not answered that it stopped: it may still move; switch it off if that is a danger";

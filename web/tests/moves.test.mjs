@@ -83,9 +83,10 @@ test("moves are timed on the model, on a twin, and on a controller once its user
   await moves.getByText("Axis 1 is at 0.000 V, in open loop", { exact: false }).or(moves.getByText("axis 1 is at 0.000 V, in open loop")).first().waitFor();
   await viewed(page, "controller");
 
+  log.length = 0;
   await moves.getByRole("button", { name: "Time them on the controller" }).click();
   await page.getByRole("button", { name: "Move the actuator" }).click();
-  await page.waitForTimeout(2500);
+  while (!log.some((text) => text.includes("WGO 1 1"))) await page.waitForTimeout(50);
   await moves.getByRole("button", { name: "Stop", exact: true }).click();
   await moves.getByRole("alert").getByText(/axis 1 is at \S+ V, in open loop/).waitFor({ timeout: 20_000 });
   assert.deepEqual(faults, []);

@@ -9,7 +9,7 @@ import type { Answer, File } from "../packet.ts";
 import type { Figure } from "../plot/figure.ts";
 import { short, unit as unitOf } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
-import { Chart, Choice, Download, Fact, Fault, Notes, Section, Stale, Table, useKept, useShared, Verdict } from "../ui.tsx";
+import { Chart, Choice, Download, Fact, Fault, Notes, Section, Stale, Table, useKept, useShared } from "../ui.tsx";
 import { worded } from "../words.ts";
 import { those, useController } from "./controller.tsx";
 
@@ -169,24 +169,27 @@ function Result({ answer }: { answer: Answer }) {
   const runs: Run[] = result.runs;
   const unit = unitOf(result.unit);
   const steps = runs[0]?.steps ?? [];
+  // On the controller if it was measured there, or on the twin.
+  const last = runs.filter(({ name }) => name.endsWith(", compensated")).at(-1);
   const [chosen, choose] = useState(0);
   const at = Math.min(chosen, steps.length - 1);
   const figure = useMemo(() => figureOf(answer, at), [answer, at]);
   return (
     <>
       <dl class="readings">
+        {steps.length > 0 && last && <Fact value={ofSteps(last)[1]!} unit="ms" name={`slowest step, ${last.name}`} />}
         <Fact value={ms(result.step.shortest?.settling_s)} unit="ms" name={`shortest step, ${result.step.shortest?.shape ?? "none settles"}`} />
         <Fact value={ms(result.flyback.shortest?.settling_s)} unit="ms" name={`shortest flyback, ${result.flyback.shortest?.shape ?? "none settles"}`} />
         <Fact value={short(result.tolerance)} unit={unit} name="tolerance" />
       </dl>
-      <Verdict text={result.sentence} />
       {result.controller && (result.controller.unfinished
         ? <Fault text={result.controller.unfinished} />
         : <p role="status">{worded(result.controller.state ?? "", lists)}</p>)}
       <Table caption="Runs" head={["Run", "Within [%]", "Settled", "Slowest [ms]", "Overshoot [%]", "Lag [ms]", `rms [${unit}]`]}
         rows={runs.map((run) => [run.name, short(run.within_percent), ...ofSteps(run), run.scan ? short(1e3 * run.scan.lag_s) : "\u2013", run.scan ? short(run.scan.rms) : "\u2013"])} />
+      {steps.length > 0 && <p class="help">Settling [ms] and overshoot [% of the step] of each run; a dash: it does not settle before the next step.</p>}
       {steps.length > 0 && (
-        <Table caption="Settling [ms] and overshoot [% of the step]" marked={at}
+        <Table caption="Steps" marked={at}
           head={["Step", "At [ms]", `From [${unit}]`, `To [${unit}]`, "Move [ms]", ...runs.map(({ name }) => name)]}
           rows={steps.slice(0, SHOWN).map((step, k) => [
             <button type="button" class="link" aria-pressed={k === at} onClick={() => choose(k)}>{k + 1}</button>,
@@ -242,14 +245,14 @@ function figureOf({ result, series }: Answer, at: number): Figure {
   const look = (k: number) => ({ colour: 1 + (Math.floor(k / 2) % 7), ...(k % 2 === 1 && runs[k]!.name.endsWith("straight line") && { style: "dashed" as const }) });
   const y = runs.map(({ name }, k) => ({ name, step: ts, y: series.get(`y/${k}`)!, ...look(k) }));
   const errors = y.map(({ y, ...rest }) => ({ ...rest, y: y.map((value, k) => value - r[k]!) }));
-  const goal = step ? [{ at: step.to - tolerance, label: "" }, { at: step.to + tolerance, label: "tolerance" }] : [];
+  const goal = step ? [{ at: step.to - tolerance, label: "" }, { at: step.to + tolerance, label: "" }] : [];
   const most = errors.reduce((most, { y }) => y.reduce((most, value) => Math.max(most, Math.abs(value)), most), tolerance);
   const high = Math.min(1.1 * most, ERRORS * tolerance);
   // Runs that settle at the same sample share a mark.
-  const marks = [...new Set(settled.map(({ time }) => time))].map((time) => ({
-    at: step!.at_s + time,
-    label: settled.filter((one) => one.time === time).map(({ name }) => name).join("; "),
-  }));
+  const marks = [...new Set(settled.map(({ time }) => time))].map((time) => {
+    const names = settled.filter((one) => one.time === time).map(({ name }) => name);
+    return { at: step!.at_s + time, label: names.length === 1 ? names[0]! : `${names.length} runs` };
+  });
   return {
     title: step ? `Step ${at + 1}, and when each run has settled` : "Displacement along the path",
     x: { label: "Time", unit: "s", ...(step && length && { span: { from: Math.max(0, step.at_s - BEFORE * length), to: Math.min(next, step.at_s + length) } }) },

@@ -133,9 +133,9 @@ impl MoveOptions {
             Start::Settled => model.settled(line.first().copied().unwrap_or(0.0)),
             Start::Demagnetised => model.before(&[lead.middle], lead.condition),
         };
-        let on_line = model.follow(&mut x, &line).split_off(before);
+        let on_line = after(before, model.follow(&mut x, &line));
         let compensated = found.u.clone();
-        (found.u, found.reached) = (found.u.split_off(before), found.reached.split_off(before));
+        (found.u, found.reached) = (after(before, found.u), after(before, found.reached));
         let verdict = model.verdict();
         let compensation = Compensation { ts, units, requested, shaped, compensated: found, reach, verdict };
         Ok(PlannedMoves {
@@ -196,8 +196,8 @@ impl PlannedMoves<'_> {
     }
 
     /// What follows the samples before the path.
-    pub fn along_path(&self, mut y: Vec<f64>) -> Vec<f64> {
-        y.split_off(self.before.min(y.len()))
+    pub fn along_path(&self, y: Vec<f64>) -> Vec<f64> {
+        after(self.before, y)
     }
 
     /// Lowest and highest voltage of a decaying sine that demagnetises [input unit].
@@ -287,6 +287,11 @@ impl PlannedMoves<'_> {
         }
         notes
     }
+}
+
+/// What follows the first samples.
+fn after(samples: usize, mut values: Vec<f64>) -> Vec<f64> {
+    values.split_off(samples.min(values.len()))
 }
 
 /// The straight line from displacement to voltage through the ends of the stroke, within these ends.
