@@ -1,5 +1,5 @@
-//! An instrument at work on drives that begin in a known state: a decaying sine brings the hysteresis to the middle of its
-//! loop, creep decays in a wait, and the displacement at rest is measured there.
+//! An instrument at work on drives that begin in a known state: a decaying sine brings the hysteresis to the middle of
+//! its loop, creep decays in a wait, and the displacement at rest is measured there.
 
 use crate::{Drive, Instrument, Setup};
 use piezoid::{Error, Record};

@@ -84,15 +84,15 @@ fn a_compensated_path_settles_on_a_controller_as_on_its_plant() {
     let (model, spec) = (of_bender(), Preset::find("pl140").unwrap().spec());
     let port = served(&Simulation { virtual_time: Some(0.05), ..Simulation::default() });
     let options = at(port, &options(json!({"tolerance": "5um", "driver": "pl140", "smooth": 0.012})));
-    let (mut notes, mut asked) = (Vec::new(), String::new());
+    let (mut notes, mut announced) = (Vec::new(), String::new());
     let mut agree = |text: &str| {
-        asked = text.into();
+        announced = text.into();
         Ok(())
     };
     let players = Players { plant: Some(("pl140", &spec)), measured: None };
     let path = Some(held(&[-100.0, 100.0, 300.0, -200.0]));
     let found = options.run((&model, path), &players, &mut agree, &mut notes, &mut Stage::ignore).unwrap();
-    assert!(asked.contains("axis 1 is to move between -2") && asked.ends_with(" s or more."), "{asked}");
+    assert!(announced.contains("axis 1 is to move between -2") && announced.ends_with(" s or more."), "{announced}");
     let names: Vec<&str> = found.timing.runs.iter().skip(2).map(|run| &*run.name).collect();
     let expected =
         ["pl140, compensated", "pl140, straight line", "controller, compensated", "controller, straight line"];
@@ -133,7 +133,7 @@ fn a_refusal_moves_nothing() {
     let message = found.unwrap_err().to_string();
     assert!(message.starts_with("not agreed: a function: axis 1 is to move between -2"), "{message}");
     assert!(played == 0 && notes.is_empty(), "{played} {notes:?}");
-    // A path beyond the limits is not even asked about, and nor is one that the controller cannot play.
+    // A path beyond the limits is not even announced, and nor is one that the controller cannot play.
     let port = served(&Simulation { virtual_time: Some(0.05), ..Simulation::default() });
     let refused = |values: serde_json::Value, path: Vec<f64>| {
         let options = at(port, &options(values));
