@@ -1,19 +1,16 @@
 // A campaign in the page of `piezoid serve`, on a simulated controller whose commands are kept with their times.
 import assert from "node:assert/strict";
-import { createRequire } from "node:module";
-import { mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
 import { connect, createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
 import { skip as noPiezoid, started } from "./piezoid.mjs";
+import { SHOTS, viewed } from "./viewed.mjs";
 
 const skip = noBrowser || noPiezoid;
 const folder = mkdtempSync(join(tmpdir(), "piezoid-campaign-"));
-/** Where pictures are kept, to be looked at. */
-const SHOTS = process.env.SHOTS;
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const log = [];
 let browser, server, controller, line;
 
@@ -22,7 +19,6 @@ const now = () => performance.timeOrigin + performance.now();
 
 before(async () => {
   if (skip) return;
-  if (SHOTS) mkdirSync(SHOTS, { recursive: true });
   browser = await launched();
   server = await started(["serve", folder, "--port", "0"], /http:\/\/\S+/);
   controller = await started(["instrument", "--plant", "pl140", "--port", "0"], /port \d+/);
@@ -74,7 +70,7 @@ test("a campaign asks before it moves, is stopped, goes on, and ends with a mode
   const dialog = page.getByRole("dialog");
   await dialog.getByText("\u221228.5 and 28.5 V").waitFor();
   assert.match(await dialog.textContent(), /Axis 1 of piezoid, E-727.*for about \d+ s.*Records: small, rise1, rise2, rise3, creep, path\./);
-  await viewed(page, "agreement");
+  await viewed(page, "agreement", false);
   await page.getByRole("button", { name: "Do not move" }).click();
   assert.ok(!log.some(({ text }) => /SVA|WGO/.test(text)), "nothing has moved");
 
@@ -146,22 +142,4 @@ for (const [moment, options] of [["slow move", { ramp: 4 }], ["the drive is play
     assert.ok(times[2] <= 200, `median of ${times.map((time) => time.toFixed(0))} ms`);
     await context.close();
   });
-}
-
-/** Looks at the page at two widths in both themes: nothing wider than the screen, no serious finding of axe-core. */
-async function viewed(page, name) {
-  for (const [width, theme] of [[1280, "light"], [1280, "dark"], [380, "light"], [380, "dark"]]) {
-    await page.setViewportSize({ width, height: width > 500 ? 900 : 800 });
-    await page.emulateMedia({ colorScheme: theme });
-    await page.waitForTimeout(250);
-    if (SHOTS) await page.screenshot({ path: join(SHOTS, `${name}-${width}-${theme}.png`), fullPage: name !== "agreement" });
-    await page.evaluate(AXE);
-    const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
-    const grave = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
-    assert.deepEqual(grave.map(({ id, nodes }) => `${name}: ${id}: ${nodes[0].html.slice(0, 200)}`), []);
-    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-    assert.ok(wide <= 0, `${name} is ${wide} px wider than the screen`);
-  }
-  await page.setViewportSize({ width: 1280, height: 900 });
-  await page.emulateMedia({ colorScheme: "light" });
 }

@@ -1,25 +1,21 @@
 // Moves in time in the page of `piezoid serve`: on the model and a twin, then on a simulated controller.
 import assert from "node:assert/strict";
-import { createRequire } from "node:module";
-import { mkdirSync, mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, rmSync } from "node:fs";
 import { connect, createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
 import { skip as noPiezoid, started } from "./piezoid.mjs";
+import { viewed } from "./viewed.mjs";
 
 const skip = noBrowser || noPiezoid;
 const folder = mkdtempSync(join(tmpdir(), "piezoid-moves-"));
-/** Where pictures are kept, to be looked at. */
-const SHOTS = process.env.SHOTS;
-const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const log = [];
 let browser, server, controller, line;
 
 before(async () => {
   if (skip) return;
-  if (SHOTS) mkdirSync(SHOTS, { recursive: true });
   browser = await launched();
   server = await started(["serve", folder, "--port", "0"], /http:\/\/\S+/);
   controller = await started(["instrument", "--plant", "pl140", "--port", "0"], /port \d+/);
@@ -102,22 +98,4 @@ async function fill(within, name, value) {
   }
   await field.fill(String(value));
   await field.blur();
-}
-
-/** Looks at the page at two widths in both themes: nothing wider than the screen, no serious finding of axe-core. */
-async function viewed(page, name) {
-  for (const [width, theme] of [[1280, "light"], [1280, "dark"], [380, "light"], [380, "dark"]]) {
-    await page.setViewportSize({ width, height: width > 500 ? 900 : 800 });
-    await page.emulateMedia({ colorScheme: theme });
-    await page.waitForTimeout(250);
-    if (SHOTS) await page.screenshot({ path: join(SHOTS, `${name}-${width}-${theme}.png`), fullPage: true });
-    await page.evaluate(AXE);
-    const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
-    const grave = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
-    assert.deepEqual(grave.map(({ id, nodes }) => `${name}: ${id}: ${nodes[0].html.slice(0, 200)}`), []);
-    const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
-    assert.ok(wide <= 0, `${name} is ${wide} px wider than the screen`);
-  }
-  await page.setViewportSize({ width: 1280, height: 900 });
-  await page.emulateMedia({ colorScheme: "light" });
 }
