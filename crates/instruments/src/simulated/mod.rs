@@ -6,6 +6,7 @@
 
 pub(crate) mod axis;
 pub(crate) mod clock;
+mod log;
 mod options;
 mod server;
 
@@ -16,6 +17,7 @@ pub(crate) use server::head;
 pub(crate) use server::locked;
 
 use clock::Clock;
+use log::LogFile;
 use piezoid::Error;
 use piezoid::plant::Spec;
 use std::fmt::Debug;
@@ -42,6 +44,8 @@ pub(crate) struct Time {
     cycle: u64,
     /// Servo cycles since something moved or was recorded.
     pub(crate) calm: u64,
+    /// Where it writes what it was given.
+    pub(crate) file: Option<LogFile>,
     /// What it was given, for tests.
     #[cfg(test)]
     log: Log,
@@ -54,6 +58,7 @@ impl Time {
             clock: Clock::new(answer),
             cycle: 0,
             calm: 0,
+            file: None,
             #[cfg(test)]
             log: Log::default(),
         }
@@ -104,13 +109,23 @@ pub(crate) trait Behaviour: Debug + Send + 'static {
     /// The answer to a line that is too long, and not obeyed.
     fn too_long(&mut self) -> Vec<u8>;
 
-    /// Voltage [V], servo, and whether a wave is played, for tests.
-    #[cfg(test)]
+    /// Voltage [V], servo, and whether a wave is played, of the first axis.
     fn state(&self) -> (f64, bool, bool);
+
+    /// Keeps a command in the log.
+    fn log(&mut self, command: &str) {
+        let state = self.state();
+        let time = self.time();
+        if let Some(file) = &mut time.file {
+            file.line(time.cycle, state, command);
+        }
+        #[cfg(test)]
+        self.keep(command);
+    }
 
     /// Keeps a command for tests.
     #[cfg(test)]
-    fn log(&mut self, command: &str) {
+    fn keep(&mut self, command: &str) {
         let (voltage, servo, runs) = self.state();
         self.time().log.lock().unwrap().push(Entry { command: command.into(), voltage, servo, runs });
     }
@@ -136,7 +151,11 @@ pub(crate) trait Behaviour: Debug + Send + 'static {
                 fine += 1;
                 time.cycle += 1;
                 let is_busy = self.step();
+                let (voltage, ..) = self.state();
                 let time = self.time();
+                if let Some(file) = &mut time.file {
+                    file.cycle(voltage);
+                }
                 time.calm = if is_busy { 0 } else { time.calm + 1 };
             }
         }

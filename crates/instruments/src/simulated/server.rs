@@ -7,6 +7,7 @@
 use super::Behaviour;
 #[cfg(test)]
 use super::Log;
+use super::log::LogFile;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -51,6 +52,18 @@ impl Simulated {
             log: device.time().log.clone(),
             device: Arc::new(Mutex::new(device)),
         }
+    }
+
+    /// Writes a line for each command that it is given from now on: the state of the first axis before it.
+    ///
+    /// # Errors
+    /// Returns the error of writing the first line, which names the columns.
+    pub fn logged(self, to: impl Write + Send + 'static) -> std::io::Result<Self> {
+        let mut device = locked(&*self.device);
+        let (voltage, ..) = device.state();
+        device.time().file = Some(LogFile::new(Box::new(to), voltage)?);
+        drop(device);
+        Ok(self)
     }
 
     /// Answers clients, several at once if the model does so. It goes on until the listener fails.

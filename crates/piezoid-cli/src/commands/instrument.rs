@@ -36,6 +36,9 @@ pub(crate) struct Instrument {
     /// The TCP port of the oscilloscope of the model scpi; 0 is any that is free.
     #[arg(long, value_name = "N", default_value_t = 5026)]
     oscilloscope_port: u16,
+    /// Write each command that it is given to this file, after the state of axis 1 at that moment.
+    #[arg(long, value_name = "FILE")]
+    log: Option<PathBuf>,
     #[command(flatten)]
     simulation: Flags<Simulation>,
 }
@@ -44,8 +47,12 @@ impl Run for Instrument {
     fn run(self, console: &Console) -> Result<()> {
         let simulation = self.simulation.0;
         let plant = lists::plant(&simulation.plant)?;
-        let controller = simulation.around(&plant, &simulation.plant).map_err(failed)?;
+        let mut controller = simulation.around(&plant, &simulation.plant).map_err(failed)?;
         let (listener, port) = listener("port", self.port)?;
+        if let Some(log) = &self.log {
+            let to = std::fs::File::create(log).and_then(|to| controller.logged(to));
+            controller = to.with_context(|| format!("cannot write {}: name another file", log.display()))?;
+        }
         let plant = &simulation.plant;
         let head = format!("a controller with plant {plant} listens at 127.0.0.1, port {port}\n");
         if simulation.model != Model::Scpi {

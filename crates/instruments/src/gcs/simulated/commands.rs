@@ -24,7 +24,6 @@ impl Device {
             self.time.clock.wait();
         }
         self.update();
-        #[cfg(test)]
         self.log(&format!("#{byte}"));
         match byte {
             5 => format!("{:x}\n", self.moving()).into_bytes(),
@@ -53,7 +52,6 @@ impl Device {
             self.time.clock.wait();
         }
         self.update();
-        #[cfg(test)]
         self.log(line);
         self.recorder.command();
         let outcome = match query {

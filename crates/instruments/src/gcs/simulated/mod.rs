@@ -76,7 +76,6 @@ struct Device {
 }
 
 impl Behaviour for Device {
-    #[cfg(test)]
     fn state(&self) -> (f64, bool, bool) {
         (self.axes[0].voltage, self.axes[0].servo, self.generators[0].is_running())
     }

@@ -89,7 +89,6 @@ struct Device {
 }
 
 impl Behaviour for Device {
-    #[cfg(test)]
     fn state(&self) -> (f64, bool, bool) {
         (self.axis.voltage, self.axis.servo, self.generator.is_running())
     }
@@ -129,7 +128,6 @@ impl Behaviour for Device {
         self.time.calm = 0;
         // Telnet's own bytes are no part of a line.
         let line: String = line.chars().filter(|c| *c < '\u{f0}').collect();
-        #[cfg(test)]
         self.log(&line);
         framed(&self.obey(line.trim()).unwrap_or_else(|code| format!("error,{code}")))
     }
