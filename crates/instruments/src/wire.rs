@@ -4,11 +4,15 @@
 
 use crate::watch::{TICK, Watch};
 use piezoid::Error;
+use socket2::SockRef;
 use std::fmt::Display;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpStream, ToSocketAddrs};
 use std::sync::mpsc;
 use std::time::{Duration, Instant};
+
+/// Why nothing is sent or received before the next attempt to connect.
+const NOT_CONNECTED: &str = "it is not connected";
 
 /// Bytes that are read at once.
 const PIECE: usize = 1 << 14;
@@ -16,7 +20,8 @@ const PIECE: usize = 1 << 14;
 /// A connection.
 pub(crate) struct Wire<'a> {
     pub(crate) watch: Watch<'a>,
-    stream: TcpStream,
+    /// None once it was lost and not yet connected again.
+    stream: Option<TcpStream>,
     /// Bytes that were received and belong to no answer yet.
     received: Vec<u8>,
     /// True if the last command was sent in part only.
@@ -34,7 +39,7 @@ impl<'a> Wire<'a> {
     /// Connects to an address.
     pub(crate) fn open(host: (&str, u16), patience: Duration, mut watch: Watch<'a>) -> Result<Self, Error> {
         Ok(Wire {
-            stream: connected(host, patience, &mut watch)?,
+            stream: Some(connected(host, patience, &mut watch)?),
             watch,
             received: Vec::new(),
             is_partial: false,
@@ -50,11 +55,14 @@ impl<'a> Wire<'a> {
         self.until = Some(Instant::now() + time);
     }
 
-    /// Connects again.
+    /// Connects again. What was sent before and has not arrived is withdrawn: a line that comes back would deliver it
+    /// after the commands of the new connection.
     pub(crate) fn reconnect(&mut self) -> Result<(), Error> {
-        drop(self.stream.shutdown(Shutdown::Both));
+        if let Some(stream) = self.stream.take() {
+            drop(SockRef::from(&stream).set_linger(Some(Duration::ZERO)));
+        }
         let patience = self.deadline().saturating_duration_since(Instant::now());
-        self.stream = connected((&self.host.0, self.host.1), patience, &mut self.watch)?;
+        self.stream = Some(connected((&self.host.0, self.host.1), patience, &mut self.watch)?);
         (self.is_partial, self.received) = (false, Vec::new());
         Ok(())
     }
@@ -83,7 +91,8 @@ impl<'a> Wire<'a> {
     pub(crate) fn send(&mut self, bytes: &[u8]) -> Result<(), Error> {
         let (deadline, mut left) = (self.deadline(), bytes);
         while !left.is_empty() {
-            match self.stream.write(left) {
+            let Some(stream) = &mut self.stream else { return Err(self.lost(&NOT_CONNECTED)) };
+            match stream.write(left) {
                 Ok(count) => left = &left[count..],
                 Err(e) if waits(&e) => (),
                 Err(e) => return Err(self.lost(&e)),
@@ -113,7 +122,8 @@ impl<'a> Wire<'a> {
         let mut piece = [0; PIECE];
         loop {
             self.check(deadline)?;
-            match self.stream.read(&mut piece) {
+            let Some(stream) = &mut self.stream else { return Err(self.lost(&NOT_CONNECTED)) };
+            match stream.read(&mut piece) {
                 Ok(0) => return Err(self.lost(&"it closed the connection")),
                 Ok(count) => {
                     self.received.extend_from_slice(&piece[..count]);
@@ -133,7 +143,7 @@ impl<'a> Wire<'a> {
 
 impl Drop for Wire<'_> {
     fn drop(&mut self) {
-        drop(self.stream.shutdown(Shutdown::Both));
+        drop(self.stream.as_ref().map(|stream| stream.shutdown(Shutdown::Both)));
     }
 }
 
