@@ -2,6 +2,7 @@
 
 use super::codes::fault;
 use super::line::Line;
+use super::run::{BY_WAVE, POSITION, VOLTAGE};
 use super::session::{CYCLE, Nv200, RECORDER, WAVE};
 use crate::gcs::{Axis, Controller};
 use crate::watch::Watch;
@@ -58,7 +59,10 @@ pub(crate) fn check(line: &mut Line, controller: &Controller) -> Result<(), Erro
         return unready(&format!("the controller is in use: {signs}"), "end the program that uses it");
     }
     if line.number("recrun")? != 0.0 {
-        return unready("the controller is in use: its recorder runs", "end the program that uses it");
+        if !is_left(line)? {
+            return unready("the controller is in use: its recorder runs", "end the program that uses it");
+        }
+        line.choose("recrun", 0)?;
     }
     if let Some(what) = fault(line.number("stat")? as u16) {
         return unready(&format!("the controller reports that {what} (`stat`)"), "correct that");
@@ -74,6 +78,18 @@ pub(crate) fn check(line: &mut Line, controller: &Controller) -> Result<(), Erro
         return unready("the setpoint comes from an analogue input or SPI", "choose another source (`modsrc,0`)");
     }
     Ok(())
+}
+
+/// True if the recorder waits for a generator at rest, as a measurement leaves it that was killed before its drive: it
+/// would wait for ever.
+fn is_left(line: &mut Line) -> Result<bool, Error> {
+    let settings = [("recast", BY_WAVE), ("recsrc,0", VOLTAGE), ("recsrc,1", POSITION)];
+    for (name, own) in settings {
+        if line.number(name)? != own as f64 {
+            return Ok(false);
+        }
+    }
+    Ok(line.number("grun")? == 0.0)
 }
 
 /// Values of `modsrc`.

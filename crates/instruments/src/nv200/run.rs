@@ -22,12 +22,12 @@ use piezoid::Error;
 use std::time::{Duration, Instant};
 
 /// Sources of the recorder.
-const POSITION: usize = 0;
-const VOLTAGE: usize = 2;
+pub(super) const POSITION: usize = 0;
+pub(super) const VOLTAGE: usize = 2;
 
 /// Values of `recast`.
 const BY_COMMAND: usize = 0;
-const BY_WAVE: usize = 2;
+pub(super) const BY_WAVE: usize = 2;
 
 /// Error of a value of the generator that is read back [%], and of a setpoint [V].
 const SHARE_ERROR: f64 = 5e-3;

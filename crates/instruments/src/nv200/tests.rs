@@ -116,6 +116,19 @@ fn a_controller_that_is_in_use_or_not_ready_is_left_alone() {
     }
 }
 
+/// A measurement that was killed before its drive leaves the recorder so: nothing would ever end its wait.
+#[test]
+fn a_recorder_that_waits_for_a_generator_at_rest_is_stopped() {
+    for (changed, is_refused) in [("", false), ("recsrc,1,1\r\n", true), ("recast,1\r\n", true)] {
+        let port = served(&simulation());
+        text(port, &format!("recsrc,0,2\r\nrecsrc,1,0\r\nrecast,2\r\n{changed}reclen,9\r\nrecrun,1\r\n"));
+        let (outcome, ..) = run(&at(port), &drive(1e-3, &sine(9)), &mut Stage::ignore);
+        let error = outcome.err().map(|error| error.to_string()).unwrap_or_default();
+        assert_eq!(error.contains("its recorder runs; nothing has moved"), is_refused, "{error}");
+        assert!(is_refused || error.is_empty(), "{error}");
+    }
+}
+
 #[test]
 fn a_slow_slew_rate_of_the_controller_is_noticed_before_the_drive() {
     let port = served(&Simulation { virtual_time: Some(1e-3), ..simulation() });
