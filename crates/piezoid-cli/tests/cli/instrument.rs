@@ -31,9 +31,17 @@ impl Controller {
         Controller(child, port)
     }
 
+    pub(crate) fn port(&self) -> u16 {
+        self.1.parse().unwrap()
+    }
+
+    pub(crate) fn id(&self) -> u32 {
+        self.0.id()
+    }
+
     /// Its answers, as a terminal shows them.
-    fn text(&self, lines: &str) -> String {
-        let mut stream = TcpStream::connect(("127.0.0.1", self.1.parse().unwrap())).unwrap();
+    pub(crate) fn text(&self, lines: &str) -> String {
+        let mut stream = TcpStream::connect(("127.0.0.1", self.port())).unwrap();
         stream.write_all(lines.as_bytes()).unwrap();
         stream.shutdown(Shutdown::Write).unwrap();
         let mut answer = String::new();

@@ -302,10 +302,10 @@ impl Drop for Sender {
 }
 
 /// Random numbers (xorshift, Marsaglia 2003).
-struct Dice(u64);
+pub(crate) struct Dice(pub(crate) u64);
 
 impl Dice {
-    fn roll(&mut self, sides: u64) -> u64 {
+    pub(crate) fn roll(&mut self, sides: u64) -> u64 {
         self.0 ^= self.0 << 13;
         self.0 ^= self.0 >> 7;
         self.0 ^= self.0 << 17;
@@ -339,7 +339,7 @@ fn inputs() -> Content {
     bench.files()
 }
 
-fn message(variable: &str) -> Option<u64> {
+pub(crate) fn message(variable: &str) -> Option<u64> {
     std::env::var(variable).ok().map(|value| value.parse().unwrap())
 }
 

@@ -11,6 +11,7 @@ mod compensate;
 mod control;
 mod drive;
 mod exports;
+mod faults;
 mod files;
 mod fmu;
 mod hostile;
