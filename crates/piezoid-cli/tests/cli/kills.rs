@@ -314,7 +314,7 @@ impl Dice {
 }
 
 /// True if `strace` can end a process here.
-fn can_trace() -> bool {
+pub(crate) fn can_trace() -> bool {
     let end = ["-qq", "-e", "trace=exit_group", "-e", "inject=exit_group:signal=SIGKILL", "true"];
     let ended = Command::new("strace").args(end).output();
     let can = ended.is_ok_and(|ended| ended.status.signal() == Some(9));

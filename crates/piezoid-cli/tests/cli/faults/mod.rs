@@ -14,12 +14,12 @@ mod witness;
 
 use crate::bench::{Bench, Run};
 use crate::instrument::Controller;
-use crate::kills::{Dice, message};
+use crate::kills::{Dice, can_trace, message};
 use line::{Line, Shared};
 use plan::{After, Kind, Moment, Place, Plan, Stall};
 use std::collections::BTreeMap;
 use std::os::unix::process::ExitStatusExt;
-use std::process::{Child, ExitStatus, Stdio};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::thread::sleep;
@@ -106,6 +106,8 @@ enum Work {
 struct Case {
     what: String,
     is_campaign: bool,
+    /// A signal that comes at the nth rename of a file.
+    at_rename: Option<(&'static str, usize)>,
     protocol: Protocol,
     bench: Bench,
     controller: Controller,
@@ -170,6 +172,7 @@ impl Case {
         Case {
             what,
             is_campaign: false,
+            at_rename: None,
             protocol,
             bench,
             controller,
@@ -205,7 +208,17 @@ impl Case {
     fn run(&self) -> (End, Line) {
         let line = Line::new(self.plan.clone(), self.controller.port(), self.controller.id());
         let command = self.line(line.port);
-        let mut child = self.bench.command(&command).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut client = self.bench.command(&command);
+        if let Some((signal, nth)) = self.at_rename {
+            let calls = "rename,renameat,renameat2";
+            let mut strace = Command::new("strace");
+            strace.args(["-qq", "-o", "/dev/null", "-e", &format!("trace={calls}")]);
+            strace.args(["-e", &format!("inject={calls}:signal=SIG{signal}:when={nth}")]);
+            strace.arg(client.get_program()).args(client.get_args()).current_dir(self.bench.path(""));
+            client = strace;
+            *line.shared.fired.lock().unwrap() = Some(Instant::now());
+        }
+        let mut child = client.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         line.shared.client.store(child.id(), Ordering::SeqCst);
         let hang = if self.is_campaign { HANG_OF_A_CAMPAIGN } else { HANG };
         let status = ended(&mut child, &line.shared, self.plan.kind, hang);
@@ -355,6 +368,30 @@ fn a_command_that_waits_on_a_stalled_line_is_not_obeyed_once_the_axis_is_stopped
                 assert!(end.took.is_some() && end.status.code() == Some(1), "{name}: {:?}", end.run);
                 case.check(&end, &line);
                 assert!(line.shared.is_delivered.load(Ordering::SeqCst));
+            });
+        }
+    });
+}
+
+#[test]
+fn a_signal_while_files_are_renamed_leaves_whole_files_and_a_true_voltage() {
+    if !can_trace() {
+        return;
+    }
+    let kinds =
+        [("INT", Kind::Interrupt), ("TERM", Kind::Terminate), ("HUP", Kind::Hangup), ("KILL", Kind::KillClient)];
+    std::thread::scope(|scope| {
+        // Both files and their mark, then the document alone.
+        for (nth, (signal, kind)) in (1..=4).flat_map(|nth| kinds.map(|kind| (nth, kind))) {
+            scope.spawn(move || {
+                let what = format!("{signal} at rename {nth}");
+                let plan = Plan { kind, ..Plan::none() };
+                let case = Case::new(&what, Protocol::Gcs, plan, &mut Dice(0x9e37_79b9 * (nth + 1) as u64));
+                let case = Case { at_rename: Some((signal, nth)), ..case };
+                let (end, line) = case.run();
+                let is_last = nth == 4 && kind != Kind::KillClient;
+                assert_eq!(end.status.code() == Some(0), is_last, "{what}: {:?}", end.run);
+                case.check(&end, &line);
             });
         }
     });
