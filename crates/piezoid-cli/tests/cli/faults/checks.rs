@@ -35,7 +35,7 @@ const SLEW_STEP: f64 = 0.16;
 const STATED: f64 = 6e-4;
 const CREEP: f64 = 0.05;
 
-/// By so much a servo changes the voltage within a second, to hold the position while the creep of the drive decays [V].
+/// By so much a servo changes the voltage in a second, to hold the position while the creep of the drive decays [V].
 const SERVO: f64 = 0.3;
 
 impl Case {
