@@ -61,7 +61,6 @@ impl Default for Generator {
 }
 
 impl Generator {
-    #[cfg(test)]
     pub(super) fn is_bursting(&self) -> bool {
         self.function != "DC" && self.is_burst && self.time.is_some()
     }

@@ -72,7 +72,6 @@ struct Device {
 }
 
 impl Behaviour for Device {
-    #[cfg(test)]
     fn state(&self) -> (f64, bool, bool) {
         (self.axis.voltage, false, self.generator.is_bursting())
     }
@@ -108,7 +107,6 @@ impl Behaviour for Device {
         self.time.clock.wait();
         self.update();
         self.time.calm = 0;
-        #[cfg(test)]
         self.log(&line.chars().take(80).collect::<String>());
         let answer = self.obey(port.min(1), line);
         // The level of the output follows at once.
