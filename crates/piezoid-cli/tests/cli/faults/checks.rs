@@ -3,12 +3,13 @@
 
 use super::line::Line;
 use super::plan::{After, Kind, Stall};
+use super::table::Row;
 use super::witness::Entry;
-use super::{Case, End, LIMITS, Protocol, SAMPLES, STEP, WAVE_STEP, value};
+use super::{Case, End, LIMITS, Protocol, SAMPLES, STEP, value};
 use crate::bench::Run;
 use serde_json::Value;
 use std::os::unix::process::ExitStatusExt;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::Ordering::SeqCst;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
@@ -23,9 +24,10 @@ const AT_ONCE: Duration = Duration::from_secs(1);
 const BOUNCE: Duration = Duration::from_millis(280);
 
 /// What a machine that is busy may add.
-const BUSY: Duration = Duration::from_secs(3);
+const BUSY: Duration = Duration::from_secs(5);
 
-/// The same of the drives of a campaign, whose small signal is one of steps [V].
+/// Largest change of the drive from sample to sample [V], and of those of a campaign, whose small signal has steps.
+const WAVE_STEP: f64 = 1.0;
 const CAMPAIGN_STEP: f64 = 6.0;
 
 /// Largest change of the voltage in a servo cycle at the usual speed of a simulated controller of PI [V].
@@ -39,22 +41,22 @@ const CREEP: f64 = 0.05;
 const SERVO: f64 = 0.3;
 
 impl Case {
-    pub(super) fn check(&self, end: &End, line: &Line) {
+    /// Checks all of it, and counts what came of it.
+    pub(super) fn check(&self, end: &End, line: &Line) -> Row {
         self.check_time(end);
         self.check_status(end);
         let is_new = self.check_files(end);
         self.check_moves(&end.log);
         let is_alive = self.plan.kind != Kind::KillController || end.took.is_none();
         let is_served = end.status.code().is_some() && !self.ends_abruptly(end);
-        if is_served && end.status.code() != Some(0) {
-            self.check_stop(end, is_alive);
-        }
+        let is_whole = end.status.code() == Some(0);
+        let is_stopped = if is_served && !is_whole { self.check_stop(end, is_alive) } else { None };
         if is_served && is_new {
             self.check_document(end);
         }
-        if is_served && is_alive {
-            self.check_place(end, line);
-        }
+        let is_stated = is_served && is_alive && self.check_place(end, line);
+        let title = if self.is_campaign() { "in a campaign, all of these" } else { self.plan.kind.title() };
+        Row { title, took: end.took, is_whole, is_stopped, is_stated }
     }
 
     /// True if a second Ctrl-C may have ended it at once.
@@ -64,16 +66,11 @@ impl Case {
 
     fn check_time(&self, end: &End) {
         let Some(took) = end.took else { return };
-        let most = if self.plan.kind.is_of_the_line() || self.plan.kind == Kind::KillController {
-            DEADLINE
-        } else if let Kind::Twice(pause, true) = self.plan.kind {
+        let most = match self.plan.kind {
             // On a line that stalls, only a second signal ends it at once.
-            if pause >= BOUNCE { pause + AT_ONCE } else { DEADLINE }
-        } else if self.plan.kind.is_signal() || self.plan.kind == Kind::KillClient {
-            AT_ONCE
-        } else {
-            // Garbage may be part of an answer that means nothing.
-            DEADLINE
+            Kind::Twice(pause, true) if pause >= BOUNCE => pause + AT_ONCE,
+            Kind::Twice(_, false) | Kind::Signal(_) => AT_ONCE,
+            _ => DEADLINE,
         };
         // Where nothing came of the fault, the measurement went on.
         let is_whole = end.status.code() == Some(0);
@@ -86,10 +83,10 @@ impl Case {
         let err = &end.run.err;
         let errors = err.lines().filter(|line| line.starts_with("error: ")).count();
         let is_right = match (code, signal) {
-            (Some(0), _) => errors == 0 && (self.is_campaign || end.run.out.contains("axis 1 is at")),
-            (Some(1), _) => !kind.is_signal() && kind != Kind::KillClient && errors == 1,
+            (Some(0), _) => errors == 0 && (self.is_campaign() || end.run.out.contains("axis 1 is at")),
+            (Some(1), _) => !kind.is_signal() && !kind.kills() && errors == 1,
             (Some(130), _) => kind.is_signal(),
-            (None, Some(9)) => kind == Kind::KillClient,
+            (None, Some(9)) => kind.kills(),
             // Before the process handles signals, it ends as others do.
             (None, Some(_)) => kind.is_signal() && end.log.is_empty() && err.is_empty(),
             _ => false,
@@ -104,7 +101,7 @@ impl Case {
     fn check_files(&self, end: &End) -> bool {
         let (what, files) = (&self.what, self.bench.files());
         let is_killed = end.status.signal() == Some(9);
-        if self.is_campaign {
+        if self.is_campaign() {
             return self.check_folder(is_killed);
         }
         let known = |name: &str| ["u.csv", "log", "r.csv", "r.json"].contains(&name);
@@ -112,18 +109,14 @@ impl Case {
             let is_left = name.starts_with(".piezoid-tmp-") || name == "piezoid-unfinished.txt";
             assert!(is_killed && is_left, "{what}: {name} is left: {:?}", end.run);
         }
-        let is_old = |name: &str, k: usize| files.get(name) == self.old.as_ref().map(|old| &old[k]);
+        let is_old = |name: &str, k: usize| files.get(name).map(Vec::as_slice) == self.old.map(|old| old[k].as_bytes());
         let [record, document] = [is_old("r.csv", 0), is_old("r.json", 1)];
         let is_named = files.contains_key("piezoid-unfinished.txt");
         assert!(record == document || is_named, "{what}: one file is old, the other new: {:?}", end.run);
         if !record {
             let text = self.bench.text("r.csv");
-            let rows: Vec<Vec<f64>> = text
-                .lines()
-                .skip_while(|line| !line.starts_with("t_s"))
-                .skip(1)
-                .map(|row| row.split(',').map(|value| value.parse().unwrap()).collect())
-                .collect();
+            let rows = text.lines().skip_while(|line| !line.starts_with("t_s")).skip(1);
+            let rows: Vec<Vec<f64>> = rows.map(|row| row.split(',').map(|x| x.parse().unwrap()).collect()).collect();
             assert_eq!((rows.len(), text.ends_with('\n')), (SAMPLES, true), "{what}: {text}");
             for (k, row) in rows.iter().enumerate() {
                 let u = value(k);
@@ -163,7 +156,7 @@ impl Case {
         for entry in log {
             let Entry { time, voltage, lowest, highest, step, command, .. } = entry;
             assert!(*lowest >= low - 1e-6 && *highest <= high + 1e-6, "{what}: {lowest} to {highest} V at {time} s");
-            let wave = if self.is_campaign { CAMPAIGN_STEP } else { WAVE_STEP };
+            let wave = if self.is_campaign() { CAMPAIGN_STEP } else { WAVE_STEP };
             let most = if is_played { slow.max(wave) } else { slow };
             assert!(*step <= most, "{what}: a step of {step} V before `{command}` at {time} s");
             if let Some(target) = entry.target() {
@@ -172,7 +165,7 @@ impl Case {
                 assert!(!entry.runs || self.protocol == Protocol::Nv200, "{what}: `{command}` in a wave");
             }
             is_source |= command == "modsrc,3";
-            if entry.starts() && is_source && !self.is_campaign {
+            if entry.starts() && is_source && !self.is_campaign() {
                 assert!((voltage - value(0)).abs() < 0.1, "{what}: the wave begins at {voltage} V at {time} s");
             }
             is_played = entry.runs || entry.starts();
@@ -192,8 +185,8 @@ impl Case {
         }
     }
 
-    /// Checks what a client that failed states against the log.
-    fn check_stop(&self, end: &End, is_alive: bool) {
+    /// Checks what a client that failed states against the log: whether the generator is stopped, if anything moved.
+    fn check_stop(&self, end: &End, is_alive: bool) -> Option<bool> {
         let (what, err, log) = (&self.what, &end.run.err, &end.log);
         let moved = log.iter().rposition(Entry::moves);
         // The first of these only fills the generator of an NV200, while `set` gives the setpoint.
@@ -201,9 +194,10 @@ impl Case {
         if !is_moved {
             let place = log.last().map_or(self.before, |entry| entry.voltage);
             assert!((place - self.before).abs() < CREEP, "{what}: it is at {place} V: {:?}", end.run);
-            return;
+            return None;
         }
-        if err.contains("is stopped") {
+        let is_stopped = err.contains("is stopped");
+        if is_stopped {
             let stopped = log.iter().rposition(Entry::stops);
             assert!(stopped.is_some() && stopped > moved, "{what}: moved {moved:?}, stopped {stopped:?}: {err}");
             let runs = log[stopped.unwrap_or(0) + 1..].iter().any(|entry| entry.runs);
@@ -212,6 +206,7 @@ impl Case {
             assert!(err.contains("could not be stopped, and may run on"), "{what}: {:?}", end.run);
             assert!(!is_alive || !self.has_line(), "{what}: a line could be had: {:?}", end.run);
         }
+        Some(is_stopped)
     }
 
     /// Checks the document beside a record.
@@ -224,12 +219,13 @@ impl Case {
         }
     }
 
-    /// Checks the place that is stated, as the client ends and once all has arrived that may.
-    fn check_place(&self, end: &End, line: &Line) {
+    /// Checks the place that is stated, if one is, as the client ends and once all has arrived that may.
+    fn check_place(&self, end: &End, line: &Line) -> bool {
         let Run { out, err, .. } = &end.run;
         let Some((stated, is_closed)) = place(&format!("{out}{err}")) else {
-            let is_stated = end.run.code != Some(0) && !err.contains("is stopped");
-            return assert!(is_stated, "{}: no voltage is stated: {:?}", self.what, end.run);
+            let may_be_unknown = end.run.code != Some(0) && !err.contains("is stopped");
+            assert!(may_be_unknown, "{}: no voltage is stated: {:?}", self.what, end.run);
+            return false;
         };
         let last = end.log.last().unwrap();
         let allowed = if is_closed { CREEP } else { STATED };
@@ -242,19 +238,20 @@ impl Case {
         }
         if let Kind::Stall(Stall::Late(_)) = self.plan.kind {
             let begin = Instant::now();
-            while !line.shared.is_delivered.load(Ordering::SeqCst) && begin.elapsed() < DEADLINE {
+            while !line.shared.is_delivered.load(SeqCst) && begin.elapsed() < DEADLINE {
                 sleep(Duration::from_millis(10));
             }
         }
         sleep(Duration::from_millis(100));
         if self.has_line() {
-            self.controller.text(if self.protocol == Protocol::Gcs { "POS?\n" } else { "meas\r\n" });
+            self.controller.text(self.protocol.words()[2]);
             let later = self.log().pop().unwrap();
             let what = format!("{what}, later it is at {} V", later.voltage);
             let allowed = if is_closed { SERVO } else { STATED };
             assert!((later.voltage - stated).abs() <= allowed, "{what}: {:?}", end.run);
             assert_eq!((later.servo, later.runs), (is_closed, false), "{what}: {:?}", end.run);
         }
+        true
     }
 
     /// Checks that the next measurement works, or says why it does not.

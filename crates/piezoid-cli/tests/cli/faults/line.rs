@@ -1,11 +1,12 @@
 //! A line between a client and a controller that has one fault: at a moment, or at a command.
 
-use super::plan::{After, Garbage, Kind, Moment, Place, Plan};
+use super::plan::{After, Kind, Moment, Place, Plan, Stall};
+use rustix::process::{Pid, Signal, kill_process};
 use socket2::SockRef;
 use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Shutdown, TcpListener, TcpStream};
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering::SeqCst};
 use std::sync::{Arc, Mutex};
 use std::thread::{sleep, spawn};
 use std::time::{Duration, Instant};
@@ -31,11 +32,14 @@ pub(super) struct Shared {
     begin: Instant,
     /// Processes of the client and of the controller, for signals.
     pub(super) client: AtomicU32,
-    pub(super) server: AtomicU32,
+    server: u32,
+    /// When the fault came.
     pub(super) fired: Mutex<Option<Instant>>,
     /// How often each command came.
     pub(super) counts: Mutex<BTreeMap<String, usize>>,
-    /// Bytes that a stalled line has delivered after all, once it has.
+    /// Connections that pass bytes.
+    pub(super) open: AtomicUsize,
+    /// True once a line that stalled has delivered what waited on it.
     pub(super) is_delivered: AtomicBool,
     is_over: AtomicBool,
 }
@@ -49,16 +53,17 @@ impl Line {
             controller,
             begin: Instant::now(),
             client: AtomicU32::new(0),
-            server: AtomicU32::new(server),
+            server,
             fired: Mutex::default(),
             counts: Mutex::default(),
+            open: AtomicUsize::new(0),
             is_delivered: AtomicBool::new(false),
             is_over: AtomicBool::new(false),
         });
         let line = shared.clone();
         spawn(move || {
             for client in listener.incoming().flatten() {
-                if line.is_over.load(Ordering::SeqCst) {
+                if line.is_over.load(SeqCst) {
                     return;
                 }
                 let line = line.clone();
@@ -71,14 +76,13 @@ impl Line {
 
 impl Drop for Line {
     fn drop(&mut self) {
-        self.shared.is_over.store(true, Ordering::SeqCst);
+        self.shared.is_over.store(true, SeqCst);
         drop(TcpStream::connect(("127.0.0.1", self.port)));
     }
 }
 
-/// What a connection does after a fault.
-enum Now {
-    Passes,
+/// Why a connection passes nothing any more.
+enum Over {
     Ends,
     Stalls,
 }
@@ -91,131 +95,97 @@ struct Pass {
     up: Vec<u8>,
     /// Bytes of an answer until the fault comes.
     until: Option<usize>,
-    /// True while the rest of an answer is swallowed.
-    swallows: bool,
-    /// Garbage in place of the next answer.
+    /// Garbage in place of the next answer, and whether an answer is replaced.
     garbage: Option<Vec<u8>>,
+    is_replaced: bool,
     /// When the next byte of a line that drips may pass, and what waits for that.
     drips: Option<(Instant, Vec<u8>)>,
 }
 
 impl Shared {
-    fn fired(&self) -> Option<Instant> {
+    pub(super) fn fired(&self) -> Option<Instant> {
         *self.fired.lock().unwrap()
     }
 
-    /// A process gets a signal.
-    fn signal(&self, signal: rustix::process::Signal, process: &AtomicU32) {
-        let process = process.load(Ordering::SeqCst);
-        if let Some(process) = rustix::process::Pid::from_raw(process.cast_signed()) {
-            let _ = rustix::process::kill_process(process, signal);
-        }
+    /// A signal for the client, if that runs.
+    pub(super) fn signal(&self, signal: Signal) {
+        signal_to(self.client.load(SeqCst), signal);
     }
 
-    /// Ctrl-C once more.
-    pub(super) fn interrupt(&self) {
-        self.signal(rustix::process::Signal::INT, &self.client);
-    }
-
-    /// True if the line may be had again by now.
-    fn is_back(&self) -> bool {
-        match (self.fired(), self.plan.after) {
-            (None, _) | (_, After::Back) => true,
-            (Some(fired), After::Later(pause)) => fired.elapsed() >= pause,
-            (Some(_), After::Closed | After::Silent) => !self.plan.kind.is_of_the_line(),
-        }
+    fn is_over(&self) -> bool {
+        self.is_over.load(SeqCst)
     }
 
     fn accepted(&self, client: TcpStream) {
-        if !self.is_back() {
-            if let After::Silent = self.plan.after {
-                self.hold();
+        let is_of_the_line = self.plan.kind.is_of_the_line();
+        match (self.fired(), self.plan.after) {
+            (Some(fired), After::Later(pause)) if fired.elapsed() < pause => return,
+            (Some(_), After::Closed) if is_of_the_line => return,
+            (Some(_), After::Silent) if is_of_the_line => {
+                while !self.is_over() {
+                    sleep(DRAIN);
+                }
+                return;
             }
-            return;
+            _ => (),
         }
         let Ok(controller) = TcpStream::connect(("127.0.0.1", self.controller)) else { return };
         for stream in [&client, &controller] {
             stream.set_nodelay(true).unwrap();
             stream.set_nonblocking(true).unwrap();
         }
-        let mut pass =
-            Pass { client, controller, up: Vec::new(), until: None, swallows: false, garbage: None, drips: None };
-        match self.passed(&mut pass) {
-            Now::Stalls => self.stall(pass),
-            _ => drop(pass),
-        }
-    }
-
-    /// Waits for the end of the case.
-    fn hold(&self) {
-        while !self.is_over.load(Ordering::SeqCst) {
-            sleep(DRAIN);
+        let (up, until, garbage, is_replaced, drips) = (Vec::new(), None, None, false, None);
+        let mut pass = Pass { client, controller, up, until, garbage, is_replaced, drips };
+        self.open.fetch_add(1, SeqCst);
+        let over = self.passed(&mut pass);
+        self.open.fetch_sub(1, SeqCst);
+        if let Over::Stalls = over {
+            self.stall(&mut pass);
         }
     }
 
     /// Passes bytes both ways until the line ends or stalls.
-    fn passed(&self, pass: &mut Pass) -> Now {
-        let mut piece = [0; 4096];
-        while !self.is_over.load(Ordering::SeqCst) {
-            let is_due = matches!(self.plan.moment, Moment::After(time) if self.begin.elapsed() >= time);
-            if is_due && self.fired().is_none() {
-                match self.fire(pass) {
-                    Now::Passes => (),
-                    other => return other,
-                }
-            }
-            let mut is_idle = true;
-            match pass.client.read(&mut piece) {
-                Ok(0) => return pass.close(),
-                Ok(count) => {
-                    is_idle = false;
-                    for (k, byte) in piece[..count].iter().enumerate() {
-                        match self.command(pass, *byte) {
-                            Now::Passes => (),
-                            other => {
-                                pass.up.extend_from_slice(&piece[k + 1..count]);
-                                return other;
-                            }
-                        }
-                    }
-                }
-                Err(e) if e.kind() == ErrorKind::WouldBlock => (),
-                Err(_) => return Now::Ends,
-            }
-            match pass.controller.read(&mut piece) {
-                Ok(0) => return Now::Ends,
-                Ok(count) => {
-                    is_idle = false;
-                    for byte in &piece[..count] {
-                        pass.answer(*byte);
-                        if pass.is_due() {
-                            match self.fire(pass) {
-                                Now::Passes => (),
-                                other => return other,
-                            }
-                        }
-                    }
-                }
-                Err(e) if e.kind() == ErrorKind::WouldBlock => (),
-                Err(_) => return Now::Ends,
-            }
-            pass.drip();
-            if is_idle {
-                sleep(IDLE);
+    fn passed(&self, pass: &mut Pass) -> Over {
+        while !self.is_over() {
+            if let Err(over) = self.pass(pass) {
+                return over;
             }
         }
-        Now::Ends
+        Over::Ends
+    }
+
+    fn pass(&self, pass: &mut Pass) -> Result<(), Over> {
+        let mut piece = [0; 4096];
+        let is_due = matches!(self.plan.moment, Moment::After(time) if self.begin.elapsed() >= time);
+        if is_due && self.fired().is_none() {
+            self.fire(pass)?;
+        }
+        let Ok(sent) = arrived(&pass.client, &mut piece) else {
+            pass.close();
+            return Err(Over::Ends);
+        };
+        for k in 0..sent {
+            self.command(pass, piece[k]).inspect_err(|_| pass.up.extend_from_slice(&piece[k + 1..sent]))?;
+        }
+        let Ok(answered) = arrived(&pass.controller, &mut piece) else { return Err(Over::Ends) };
+        for byte in &piece[..answered] {
+            pass.answer(*byte);
+            self.fire_if_due(pass)?;
+        }
+        pass.drip();
+        if sent + answered == 0 {
+            sleep(IDLE);
+        }
+        Ok(())
     }
 
     /// A byte from the client.
-    fn command(&self, pass: &mut Pass, byte: u8) -> Now {
+    fn command(&self, pass: &mut Pass, byte: u8) -> Result<(), Over> {
         pass.up.push(byte);
-        let is_own = byte < 32 && byte != b'\r' && byte != b'\n';
-        if byte != b'\n' && !is_own {
-            return Now::Passes;
+        if byte >= 32 || byte == b'\r' {
+            return Ok(());
         }
-        let line = std::mem::take(&mut pass.up);
-        let name = name(&line);
+        let name = name(&pass.up);
         let count = {
             let mut counts = self.counts.lock().unwrap();
             let count = counts.entry(name.clone()).or_default();
@@ -223,107 +193,86 @@ impl Shared {
             *count
         };
         let place = match &self.plan.moment {
-            Moment::Command { name: of, nth, place } if *of == name && *nth == count && self.fired().is_none() => {
-                *place
-            }
-            _ => {
-                pass.to_controller(&line);
-                return Now::Passes;
-            }
+            Moment::Command(of, nth, place) if *of == name && *nth == count && self.fired().is_none() => Some(*place),
+            _ => None,
         };
         match place {
-            Place::Before => {
-                let now = self.fire(pass);
-                pass.go_on(&line, now)
+            Some(Place::Before) => self.fire(pass)?,
+            Some(Place::Torn) => {
+                let begin: Vec<u8> = pass.up.drain(..pass.up.len() / 2).collect();
+                put(&pass.controller, &begin);
+                self.fire(pass)?;
             }
-            Place::Torn => {
-                let (begin, rest) = line.split_at(line.len() / 2);
-                pass.to_controller(begin);
-                let now = self.fire(pass);
-                pass.go_on(rest, now)
-            }
-            Place::Between => {
-                pass.to_controller(&line);
-                self.fire(pass)
-            }
-            Place::Within(bytes) => {
-                pass.to_controller(&line);
-                pass.until = Some(bytes);
-                Now::Passes
-            }
+            Some(Place::Answer(bytes)) => pass.until = Some(bytes),
+            None => (),
         }
+        put(&pass.controller, &std::mem::take(&mut pass.up));
+        self.fire_if_due(pass)
     }
 
-    /// The fault comes.
-    fn fire(&self, pass: &mut Pass) -> Now {
-        use rustix::process::Signal;
+    /// The fault comes if enough of an answer has passed.
+    fn fire_if_due(&self, pass: &mut Pass) -> Result<(), Over> {
+        if pass.until == Some(0) { self.fire(pass) } else { Ok(()) }
+    }
+
+    fn fire(&self, pass: &mut Pass) -> Result<(), Over> {
         *self.fired.lock().unwrap() = Some(Instant::now());
         pass.until = None;
-        let plan = &self.plan;
-        match plan.kind {
+        match self.plan.kind {
             Kind::Cut => {
                 drop(pass.client.shutdown(Shutdown::Both));
                 drop(pass.controller.shutdown(Shutdown::Both));
-                return Now::Ends;
+                return Err(Over::Ends);
             }
             Kind::Reset => {
                 reset(&pass.client);
                 reset(&pass.controller);
-                return Now::Ends;
+                return Err(Over::Ends);
             }
-            Kind::Stall(_) => return Now::Stalls,
+            Kind::Stall(_) => return Err(Over::Stalls),
             Kind::Drip => pass.drips = Some((Instant::now() + DRIP, Vec::new())),
-            Kind::Garbage(Garbage::InPlace) => pass.garbage = Some(plan.garbage.clone()),
-            Kind::Garbage(Garbage::Between) => pass.to_client(&plan.garbage),
-            Kind::KillClient => self.signal(Signal::KILL, &self.client),
-            Kind::KillController => self.signal(Signal::KILL, &self.server),
-            Kind::Interrupt => self.signal(Signal::INT, &self.client),
+            Kind::Garbage { replaces: true } => pass.garbage = Some(self.plan.garbage.clone()),
+            Kind::Garbage { replaces: false } => put(&pass.client, &self.plan.garbage),
+            Kind::Signal(signal) => self.signal(signal),
             Kind::Twice(_, stalls) => {
-                self.signal(Signal::INT, &self.client);
+                self.signal(Signal::INT);
                 if stalls {
-                    return Now::Stalls;
+                    return Err(Over::Stalls);
                 }
             }
-            Kind::Terminate => self.signal(Signal::TERM, &self.client),
-            Kind::Hangup => self.signal(Signal::HUP, &self.client),
+            Kind::KillController => signal_to(self.server, Signal::KILL),
         }
-        Now::Passes
+        Ok(())
     }
 
     /// Nothing passes any more.
-    fn stall(&self, mut pass: Pass) {
-        use super::plan::Stall;
-        let (begin, mut held, mut end) = (Instant::now(), std::mem::take(&mut pass.up), None);
-        let mut piece = [0; 4096];
-        while !self.is_over.load(Ordering::SeqCst) {
+    fn stall(&self, pass: &mut Pass) {
+        let (begin, mut end, mut piece) = (Instant::now(), None, [0; 4096]);
+        while !self.is_over() {
             if end.is_none() {
-                match pass.client.read(&mut piece) {
-                    Ok(0) => end = Some(false),
-                    Ok(count) => held.extend_from_slice(&piece[..count]),
-                    Err(e) if e.kind() == ErrorKind::WouldBlock => (),
-                    Err(_) => end = Some(true),
+                match arrived(&pass.client, &mut piece) {
+                    Ok(count) => pass.up.extend_from_slice(&piece[..count]),
+                    Err(is_reset) => end = Some(is_reset),
                 }
             }
             match self.plan.kind {
-                // The controller notices that the client has gone.
                 Kind::Stall(Stall::Closes) if end.is_some() => return,
-                // What waits in the client arrives when the line is there again, unless the client has withdrawn it.
                 Kind::Stall(Stall::Late(pause)) if begin.elapsed() >= pause => {
                     match end {
                         Some(true) => reset(&pass.controller),
-                        _ => {
-                            pass.to_controller(&held);
-                            pass.close();
-                        }
+                        _ => pass.close(),
                     }
-                    drop(pass);
-                    self.is_delivered.store(true, Ordering::SeqCst);
-                    return;
+                    return self.is_delivered.store(true, SeqCst);
                 }
-                _ => (),
+                _ => sleep(Duration::from_millis(5)),
             }
-            sleep(Duration::from_millis(5));
         }
+    }
+}
+
+fn signal_to(process: u32, signal: Signal) {
+    if let Some(process) = Pid::from_raw(process.cast_signed()) {
+        let _ = kill_process(process, signal);
     }
 }
 
@@ -332,16 +281,13 @@ fn reset(stream: &TcpStream) {
     SockRef::from(stream).set_linger(Some(Duration::ZERO)).unwrap();
 }
 
-/// The name of a command: with GCS the first word or the byte, of an NV200 with the number of its arguments.
-pub(super) fn name(line: &[u8]) -> String {
-    let text: String = line.iter().map(|byte| char::from(*byte)).collect();
-    match line {
-        [byte] if *byte < 32 && *byte != b'\n' => format!("#{byte}"),
-        _ if text.ends_with("\r\n") => {
-            let mut words = text.trim().split(',');
-            format!("{}/{}", words.next().unwrap_or_default(), words.count())
-        }
-        _ => text.split_whitespace().next().unwrap_or_default().to_string(),
+/// How many bytes have arrived. An error is the end of the connection: true if it was reset.
+fn arrived(mut stream: &TcpStream, piece: &mut [u8]) -> Result<usize, bool> {
+    match stream.read(piece) {
+        Ok(0) => Err(false),
+        Ok(count) => Ok(count),
+        Err(e) if e.kind() == ErrorKind::WouldBlock => Ok(0),
+        Err(_) => Err(true),
     }
 }
 
@@ -357,42 +303,33 @@ fn put(mut stream: &TcpStream, mut bytes: &[u8]) {
     }
 }
 
-impl Pass {
-    fn to_controller(&self, bytes: &[u8]) {
-        put(&self.controller, bytes);
-    }
-
-    fn to_client(&self, bytes: &[u8]) {
-        put(&self.client, bytes);
-    }
-
-    /// A command after a fault, which passes or waits.
-    fn go_on(&mut self, command: &[u8], now: Now) -> Now {
-        match now {
-            Now::Passes => self.to_controller(command),
-            _ => self.up.extend_from_slice(command),
+/// The name of a command: with GCS the first word or the byte, of an NV200 with the number of its arguments.
+fn name(line: &[u8]) -> String {
+    let text: String = line.iter().map(|byte| char::from(*byte)).collect();
+    match line {
+        [byte] if *byte < 32 && *byte != b'\n' => format!("#{byte}"),
+        [.., b'\r', b'\n'] => {
+            let mut words = text.trim().split(',');
+            format!("{}/{}", words.next().unwrap_or_default(), words.count())
         }
-        now
+        _ => text.split_whitespace().next().unwrap_or_default().to_string(),
     }
+}
 
-    /// True if enough of an answer has passed.
-    fn is_due(&self) -> bool {
-        self.until == Some(0)
-    }
-
+impl Pass {
     /// A byte from the controller.
     fn answer(&mut self, byte: u8) {
         if let Some(garbage) = self.garbage.take() {
-            self.to_client(&garbage);
-            self.swallows = true;
+            put(&self.client, &garbage);
+            self.is_replaced = true;
         }
-        if self.swallows {
-            self.swallows = byte != b'\n';
+        if self.is_replaced {
+            self.is_replaced = byte != b'\n';
             return;
         }
         match &mut self.drips {
             Some((_, waiting)) => waiting.push(byte),
-            None => self.to_client(&[byte]),
+            None => put(&self.client, &[byte]),
         }
         self.until = self.until.map(|left| left.saturating_sub(1));
     }
@@ -402,20 +339,18 @@ impl Pass {
             && Instant::now() >= *due
             && !waiting.is_empty()
         {
-            let byte = waiting.remove(0);
             *due = Instant::now() + DRIP;
-            self.to_client(&[byte]);
+            put(&self.client, &[waiting.remove(0)]);
         }
     }
 
     /// What was sent arrives, then the client has gone.
-    fn close(&mut self) -> Now {
-        self.to_controller(&self.up);
+    fn close(&self) {
+        put(&self.controller, &self.up);
         drop(self.controller.shutdown(Shutdown::Write));
         let (begin, mut piece) = (Instant::now(), [0; 4096]);
-        while begin.elapsed() < DRAIN && !matches!(self.controller.read(&mut piece), Ok(0)) {
+        while begin.elapsed() < DRAIN && arrived(&self.controller, &mut piece).is_ok() {
             sleep(IDLE);
         }
-        Now::Ends
     }
 }

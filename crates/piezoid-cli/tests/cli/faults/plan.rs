@@ -1,6 +1,7 @@
 //! Which fault comes when, by chance.
 
 use crate::kills::Dice;
+use rustix::process::Signal;
 use std::time::Duration;
 
 /// A kind of fault.
@@ -8,20 +9,20 @@ use std::time::Duration;
 pub(super) enum Kind {
     /// The line ends.
     Cut,
-    /// The line is reset.
     Reset,
     /// Nothing passes any more.
     Stall(Stall),
     /// Answers pass with one byte a second.
     Drip,
-    Garbage(Garbage),
-    KillClient,
-    KillController,
-    Interrupt,
+    /// Noise between answers, or in place of one.
+    Garbage {
+        replaces: bool,
+    },
+    /// A signal for the client.
+    Signal(Signal),
     /// Ctrl-C, and once more after this time, perhaps while the line stalls.
     Twice(Duration, bool),
-    Terminate,
-    Hangup,
+    KillController,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,38 +31,29 @@ pub(super) enum Stall {
     Silent,
     /// The controller notices that the client goes.
     Closes,
-    /// What waits on the line arrives after this time.
+    /// What waits on the line arrives after this time, unless the client has withdrawn it.
     Late(Duration),
 }
 
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Garbage {
-    InPlace,
-    Between,
-}
-
-pub(super) const KINDS: usize = 12;
-
 impl Kind {
     fn of(k: usize, dice: &mut Dice) -> Self {
-        let mut time = |from: u64, to: u64| Duration::from_millis(from + dice.roll(to - from));
-        match k % KINDS {
+        match k % 12 {
             0 => Kind::Cut,
             1 => Kind::Reset,
-            2 => match time(0, 3).as_millis() {
-                0 => Kind::Stall(Stall::Silent),
-                1 => Kind::Stall(Stall::Closes),
-                _ => Kind::Stall(Stall::Late(time(1500, 4000))),
-            },
+            2 => Kind::Stall(match dice.roll(3) {
+                0 => Stall::Silent,
+                1 => Stall::Closes,
+                _ => Stall::Late(Duration::from_millis(1500 + dice.roll(2500))),
+            }),
             3 => Kind::Drip,
-            4 => Kind::Garbage(Garbage::InPlace),
-            5 => Kind::Garbage(Garbage::Between),
-            6 => Kind::KillClient,
+            4 => Kind::Garbage { replaces: true },
+            5 => Kind::Garbage { replaces: false },
+            6 => Kind::Signal(Signal::KILL),
             7 => Kind::KillController,
-            8 => Kind::Interrupt,
-            9 => Kind::Terminate,
-            10 => Kind::Hangup,
-            _ => Kind::Twice(time(0, 700), time(0, 2).as_millis() == 1),
+            8 => Kind::Signal(Signal::INT),
+            9 => Kind::Signal(Signal::TERM),
+            10 => Kind::Signal(Signal::HUP),
+            _ => Kind::Twice(Duration::from_millis(dice.roll(700)), dice.roll(2) == 0),
         }
     }
 
@@ -70,18 +62,18 @@ impl Kind {
             Kind::Cut => "cut",
             Kind::Reset => "reset",
             Kind::Stall(Stall::Silent) => "stall",
-            Kind::Stall(Stall::Closes) => "stall, client's end passes",
+            Kind::Stall(Stall::Closes) => "stall, the client's end passes",
             Kind::Stall(Stall::Late(_)) => "stall, delivered later",
-            Kind::Drip => "drip",
-            Kind::Garbage(Garbage::InPlace) => "garbage for an answer",
-            Kind::Garbage(Garbage::Between) => "garbage between",
-            Kind::KillClient => "kill -9 of the client",
-            Kind::KillController => "kill -9 of the controller",
-            Kind::Interrupt => "Ctrl-C",
+            Kind::Drip => "drip of one byte a second",
+            Kind::Garbage { replaces: true } => "garbage for an answer",
+            Kind::Garbage { replaces: false } => "garbage between answers",
+            Kind::Signal(Signal::KILL) => "`kill -9` of the program",
+            Kind::Signal(Signal::TERM) => "SIGTERM",
+            Kind::Signal(Signal::HUP) => "SIGHUP",
+            Kind::Signal(_) => "Ctrl-C",
             Kind::Twice(_, false) => "Ctrl-C twice",
-            Kind::Twice(_, true) => "Ctrl-C twice, line stalls",
-            Kind::Terminate => "SIGTERM",
-            Kind::Hangup => "SIGHUP",
+            Kind::Twice(_, true) => "Ctrl-C twice, the line stalls",
+            Kind::KillController => "`kill -9` of the controller",
         }
     }
 
@@ -90,32 +82,31 @@ impl Kind {
         matches!(self, Kind::Cut | Kind::Reset | Kind::Stall(_) | Kind::Drip)
     }
 
+    pub(super) fn kills(self) -> bool {
+        self == Kind::Signal(Signal::KILL)
+    }
+
     /// True for a signal that the client can handle.
     pub(super) fn is_signal(self) -> bool {
-        matches!(self, Kind::Interrupt | Kind::Twice(..) | Kind::Terminate | Kind::Hangup)
+        matches!(self, Kind::Signal(_) | Kind::Twice(..)) && !self.kills()
     }
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Moment {
-    /// Never, to count the commands.
     Never,
     After(Duration),
     /// At a command when it comes for the nth time.
-    Command {
-        name: String,
-        nth: usize,
-        place: Place,
-    },
+    Command(String, usize, Place),
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Place {
     Before,
+    /// Within the command.
     Torn,
-    Between,
     /// After so many bytes of the next answer.
-    Within(usize),
+    Answer(usize),
 }
 
 /// New connections after a fault of the line.
@@ -143,7 +134,7 @@ impl Plan {
         Plan { kind: Kind::Cut, moment: Moment::Never, after: After::Back, garbage: Vec::new() }
     }
 
-    /// The fault of case k, at this command, or at a moment of a measurement of this length.
+    /// The fault of case k, at this command, which comes so often, or at a moment of a measurement of this length.
     pub(super) fn of(k: usize, command: Option<(&str, usize)>, length: Duration, dice: &mut Dice) -> Self {
         let kind = Kind::of(k, dice);
         let moment = match command {
@@ -151,10 +142,9 @@ impl Plan {
                 let place = match dice.roll(4) {
                     0 => Place::Before,
                     1 => Place::Torn,
-                    2 => Place::Between,
-                    _ => Place::Within(1 + dice.roll(3) as usize),
+                    _ => Place::Answer(dice.roll(4) as usize),
                 };
-                Moment::Command { name: name.into(), nth: 1 + dice.roll(most as u64) as usize, place }
+                Moment::Command(name.into(), 1 + dice.roll(most as u64) as usize, place)
             }
             None => Moment::After(length.mul_f64(dice.roll(10_000) as f64 / 10_000.0)),
         };
@@ -164,9 +154,9 @@ impl Plan {
             8 => After::Closed,
             _ => After::Silent,
         };
-        // Noise has bytes that no answer has.
-        let mut garbage: Vec<u8> = (0..1 + dice.roll(40)).map(|_| dice.roll(256) as u8).collect();
-        garbage.insert(0, 0x80 | dice.roll(128) as u8);
+        // It begins with a byte that no answer has.
+        let mut garbage = vec![0x80 | dice.roll(128) as u8];
+        garbage.extend((0..1 + dice.roll(40)).map(|_| dice.roll(256) as u8));
         if dice.roll(2) == 0 {
             garbage.push(b'\n');
         }
