@@ -94,6 +94,17 @@ impl Console {
         &self,
         work: impl FnOnce(&mut Progress) -> Result<T, piezoid::Error>,
     ) -> Result<(T, bool)> {
+        let outcome = self.work_on_instrument(work);
+        WATCHED.store(false, Ordering::SeqCst);
+        outcome
+    }
+
+    /// The same for work that moves an axis: no first signal ends the process after it, before it is stated where the
+    /// axis is.
+    pub(crate) fn work_on_instrument<T>(
+        &self,
+        work: impl FnOnce(&mut Progress) -> Result<T, piezoid::Error>,
+    ) -> Result<(T, bool)> {
         WATCHED.store(true, Ordering::SeqCst);
         let outcome = work(&mut |stage: Stage| {
             if self.shows_progress {
@@ -101,7 +112,6 @@ impl Console {
             }
             if INTERRUPTED.load(Ordering::SeqCst) { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         });
-        WATCHED.store(false, Ordering::SeqCst);
         self.bar.borrow().finish_and_clear();
         let result = outcome.map_err(|error| match error {
             piezoid::Error::Cancelled { .. } => Ended::Cancelled(format!("{error}: nothing was written")).into(),

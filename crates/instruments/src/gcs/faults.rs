@@ -135,6 +135,11 @@ fn an_answer_that_drips_ends_at_its_deadline() {
         let begin = Instant::now();
         let (outcome, text, _) = run(&bench.options(1.5), &mut Stage::ignore);
         let finished = outcome.as_ref().is_ok_and(|acquired| acquired.unfinished.is_none());
+        if !bench.is_faulty.load(Ordering::SeqCst) {
+            // A machine that is busy has fewer answers.
+            assert!(finished && at + BY_THE_CLOCK > last, "{at}: {text}");
+            continue;
+        }
         assert!(!finished && begin.elapsed() < GENEROUS, "{at}: {text}");
         assert!(text.contains("there was no whole answer within 1.5 s"), "{text}");
         bench.witness(&text, &format!("drip at {at}"));
@@ -155,6 +160,10 @@ fn cancelling_is_noticed_while_an_answer_is_awaited() {
             cancelled.get_or_insert_with(Instant::now);
             Break(())
         });
+        if !bench.is_faulty.load(Ordering::SeqCst) {
+            assert!(outcome.is_ok() && at + BY_THE_CLOCK > last, "{at}: {text}");
+            continue;
+        }
         assert!(cancelled.unwrap().elapsed() < GENEROUS, "{text}");
         let is_cancelled = matches!(outcome, Err(Error::Cancelled { .. }));
         assert!(is_cancelled || outcome.is_ok_and(|acquired| acquired.unfinished.is_some()), "{text}");

@@ -65,15 +65,11 @@ impl Run for Acquire {
             let written = results.and_then(|results| results.json(document, &acquired.to_json()).write(console));
             written.map_err(|error| Error::Content(format!("{error:#}")))
         };
-        // A signal does not end the process before it is written where the axis is.
-        let outcome = console.work_until_cancelled(|progress| {
-            let acquired = options.run(&drive, &columns, &mut notes, &mut keep, progress)?;
-            let written = Results::default().json(self.json.as_deref(), &acquired.to_json()).write(console);
-            Ok((acquired, written))
-        });
+        let outcome =
+            console.work_on_instrument(|progress| options.run(&drive, &columns, &mut notes, &mut keep, progress));
         console.remarks(&notes);
-        let ((acquired, written), is_cancelled) = outcome?;
-        written?;
+        let (acquired, is_cancelled) = outcome?;
+        Results::default().json(self.json.as_deref(), &acquired.to_json()).write(console)?;
         let Some(unfinished) = &acquired.unfinished else {
             return if is_free { console.sentence(&acquired.state()) } else { Ok(()) };
         };

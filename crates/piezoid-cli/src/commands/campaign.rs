@@ -53,7 +53,7 @@ impl Run for Campaign {
         let (reference, mut notes) = (reference.as_ref().map(|file| (file, &columns)), Vec::new());
         // Records are kept whatever becomes of the rest.
         let (outcome, is_cancelled) = console
-            .work_until_cancelled(|progress| Ok(self.options.0.run(reference, &mut folder, &mut notes, progress)))?;
+            .work_on_instrument(|progress| Ok(self.options.0.run(reference, &mut folder, &mut notes, progress)))?;
         console.remarks(&notes);
         let found = match outcome {
             Err(error @ Error::Cancelled { .. }) => {

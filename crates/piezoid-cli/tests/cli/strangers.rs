@@ -5,6 +5,7 @@
 
 use crate::instrument::Controller;
 use crate::kills::Dice;
+use std::collections::BTreeMap;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::thread::{scope, sleep};
@@ -18,6 +19,13 @@ const COMMANDS: usize = 10_000;
 
 /// By so much the memory of the process may grow [KiB].
 const GROWTH_KIB: u64 = 16 << 10;
+const GROWTH_WITH_WAVES_KIB: u64 = 96 << 10;
+
+/// Wrong commands of each protocol, and what is sent after each for its answer.
+type Wrong = (fn(&mut Dice) -> (String, &'static str), &'static str);
+const GCS: Wrong = (gcs, "\nERR?\n");
+const NV200: Wrong = (nv200, "\r\n");
+const SCPI: Wrong = (scpi, "\nSYST:ERR?\n");
 
 /// Largest memory of the process until now [KiB].
 fn peak(controller: &Controller) -> u64 {
@@ -108,20 +116,44 @@ fn nv200(dice: &mut Dice) -> (String, &'static str) {
     }
 }
 
-/// Sends wrong commands, and checks the answer of each.
-fn wrong(client: &mut Client, count: usize, seed: u64, is_gcs: bool) {
-    let mut dice = Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15));
+/// A wrong command of a generator with SCPI, and its error.
+fn scpi(dice: &mut Dice) -> (String, &'static str) {
+    const UNKNOWN: &str = "-113,\"Undefined header\"";
+    const RANGE: &str = "-222,\"Data out of range\"";
+    const WORD: &str = "-224,\"Illegal parameter value\"";
+    let (far, unknown) = (101 + dice.roll(1 << 40), nonsense(dice));
+    match dice.roll(12) {
+        0 => (unknown, UNKNOWN),
+        1 => (format!("{unknown}:{unknown} {far}"), UNKNOWN),
+        2 => (format!("VOLT:{unknown}?"), UNKNOWN),
+        3 => (["VOLT", "FUNC", "OUTP", "DATA:ARB"][dice.roll(4) as usize].into(), "-109,\"Missing parameter\""),
+        4 => (format!("VOLT:OFFS {}", ["nan", "inf", "-inf", "1e999"][dice.roll(4) as usize]), RANGE),
+        5 => (format!("VOLT {far}"), RANGE),
+        6 => (format!("SOUR2:VOLT:OFFS {}", dice.roll(5)), RANGE),
+        7 => (format!("DATA:ARB {unknown},1,{far}"), RANGE),
+        8 => (format!("VOLT:OFFS {unknown}"), WORD),
+        9 => (format!("OUTP {far}"), WORD),
+        // Out of order: without a wave, and without a burst.
+        10 => (format!("FUNC:ARB \"{unknown}\""), "+785,\"Specified arb waveform does not exist\""),
+        _ => ("*TRG".into(), "-211,\"Trigger ignored\""),
+    }
+}
+
+/// Sends wrong commands, and checks the answer of each, which comes after `end`. How often each error came.
+fn wrong(client: &mut Client, count: usize, seed: u64, (command, end): Wrong) -> BTreeMap<&'static str, usize> {
+    let (mut dice, mut errors) = (Dice(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)), BTreeMap::new());
     let mut left = count;
     while left > 0 {
         let part = left.min(100);
-        let commands: Vec<_> = (0..part).map(|_| if is_gcs { gcs(&mut dice) } else { nv200(&mut dice) }).collect();
-        let end = if is_gcs { "\nERR?\n" } else { "\r\n" };
+        let commands: Vec<_> = (0..part).map(|_| command(&mut dice)).collect();
         client.send(commands.iter().map(|(command, _)| format!("{command}{end}")).collect::<String>().as_bytes());
         for (command, error) in &commands {
             assert_eq!(client.line(), *error, "{command}");
+            *errors.entry(*error).or_default() += 1;
         }
         left -= part;
     }
+    errors
 }
 
 /// Noise without bytes that are commands.
@@ -140,9 +172,9 @@ fn endless(client: &mut Client, bytes: usize) {
 fn gcs_is_unmoved(bytes: usize) -> (u64, u64) {
     let controller = Controller::with("--plant paper");
     let mut first = Client::new(&controller);
-    wrong(&mut first, 100, 1, true);
+    wrong(&mut first, 100, 1, GCS);
     let before = peak(&controller);
-    wrong(&mut first, COMMANDS, 2, true);
+    println!("gcs: how often each error came: {:?}", wrong(&mut first, COMMANDS, 2, GCS));
     // Of those at once each has errors that are shared by all, so only the number of answers is known.
     scope(|all| {
         for k in 0..62 {
@@ -197,9 +229,9 @@ fn gcs_is_unmoved(bytes: usize) -> (u64, u64) {
 fn nv200_is_unmoved(bytes: usize) -> (u64, u64) {
     let controller = Controller::with("--plant paper --model nv200");
     let mut first = Client::new(&controller);
-    wrong(&mut first, 100, 1, false);
+    wrong(&mut first, 100, 1, NV200);
     let before = peak(&controller);
-    wrong(&mut first, COMMANDS, 2, false);
+    println!("nv200: how often each error came: {:?}", wrong(&mut first, COMMANDS, 2, NV200));
     scope(|all| {
         for _ in 0..63 {
             let controller = &controller;
@@ -227,16 +259,37 @@ fn nv200_is_unmoved(bytes: usize) -> (u64, u64) {
     (before, peak(&controller))
 }
 
+/// The same against a generator with an oscilloscope, whose lines may be waves of 16 MiB. Clients are served as by the
+/// others.
+fn scpi_is_unmoved(bytes: usize) -> (u64, u64) {
+    let controller = Controller::with("--plant paper --model scpi --oscilloscope-port 0");
+    let mut first = Client::new(&controller);
+    let state = b"VOLT:OFFS?;OUTP?;FUNC?;VOLT?;SYST:ERR?\n";
+    first.send(state);
+    let at_first = first.line();
+    wrong(&mut first, 100, 1, SCPI);
+    let before = peak(&controller);
+    println!("scpi: how often each error came: {:?}", wrong(&mut first, COMMANDS, 2, SCPI));
+    endless(&mut first, bytes);
+    first.send(b";VOLT:OFFS 3\nSYST:ERR?\n");
+    assert_eq!(first.line(), "-223,\"Too much data\"");
+    first.send(state);
+    assert_eq!(first.line(), at_first);
+    (before, peak(&controller))
+}
+
 fn bounded(name: &str, (before, after): (u64, u64)) {
     println!("{name}: largest memory {before} KiB before, {after} KiB after");
-    assert!(after < before + GROWTH_KIB, "{name}: {before} KiB, then {after} KiB");
+    let growth = if name == "scpi" { GROWTH_WITH_WAVES_KIB } else { GROWTH_KIB };
+    assert!(after < before + growth, "{name}: {before} KiB, then {after} KiB");
 }
 
 #[test]
 fn ten_thousand_wrong_commands_and_sixty_four_strangers_move_nothing_and_need_little_memory() {
-    scope(|both| {
-        both.spawn(|| bounded("gcs", gcs_is_unmoved(64 << 20)));
-        both.spawn(|| bounded("nv200", nv200_is_unmoved(64 << 20)));
+    scope(|all| {
+        all.spawn(|| bounded("gcs", gcs_is_unmoved(64 << 20)));
+        all.spawn(|| bounded("nv200", nv200_is_unmoved(64 << 20)));
+        all.spawn(|| bounded("scpi", scpi_is_unmoved(64 << 20)));
     });
 }
 
@@ -245,4 +298,5 @@ fn ten_thousand_wrong_commands_and_sixty_four_strangers_move_nothing_and_need_li
 fn a_gigabyte_without_an_end_of_line_needs_little_memory() {
     bounded("gcs", gcs_is_unmoved(1 << 30));
     bounded("nv200", nv200_is_unmoved(1 << 30));
+    bounded("scpi", scpi_is_unmoved(1 << 30));
 }

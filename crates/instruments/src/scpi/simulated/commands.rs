@@ -13,6 +13,7 @@ pub(super) const CONFLICT: i32 = -221;
 pub(super) const RANGE: i32 = -222;
 pub(super) const TOO_LONG: i32 = -223;
 pub(super) const UNKNOWN_WORD: i32 = -224;
+pub(super) const FULL: i32 = 781;
 pub(super) const MISSING_WAVE: i32 = 785;
 pub(super) const EXISTS: i32 = 786;
 
@@ -27,6 +28,7 @@ fn meaning(code: i32) -> &'static str {
         RANGE => "Data out of range",
         TOO_LONG => "Too much data",
         UNKNOWN_WORD => "Illegal parameter value",
+        FULL => "Not enough memory to store new arb waveform",
         MISSING_WAVE => "Specified arb waveform does not exist",
         EXISTS => "Specified arb waveform already exists",
         _ => "Error",

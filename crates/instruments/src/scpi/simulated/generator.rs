@@ -1,14 +1,15 @@
 //! The generator: a function, an offset, bursts. Without a burst, an arbitrary wave runs again and again.
 
-use super::commands::{CONFLICT, EXISTS, IGNORED, MISSING_WAVE, RANGE, UNKNOWN_WORD};
+use super::commands::{CONFLICT, EXISTS, FULL, IGNORED, MISSING_WAVE, RANGE, UNKNOWN_WORD};
 use crate::simulated::CYCLE;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Highest voltage into a high impedance, least amplitude [V], samples of the memory.
+/// Highest voltage into a high impedance, least amplitude [V], samples of the memory, characters of a name in it.
 const HIGHEST: f64 = 10.0;
 const LEAST: f64 = 2e-3;
 const MEMORY: usize = 1 << 20;
+const NAME: usize = 12;
 
 /// Load that means a high impedance, and the output's own resistance [Ohm].
 pub(super) const INFINITE: f64 = 9.9e37;
@@ -205,8 +206,15 @@ impl Generator {
         {
             return Err(RANGE);
         }
+        if name.len() > NAME {
+            return Err(UNKNOWN_WORD);
+        }
         if self.waves.contains_key(&name) {
             return Err(EXISTS);
+        }
+        let held = self.waves.iter().filter(|(name, _)| *name != BUILT_IN).map(|(_, wave)| wave.len()).sum::<usize>();
+        if held + values.len() > MEMORY {
+            return Err(FULL);
         }
         self.waves.insert(name, values);
         Ok(())

@@ -59,6 +59,13 @@ fn a_block_is_a_wave_in_both_orders_and_the_memory_keeps_names() {
         ask(&device, 0, "DATA:VOL:CLE;FUNC:ARB A255;SYST:ERR?"),
         "+785,\"Specified arb waveform does not exist\""
     );
+    ask(&device, 0, &format!("DATA:ARB:DAC LARGE,#72097136{}", "\0".repeat(2097136)));
+    assert_eq!(ask(&device, 0, "DATA:ARB A,0,0,0,0,0,0,0,0;SYST:ERR?"), "+0,\"No error\"");
+    assert_eq!(
+        ask(&device, 0, "DATA:ARB B,0,0,0,0,0,0,0,0;SYST:ERR?"),
+        "+781,\"Not enough memory to store new arb waveform\""
+    );
+    assert_eq!(ask(&device, 0, "DATA:ARB ABCDEFGHIJKLM,0,0,0,0,0,0,0,0;SYST:ERR?"), "-224,\"Illegal parameter value\"");
 }
 
 #[test]

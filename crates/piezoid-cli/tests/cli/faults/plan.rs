@@ -146,7 +146,7 @@ impl Plan {
                 };
                 Moment::Command(name.into(), 1 + dice.roll(most as u64) as usize, place)
             }
-            None => Moment::After(length.mul_f64(dice.roll(10_000) as f64 / 10_000.0)),
+            None => Moment::After(length.mul_f64(dice.roll(9500) as f64 / 10_000.0)),
         };
         let after = match dice.roll(10) {
             0..6 => After::Back,
