@@ -168,13 +168,30 @@ fn endless(client: &mut Client, bytes: usize) {
     (0..bytes >> 20).for_each(|_| client.send(&piece));
 }
 
+/// A controller that was sent wrong commands, a client of it, and the memory after the first of them [KiB].
+fn begun(name: &str, options: &str, commands: Wrong) -> (Controller, Client, u64) {
+    let controller = Controller::with(format!("--plant paper {options}").trim());
+    let mut first = Client::new(&controller);
+    wrong(&mut first, 100, 1, commands);
+    let before = peak(&controller);
+    println!("{name}: how often each error came: {:?}", wrong(&mut first, COMMANDS, 2, commands));
+    (controller, first, before)
+}
+
+/// A client is served at once.
+fn served(client: &mut Client, query: &str, answer: &str) {
+    for _ in 0..20 {
+        let begin = Instant::now();
+        client.send(query.as_bytes());
+        assert_eq!(client.line(), answer);
+        assert!(begin.elapsed() < Duration::from_secs(3), "{:?}", begin.elapsed());
+        sleep(Duration::from_millis(20));
+    }
+}
+
 /// All of it against a simulated controller of PI, which serves 64 at once. The memory before and after [KiB].
 fn gcs_is_unmoved(bytes: usize) -> (u64, u64) {
-    let controller = Controller::with("--plant paper");
-    let mut first = Client::new(&controller);
-    wrong(&mut first, 100, 1, GCS);
-    let before = peak(&controller);
-    println!("gcs: how often each error came: {:?}", wrong(&mut first, COMMANDS, 2, GCS));
+    let (controller, mut first, before) = begun("gcs", "", GCS);
     // Of those at once each has errors that are shared by all, so only the number of answers is known.
     scope(|all| {
         for k in 0..62 {
@@ -208,13 +225,7 @@ fn gcs_is_unmoved(bytes: usize) -> (u64, u64) {
             });
         }
         // Meanwhile another is served at once.
-        for _ in 0..20 {
-            let begin = Instant::now();
-            first.send(b"CSV?\n");
-            assert_eq!(first.line(), "2.0");
-            assert!(begin.elapsed() < Duration::from_secs(3), "{:?}", begin.elapsed());
-            sleep(Duration::from_millis(20));
-        }
+        served(&mut first, "CSV?\n", "2.0");
     });
     endless(&mut first, bytes);
     first.send(b" SVA 1 3\nCSV?\n");
@@ -227,11 +238,7 @@ fn gcs_is_unmoved(bytes: usize) -> (u64, u64) {
 
 /// The same against an NV200, which serves one and refuses the others.
 fn nv200_is_unmoved(bytes: usize) -> (u64, u64) {
-    let controller = Controller::with("--plant paper --model nv200");
-    let mut first = Client::new(&controller);
-    wrong(&mut first, 100, 1, NV200);
-    let before = peak(&controller);
-    println!("nv200: how often each error came: {:?}", wrong(&mut first, COMMANDS, 2, NV200));
+    let (controller, mut first, before) = begun("nv200", "--model nv200", NV200);
     scope(|all| {
         for _ in 0..63 {
             let controller = &controller;
@@ -241,11 +248,7 @@ fn nv200_is_unmoved(bytes: usize) -> (u64, u64) {
                 assert_eq!(text, "the controller serves 1 at a time: end the other program, then connect again\n");
             });
         }
-        for _ in 0..20 {
-            first.send(b"cl\r\n");
-            assert_eq!(first.line(), "cl,0");
-            sleep(Duration::from_millis(20));
-        }
+        served(&mut first, "cl\r\n", "cl,0");
     });
     let piece = noise(1 << 16, 3);
     first.send(&piece);
@@ -262,19 +265,12 @@ fn nv200_is_unmoved(bytes: usize) -> (u64, u64) {
 /// The same against a generator with an oscilloscope, whose lines may be waves of 16 MiB. Clients are served as by the
 /// others.
 fn scpi_is_unmoved(bytes: usize) -> (u64, u64) {
-    let controller = Controller::with("--plant paper --model scpi --oscilloscope-port 0");
-    let mut first = Client::new(&controller);
-    let state = b"VOLT:OFFS?;OUTP?;FUNC?;VOLT?;SYST:ERR?\n";
-    first.send(state);
-    let at_first = first.line();
-    wrong(&mut first, 100, 1, SCPI);
-    let before = peak(&controller);
-    println!("scpi: how often each error came: {:?}", wrong(&mut first, COMMANDS, 2, SCPI));
+    let (controller, mut first, before) = begun("scpi", "--model scpi --oscilloscope-port 0", SCPI);
     endless(&mut first, bytes);
     first.send(b";VOLT:OFFS 3\nSYST:ERR?\n");
     assert_eq!(first.line(), "-223,\"Too much data\"");
-    first.send(state);
-    assert_eq!(first.line(), at_first);
+    first.send(b"VOLT:OFFS?;OUTP?;FUNC?;SYST:ERR?\n");
+    assert_eq!(first.line(), "+0.000000000000E0;1;DC;+0,\"No error\"");
     (before, peak(&controller))
 }
 

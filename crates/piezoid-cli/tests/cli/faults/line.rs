@@ -127,6 +127,8 @@ impl Shared {
                 }
                 return;
             }
+            // Its port may be that of another controller by now.
+            (Some(_), _) if self.plan.kind == Kind::KillController => return,
             _ => (),
         }
         let Ok(controller) = TcpStream::connect(("127.0.0.1", self.controller)) else { return };

@@ -3,7 +3,7 @@
 //! Each case is one fault at a moment by chance, or at a command. It never hangs, it leaves no half file, the generator
 //! is stopped wherever a line could be had again, and the voltage that is stated is true: the log of the controller is
 //! the witness. `PIEZOID_SEED` takes other cases, `PIEZOID_CASE` one alone.
-//! `cargo test -p piezoid-cli --test cli faults -- --ignored --nocapture --test-threads 1` tries 1490 and prints tables.
+//! `cargo test -p piezoid-cli --test cli faults -- --ignored --nocapture --test-threads 1` tries 1630, with tables.
 //! It does not do: garbage that is a valid answer.
 #![cfg(unix)]
 
