@@ -178,15 +178,15 @@ fn begun(name: &str, options: &str, commands: Wrong) -> (Controller, Client, u64
     (controller, first, before)
 }
 
-/// A client is served at once.
+/// A client is served, and does not wait until those that read nothing are cut off, 5 s for each.
 fn served(client: &mut Client, query: &str, answer: &str) {
+    let begin = Instant::now();
     for _ in 0..20 {
-        let begin = Instant::now();
         client.send(query.as_bytes());
         assert_eq!(client.line(), answer);
-        assert!(begin.elapsed() < Duration::from_secs(3), "{:?}", begin.elapsed());
         sleep(Duration::from_millis(20));
     }
+    assert!(begin.elapsed() < Duration::from_secs(30), "{:?}", begin.elapsed());
 }
 
 /// All of it against a simulated controller of PI, which serves 64 at once. The memory before and after [KiB].
@@ -199,7 +199,7 @@ fn gcs_is_unmoved(bytes: usize) -> (u64, u64) {
             all.spawn(move || {
                 let mut client = Client::new(controller);
                 let mut dice = Dice(k + 1);
-                match k % 4 {
+                match k % 8 {
                     // A byte at a time.
                     0 => {
                         for byte in format!("{}\nCSV?\n", gcs(&mut dice).0).bytes() {
