@@ -18,8 +18,8 @@ pub trait Instrument {
     /// Returns an error for a drive that it cannot play or record, or that exceeds the limits.
     fn prepare(&mut self, drive: &Drive) -> Result<(), Error>;
 
-    /// Opens the loop if the drive is voltages, moves slowly to the first voltage of the drive that was prepared, waits there, plays it, and
-    /// returns what was measured. The axis stays at the last voltage.
+    /// Opens the loop if the drive is voltages, moves slowly to the first value of the drive that was prepared, waits
+    /// there, plays it, and returns what was measured. The axis stays at the last value.
     ///
     /// # Errors
     /// Returns an error if the instrument does not answer, refuses, does not follow, or if work was cancelled.

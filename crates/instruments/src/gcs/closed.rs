@@ -5,8 +5,8 @@
 //! MOV? 1, POS? 1           the target, to which the axis returns, and how far the position is from it
 //! MOV 1 ...                slowly to the first position, and back to rest
 //! ```
-//! Wave generator and recorder do the same as in open loop. It does not switch the servo on: to tune it and to close the
-//! loop on an actuator is up to a person at the maker's program.
+//! Wave generator and recorder do the same as in open loop. It does not switch the servo on: a person tunes it and
+//! closes the loop on an actuator, at the maker's program.
 
 use super::controller::Axis;
 use super::line::Line;

@@ -110,7 +110,7 @@ impl TimingCall {
         let path = path.map(|path| path.reference(columns, &model)).transpose().map_err(failed)?;
         let (players, mut notes) = (Players { plant, measured: None }, Vec::new());
         let mut agree = |text: &str| agreed(text, self.yes);
-        let outcome = console.work_until_cancelled(|progress| {
+        let outcome = console.work_on_instrument(|progress| {
             let outcome = self.options.0.run((&model, path), &players, &mut agree, &mut notes, progress);
             Ok((outcome, std::mem::take(&mut notes)))
         });

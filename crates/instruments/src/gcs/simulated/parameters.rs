@@ -1,7 +1,8 @@
 //! The parameters of the controller, by the numbers of PI's manuals.
 //!
-//! `SPA` changes some of them at command level 1 (`CCL 1 advanced`) until the controller ends, the number of recorder tables
-//! at any level. P-term, notch filters and the like change without effect; so does all that `SEP` keeps and `SEP?` answers.
+//! `SPA` changes some of them at command level 1 (`CCL 1 advanced`) until the controller ends, the number of recorder
+//! tables at any level. P-term, notch filters and the like change without effect; so does all that `SEP` keeps and
+//! `SEP?` answers.
 
 use super::errors::{COUNT, PARAMETER, PASSWORD, PROTECTED, RANGE, READ_ONLY, refused};
 use super::generators::{POINTS, WAVES};
