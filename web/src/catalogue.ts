@@ -479,9 +479,9 @@ export interface CallOptions {
   };
   /** Play a drive on a controller, and record what the actuator does. */
   acquire: {
-    /** Wait at the first voltage before the drive [s] */
+    /** Wait at the first value before the drive [s] */
     settle?: number | string;
-    /** Join the voltages by straight lines, instead of holding each for a sampling period */
+    /** Join the values by straight lines, instead of holding each for a sampling period */
     join?: boolean;
     /** The drive is positions: play them in closed loop. The servo must be on, and stays on */
     closed_loop?: boolean;
@@ -491,7 +491,7 @@ export interface CallOptions {
     gain?: number | string;
     /** Number of the output channel and wave generator of the axis */
     channel?: number;
-    /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
+    /** Time of the move to the first value, and of the move to {rest}; longer if the limits need it [s] */
     ramp?: number | string;
     /** Where the axis goes after the drive */
     rest?: "start" | "zero" | "stay";
@@ -550,7 +550,7 @@ export interface CallOptions {
     gain?: number | string;
     /** Number of the output channel and wave generator of the axis */
     channel?: number;
-    /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
+    /** Time of the move to the first value, and of the move to {rest}; longer if the limits need it [s] */
     ramp?: number | string;
     /** Where the axis goes after the drive */
     rest?: "start" | "zero" | "stay";
@@ -615,7 +615,7 @@ export interface CallOptions {
     gain?: number | string;
     /** Number of the output channel and wave generator of the axis */
     channel?: number;
-    /** Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it [s] */
+    /** Time of the move to the first value, and of the move to {rest}; longer if the limits need it [s] */
     ramp?: number | string;
     /** Where the axis goes after the drive */
     rest?: "start" | "zero" | "stay";

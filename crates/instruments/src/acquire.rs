@@ -30,7 +30,7 @@ options! {
         gain: Option<f64> = None, OptionRow::positive("V").absent("1");
         /// Number of the output channel and wave generator of the axis.
         channel: Option<usize> = None, OptionRow::new(OptionKind::Integer(1, 64)).absent("that of the axis");
-        /// Time of the move to the first voltage, and of the move to {rest}; longer if the limits need it.
+        /// Time of the move to the first value, and of the move to {rest}; longer if the limits need it.
         ramp: f64 = 1.0, SECONDS;
         /// Where the axis goes after the drive.
         rest: Rest = Rest::Start, OptionRow::new(RESTS);
@@ -42,9 +42,9 @@ options! {
 options! {
     /// How to measure on a controller.
     pub struct AcquireOptions {
-        /// Wait at the first voltage before the drive.
+        /// Wait at the first value before the drive.
         settle: f64 = 0.5, SECONDS;
-        /// Join the voltages by straight lines, instead of holding each for a sampling period.
+        /// Join the values by straight lines, instead of holding each for a sampling period.
         join: bool = false, OptionRow::new(OptionKind::Switch);
         /// The drive is positions: play them in closed loop. The servo must be on, and stays on.
         closed_loop: bool = false, OptionRow::new(OptionKind::Switch);
@@ -98,6 +98,10 @@ impl AcquireOptions {
     ) -> Result<Acquired, Error> {
         let what = format!("the drive in {}", drive.name);
         let signal = if self.closed_loop { drive.path(columns) } else { drive.input(columns) }?;
+        // A wrong unit is found before anything is connected.
+        if !self.closed_loop {
+            signal.clone().samples_in("V", &what)?;
+        }
         let mut unmoved = |error: &Error| {
             if let Error::Cancelled { .. } = error {
                 notes.push("nothing has moved".into());

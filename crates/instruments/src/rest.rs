@@ -16,8 +16,15 @@ pub enum Rest {
     Stay,
 }
 
+impl Rest {
+    /// A range of voltages, and the one of rest if it is known [V].
+    pub(crate) fn with(self, (low, high): (f64, f64)) -> (f64, f64) {
+        if self == Rest::Zero { (low.min(0.0), high.max(0.0)) } else { (low, high) }
+    }
+}
+
 pub(crate) const RESTS: OptionKind = OptionKind::Choice(&[
-    ("start", "To the voltage that it had before; in closed loop again if it was"),
+    ("start", "To the voltage that it had before; in closed loop again if it was, or to that position"),
     ("zero", "To 0 V, in open loop"),
-    ("stay", "It stays at the last voltage of the drive, in open loop"),
+    ("stay", "It stays at the last value of the drive, with the servo as it was for the drive"),
 ]);

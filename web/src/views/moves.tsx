@@ -145,8 +145,8 @@ function Agreement({ model, host, agree, refuse }: { model: any; host: string; a
     <dialog ref={dialog} aria-labelledby="moves-agreement" onClose={refuse}>
       <h2 id="moves-agreement">The actuator will move</h2>
       <p>
-        The axis of the controller at {host} moves between about <b>{short(low)} and {short(high)} V</b>, the range of the model, or within the limits if
-        these are narrower: it is demagnetised twice, and plays the path twice.
+        The axis of the controller at {host} moves {Number.isFinite(low) ? <>between about <b>{short(low)} and {short(high)} V</b>, the range of the
+        model, or within the limits if these are narrower</> : <b>over all voltages that the limits allow</b>}: it is demagnetised twice, and plays the path twice.
       </p>
       <p class="help">Keep a hand at the switch. Stop holds the voltage where it is.</p>
       <div class="row">

@@ -2,7 +2,7 @@
 
 use super::{CampaignOptions, Journal};
 use crate::bench::{drive_of, to_move};
-use crate::{Instrument, Setup};
+use crate::{Instrument, Rest, Setup};
 use piezoid::Error;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
@@ -16,6 +16,8 @@ pub struct Agenda {
     pub setup: Setup,
     /// The drives.
     pub plan: Plan,
+    /// Where the axis goes at the end.
+    pub rest: Rest,
     /// Names of the records that an earlier campaign has measured.
     pub resumed: Vec<String>,
     /// The time that everything takes that moves, without what is sent and read in between [s].
@@ -47,7 +49,7 @@ impl CampaignOptions {
             }
         }
         let seconds = self.duration(&plan, &resumed);
-        Ok(Agenda { setup, plan, resumed, seconds })
+        Ok(Agenda { setup, plan, rest: self.instrument.rest, resumed, seconds })
     }
 
     /// The drives, within what the instrument can play.
@@ -94,7 +96,7 @@ impl Agenda {
         let all = || self.plan.drives.iter().chain([&self.plan.demagnetisation]);
         let low = all().map(|drive| drive.usage.lowest.value).fold(f64::INFINITY, f64::min);
         let high = all().map(|drive| drive.usage.highest.value).fold(f64::NEG_INFINITY, f64::max);
-        (low, high)
+        self.rest.with((low, high))
     }
 
     /// What is to move, as text.

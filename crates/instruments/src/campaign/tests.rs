@@ -1,4 +1,5 @@
 use super::*;
+use crate::simulated::CYCLE;
 use crate::{ConnectOptions, Drive, Function, InstrumentOptions, Model, Protocol};
 use piezoid::System;
 use piezoid::plant::{Plant, Preset};
@@ -140,19 +141,22 @@ fn a_function_that_returns_too_few_displacements_is_refused() {
 /// The displacement of a plant that is given all that a campaign played after its records, without a controller.
 fn without_a_controller(found: &Campaign, plant: &str, wait: f64) -> Vec<f64> {
     let Campaign { plan, straight, compensated, .. } = found;
-    let (middle, ts) = (plan.middle(), plan.ts);
-    let plant = Plant::new(&Preset::find(plant).unwrap().spec(), ts).unwrap();
-    let still = vec![middle; (wait / ts) as usize];
-    // A demagnetisation may be sampled less often.
-    let PlannedDrive { u, ts: rare, .. } = &plan.demagnetisation;
-    let demagnetisation: Vec<f64> =
-        u.iter().flat_map(|u| std::iter::repeat_n(*u, (rare / ts).round() as usize)).collect();
-    let rise: Vec<f64> = (0..1000).map(|k| middle * f64::from(k) / 1000.0).collect();
+    let plant = Plant::new(&Preset::find(plant).unwrap().spec(), CYCLE).unwrap();
     let mut x = plant.initial();
-    for u in [&rise, &demagnetisation, &still, straight.record.u(), &demagnetisation, &still] {
-        plant.resume(&mut x, u);
-    }
-    plant.resume(&mut x, compensated.record.u())
+    // Each voltage is held; a sample is read at its beginning.
+    let mut play = |u: &[f64], ts: f64| -> Vec<f64> {
+        let cycles = (ts / CYCLE).round() as usize;
+        u.iter().map(|u| plant.resume(&mut x, &vec![*u; cycles])[0]).collect()
+    };
+    let PlannedDrive { u: decay, ts: rare, .. } = &plan.demagnetisation;
+    let rise: Vec<f64> = (0..=1000).map(|k| plan.middle() * f64::from(k) / 1000.0).collect();
+    play(&rise, 1e-3);
+    play(decay, *rare);
+    play(&[plan.middle()], wait);
+    play(straight.record.u(), plan.ts);
+    play(decay, *rare);
+    play(&[plan.middle()], wait);
+    play(compensated.record.u(), plan.ts)
 }
 
 /// Takes four minutes, because it waits with the clock: `cargo test -p piezoid-instruments -- --ignored --nocapture`.

@@ -1,9 +1,11 @@
 //! Closed loop: the drive is positions, and the servo follows them. It must be on, and it stays on.
 //!
 //! ```text
-//! TMN? 1, TMX? 1, VEL? 1   the travel, and the largest velocity
-//! MOV? 1, POS? 1           the target, to which the axis returns, and how far the position is from it
+//! PUN? 1, TMN? 1, TMX? 1   the unit and the travel
+//! VEL? 1                   the largest velocity
+//! MOV? 1                   the target, to which the axis returns
 //! MOV 1 ...                slowly to the first position, and back to rest
+//! SVO? 1, POS? 1           the servo is on, and holds its target: before the first move, the drive, and at rest
 //! ```
 //! Wave generator and recorder do the same as in open loop. It does not switch the servo on: a person tunes it and
 //! closes the loop on an actuator, at the maker's program.
@@ -17,10 +19,10 @@ use piezoid::Error;
 use piezoid::excitation::{LimitOptions, Limits};
 use std::time::{Duration, Instant};
 
-/// Largest distance of a servo at rest from its target, as a share of the travel.
+/// Largest distance of a servo at rest from its target, and of that from the one of the drive, as a share of the travel.
 const NEAR: f64 = 0.01;
 
-/// Time in which it comes so near.
+/// Time in which it must come so near.
 const TIME: Duration = Duration::from_secs(3);
 
 const PAUSE: Duration = Duration::from_millis(20);
@@ -41,42 +43,61 @@ pub(super) fn travel(line: &mut Line, axis: &Axis, options: &InstrumentOptions) 
     if options.rest == Rest::Zero {
         return Err(Error::parameter("rest", "zero", "is a voltage: in closed loop the axis can return or stay"));
     }
+    let unit = line.optional_query(&format!("PUN? {name}"))?.map_or_else(String::new, |lines| lines.concat());
+    if unit.rsplit('=').next().is_none_or(|unit| unit.trim().is_empty()) {
+        return Err(Error::Content(format!("the controller does not report the unit of axis {name} (`PUN?`)")));
+    }
     let range = (line.needed(&format!("TMN? {name}"))?, line.needed(&format!("TMX? {name}"))?);
     let slew = line.value(&format!("VEL? {name}"))?.filter(|velocity| *velocity > 0.0);
     Ok((range, Limits { slew, ..Limits::default() }))
 }
 
 impl Run<'_> {
-    fn position(&mut self) -> Result<f64, Error> {
-        self.line.needed(&format!("POS? {}", self.axis.name))
+    /// The target of the servo.
+    pub(super) fn target(&mut self) -> Result<f64, Error> {
+        self.line.needed(&format!("MOV? {}", self.axis.name))
     }
 
-    /// The target of the servo, at which the axis is.
-    pub(super) fn target(&mut self) -> Result<f64, Error> {
-        let target = self.line.needed(&format!("MOV? {}", self.axis.name))?;
-        let (position, near) = (self.position()?, NEAR * (self.range.1 - self.range.0));
-        if (position - target).abs() > near {
-            let (name, unit) = (&self.axis.name, &self.axis.unit);
-            return Err(Error::Content(format!(
-                "the servo of axis {name} does not hold its target: {position} {unit} instead of {target} {unit}; wait, or \
-                 tune it first"
-            )));
+    /// Returns an error if the servo is off: positions would be played as voltages.
+    pub(super) fn check_servo(&mut self) -> Result<(), Error> {
+        let name = &self.axis.name;
+        if self.line.needed(&format!("SVO? {name}"))? != 0.0 {
+            return Ok(());
         }
-        Ok(target)
+        Err(Error::Content(format!("the servo of axis {name} has been switched off")))
+    }
+
+    /// Waits until the servo holds its target, which it returns.
+    pub(super) fn arrive(&mut self) -> Result<f64, Error> {
+        let (begin, near) = (Instant::now(), NEAR * (self.range.1 - self.range.0));
+        loop {
+            self.check_servo()?;
+            let target = self.target()?;
+            let (name, unit) = (&self.axis.name, &self.axis.unit);
+            let position = self.line.needed(&format!("POS? {name}"))?;
+            if (position - target).abs() <= near {
+                return Ok(target);
+            }
+            if begin.elapsed() > TIME {
+                return Err(Error::Content(format!(
+                    "the servo of axis {name} does not hold its target: it is at {position} {unit} instead of {target} {unit}; \
+                     tune it first"
+                )));
+            }
+            self.line.watch.pause(PAUSE)?;
+        }
     }
 
     /// Moves the axis from the last position of a drive to its rest in this time [s], and checks that it is there.
     pub(super) fn return_to(&mut self, rest: Rest, start: f64, last: f64, time: f64) -> Result<Left, Error> {
-        if rest == Rest::Stay {
-            return self.left();
+        let goal = if rest == Rest::Stay { last } else { start };
+        if rest != Rest::Stay {
+            self.ramp(last, start, time)?;
         }
-        self.ramp(last, start, time)?;
-        let begin = Instant::now();
-        while let Err(error) = self.target() {
-            if begin.elapsed() > TIME {
-                return Err(error);
-            }
-            self.line.watch.pause(PAUSE)?;
+        let target = self.arrive()?;
+        if (target - goal).abs() > NEAR * (self.range.1 - self.range.0) {
+            let unit = &self.axis.unit;
+            return Err(Error::Content(format!("the target is {target} {unit} instead of {goal} {unit}")));
         }
         self.left()
     }
@@ -155,6 +176,27 @@ mod tests {
     }
 
     #[test]
+    fn a_servo_that_is_switched_off_or_does_not_hold_its_target_plays_nothing() {
+        let (port, options) = held();
+        let mut switch_off = |stage: Stage| {
+            if stage.what.contains("settling") {
+                text(port, "SVO 1 0\n");
+            }
+            ControlFlow::Continue(())
+        };
+        let (_, text_of, _) = measuring::run(&options, &positions("r_um", 1.0, 100.0), &mut switch_off);
+        assert!(text_of.starts_with("the servo of axis 1 has been switched off; axis 1 is at "), "{text_of}");
+        // Nothing was recorded, because the generator was not started.
+        assert_eq!(text(port, "DRL? 1\n"), "1=0\n");
+        // A servo that does not correct its error.
+        let (port, options) = held();
+        text(port, &at_rest("CCL 1 advanced\nSPA 1 0x07000301 1e-9 1 0x07000900 1000\nMOV 1 -700\n"));
+        let message = refused(&options, &positions("r_um", 1.0, 100.0));
+        assert!(message.contains("does not hold its target: it is at "), "{message}");
+        assert_eq!(text(port, "MOV?\nDRL? 1\n"), "1=-700.000000\n1=0\n");
+    }
+
+    #[test]
     fn a_path_that_is_cancelled_stops_where_it_is_with_the_servo_on() {
         let (port, options) = held();
         let mut stop = |stage: Stage| match (stage.what.contains("the drive is played"), stage.done) {
@@ -164,7 +206,8 @@ mod tests {
         let (outcome, text_of, _) = measuring::run(&options, &positions("r_um", 1.0, 100.0), &mut stop);
         assert!(matches!(outcome, Err(Error::Cancelled { .. })), "{text_of}");
         assert!(text_of.contains("in closed loop"), "{text_of}");
-        let state = text(port, "\x09SVO?\n");
-        assert!(state.starts_with("0x0\n1=1"), "{state}");
+        assert_eq!(text(port, "\x09SVO?\n"), "0x0\n1=1\n");
+        let target = text(port, "MOV?\n");
+        assert!(target != "1=100.000000\n" && target == text(port, "MOV?\n"), "{target}");
     }
 }

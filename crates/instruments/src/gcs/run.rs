@@ -49,6 +49,11 @@ impl Run<'_> {
         self.gain.unwrap_or(1.0)
     }
 
+    /// A voltage as an open-loop value, or a position, to well below a nanometre if its unit is mm.
+    fn number(&self, value: f64) -> String {
+        if self.is_closed { format!("{value:.9}") } else { format!("{:.6}", value / self.gain()) }
+    }
+
     /// The voltage at the output, as the controller measures it, if it does.
     pub(crate) fn measured(&mut self) -> Result<Option<f64>, Error> {
         self.line.value(&format!("VOL? {}", self.channel))
@@ -65,7 +70,7 @@ impl Run<'_> {
         for (k, points) in drive.u.chunks(POINTS).enumerate() {
             self.line.watch.stage("upload of the drive", k, lines)?;
             let (mode, first, count) = (if k == 0 { 'X' } else { '&' }, k * POINTS + 1, points.len());
-            let points: Vec<String> = points.iter().map(|u| format!("{:.6}", u / self.gain())).collect();
+            let points: Vec<String> = points.iter().map(|u| self.number(*u)).collect();
             self.line.command(&format!("WAV 1 {mode} PNT {first} {count} {}", points.join(" ")))?;
         }
         Ok(())
@@ -107,8 +112,8 @@ impl<'a> Moves<'a> for Run<'a> {
     }
 
     fn set(&mut self, volts: f64) -> Result<(), Error> {
-        let (command, axis, value) = (if self.is_closed { "MOV" } else { "SVA" }, &self.axis.name, volts / self.gain());
-        self.line.command(&format!("{command} {axis} {value:.6}"))
+        let (command, axis) = (if self.is_closed { "MOV" } else { "SVA" }, &self.axis.name);
+        self.line.command(&format!("{command} {axis} {}", self.number(volts)))
     }
 
     /// Both are measured, one right after the other.

@@ -69,12 +69,14 @@ impl Instrument for Gcs<'_> {
     fn prepare(&mut self, drive: &Drive) -> Result<(), Error> {
         self.setup.check(drive)?;
         self.run.line.watch.enter(drive.what);
-        let (run, is_open) = (&mut self.run, self.before.is_some() || self.setup.servo != Some(true));
+        // A place that is requested does not change by noise.
+        let is_requested = self.run.is_closed || self.setup.servo != Some(true);
+        let run = &mut self.run;
         let sources = Sources::of(&mut run.line)?;
         let place = run.place()?;
         run.upload(drive)?;
         run.configure(drive, cycles(drive.ts, self.setup.cycle)?, &sources)?;
-        let has_moved = run.line.bits(MOVING)? != 0 || is_open && self.before.is_none() && run.place()? != place;
+        let has_moved = run.line.bits(MOVING)? != 0 || is_requested && self.before.is_none() && run.place()? != place;
         if has_moved || run.line.bits(RUNNING)? != 0 {
             return Err(in_use("it moves while it is being set"));
         }
@@ -84,7 +86,7 @@ impl Instrument for Gcs<'_> {
     fn play(&mut self, drive: &Drive) -> Result<Record, Error> {
         let run = &mut self.run;
         if self.before.is_none() {
-            let (start, first) = if run.is_closed { (run.target()?, None) } else { run.open_loop()? };
+            let (start, first) = if run.is_closed { (run.arrive()?, None) } else { run.open_loop()? };
             if let Some(first) = first {
                 run.check_gain(drive, start, first)?;
             }
@@ -92,7 +94,13 @@ impl Instrument for Gcs<'_> {
         }
         run.ramp(self.last, drive.u[0], drive.ramp)?;
         run.settle(drive.u[0], drive.settle)?;
+        if run.is_closed {
+            run.arrive()?;
+        }
         run.play(drive)?;
+        if run.is_closed {
+            run.check_servo()?;
+        }
         (self.last, self.ramp) = (drive.u.last().copied().unwrap_or_default(), drive.ramp);
         read(&mut run.line, drive.u.len(), &run.axis.unit, &self.setup.identity)
     }

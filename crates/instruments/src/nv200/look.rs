@@ -58,11 +58,9 @@ pub(crate) fn check(line: &mut Line, controller: &Controller) -> Result<(), Erro
     if let Some(signs) = controller.in_use() {
         return unready(&format!("the controller is in use: {signs}"), "end the program that uses it");
     }
-    if line.number("recrun")? != 0.0 {
-        if !is_left(line)? {
-            return unready("the controller is in use: its recorder runs", "end the program that uses it");
-        }
-        line.choose("recrun", 0)?;
+    let records = line.number("recrun")? != 0.0;
+    if records && !is_left(line)? {
+        return unready("the controller is in use: its recorder runs", "end the program that uses it");
     }
     if let Some(what) = fault(line.number("stat")? as u16) {
         return unready(&format!("the controller reports that {what} (`stat`)"), "correct that");
@@ -76,6 +74,9 @@ pub(crate) fn check(line: &mut Line, controller: &Controller) -> Result<(), Erro
     }
     if !matches!(line.number("modsrc")? as u8, SET | GENERATOR) {
         return unready("the setpoint comes from an analogue input or SPI", "choose another source (`modsrc,0`)");
+    }
+    if records {
+        line.choose("recrun", 0)?;
     }
     Ok(())
 }

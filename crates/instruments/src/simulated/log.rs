@@ -46,7 +46,7 @@ impl LogFile {
         let LogFile { lowest, highest, step, .. } = *self;
         let command = command.escape_debug();
         let text = format!("{time:.5} {voltage:.6} {lowest:.6} {highest:.6} {step:.6} {servo} {runs} {command}\n");
-        // A log that cannot be written any more ends; the controller goes on.
+        // The controller goes on without a line that cannot be written.
         drop(self.to.write_all(text.as_bytes()).and_then(|()| self.to.flush()));
         (self.lowest, self.highest, self.step) = (voltage, voltage, 0.0);
     }

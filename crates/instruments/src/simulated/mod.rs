@@ -151,11 +151,13 @@ pub(crate) trait Behaviour: Debug + Send + 'static {
                 fine += 1;
                 time.cycle += 1;
                 let is_busy = self.step();
-                let (voltage, ..) = self.state();
-                let time = self.time();
-                if let Some(file) = &mut time.file {
-                    file.cycle(voltage);
+                if self.time().file.is_some() {
+                    let (voltage, ..) = self.state();
+                    if let Some(file) = &mut self.time().file {
+                        file.cycle(voltage);
+                    }
                 }
+                let time = self.time();
                 time.calm = if is_busy { 0 } else { time.calm + 1 };
             }
         }

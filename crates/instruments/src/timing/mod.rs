@@ -152,7 +152,7 @@ impl MeasuredTimingOptions {
             let (least, most) = ends(u.iter().copied());
             (low, high, seconds) = (low.min(least), high.max(most), seconds + self.wait);
         }
-        Ok(to_move(setup, (low, high), seconds))
+        Ok(to_move(setup, self.instrument.rest.with((low, high)), seconds))
     }
 }
 

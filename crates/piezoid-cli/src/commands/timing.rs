@@ -127,13 +127,19 @@ impl TimingCall {
                 }
             }
         };
-        self.show(&found.timing, &found.to_json(), console)?;
-        match &found.unfinished {
-            Some(unfinished) if is_cancelled => bail!(Ended::Cancelled(unfinished.clone())),
-            Some(unfinished) => bail!(unfinished.clone()),
-            None if self.is_piped() => Ok(()),
-            None => console.sentence(&found.state()),
+        let shown = self.show(&found.timing, &found.to_json(), console);
+        let Some(unfinished) = &found.unfinished else {
+            // Where the axis is does not depend on what could be written.
+            if shown.is_err() || self.is_piped() {
+                console.remark(&found.state());
+                return shown;
+            }
+            return console.sentence(&found.state());
+        };
+        if let Err(error) = shown {
+            console.remark(&format!("{error:#}"));
         }
+        if is_cancelled { bail!(Ended::Cancelled(unfinished.clone())) } else { bail!(unfinished.clone()) }
     }
 
     fn show(&self, timing: &Timing, document: &Value, console: &Console) -> Result<()> {

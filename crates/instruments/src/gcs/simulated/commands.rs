@@ -1,8 +1,8 @@
 //! Commands that act: they have no answer, and all of a command is refused or obeyed.
 
 use super::errors::{
-    COUNT, GENERATOR_RUNS, POSITION, RANGE, RECORDER_OPTION, RECORDER_SOURCE, SERVO_IS_OFF, SERVO_IS_ON,
-    TOO_FEW_POINTS, UNKNOWN, VELOCITY, VOLTAGE, refused,
+    AWAITED, COUNT, GENERATOR_RUNS, POSITION, RANGE, RECORDER_OPTION, RECORDER_SOURCE, SERVO_IS_OFF, SERVO_IS_ON,
+    UNKNOWN, VELOCITY, VOLTAGE, refused,
 };
 use super::recorder::{source, tables};
 use super::words::{code, flag, positive, real, triples};
@@ -65,9 +65,8 @@ impl Device {
         };
         outcome.unwrap_or_else(|error| {
             // Points that are still to be recorded are answered by an empty line.
-            let are_awaited = error == TOO_FEW_POINTS && query == Some("DRR") && self.recorder.is_running();
-            self.error = if are_awaited { RANGE } else { error };
-            vec![String::new(); usize::from(are_awaited)]
+            self.error = if error == AWAITED { RANGE } else { error };
+            vec![String::new(); usize::from(error == AWAITED)]
         })
     }
 

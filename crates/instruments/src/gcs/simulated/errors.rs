@@ -28,6 +28,9 @@ pub(super) const NO_WAVE: i32 = 75;
 pub(super) const TOO_FEW_POINTS: i32 = 77;
 pub(super) const SERVO_IS_ON: i32 = 79;
 
+/// No error of the controller: points that are still to be recorded.
+pub(super) const AWAITED: i32 = i32::MIN;
+
 /// The first error of which the condition holds.
 pub(super) fn refused(checks: &[(bool, i32)]) -> Result<(), i32> {
     checks.iter().find(|(refused, _)| *refused).map_or(Ok(()), |(_, error)| Err(*error))

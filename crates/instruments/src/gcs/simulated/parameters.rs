@@ -34,6 +34,13 @@ enum Set {
     Kept,
 }
 
+impl Row {
+    /// Where the value of an axis is kept.
+    fn place(&self, k: usize) -> (usize, u32) {
+        (if self.number == RECORDER_TABLES { 0 } else { k }, self.number)
+    }
+}
+
 const fn row(number: u32, kind: &'static str, what: &'static str, get: fn(&Device, &Axis) -> String) -> Row {
     Row { number, kind, what, get, set: Set::Never }
 }
@@ -53,7 +60,7 @@ const fn kept(number: u32, kind: &'static str, what: &'static str, get: fn(&Devi
     Row { number, kind, what, get, set: Set::Kept }
 }
 
-/// The number of tables of the recorder, which share its points.
+/// The number of tables of the recorder, of the controller as a whole. It changes no table.
 const RECORDER_TABLES: u32 = 0x1600_0300;
 
 /// A number without the rounding of its computation.
@@ -127,8 +134,8 @@ impl Device {
     /// Parameters, each of an axis; all without arguments. `is_saved` asks for those that `SEP` keeps.
     pub(super) fn parameters(&self, arguments: &[&str], is_saved: bool) -> Result<Vec<String>, i32> {
         let line = |k: usize, row: &Row, number: String| {
-            let (name, place) = (&self.axes[k].name, (k, row.number));
-            let saved = self.saved.get(&place).filter(|_| is_saved).or(self.kept.get(&place)).map(f64::to_string);
+            let (name, place) = (&self.axes[k].name, row.place(k));
+            let saved = if is_saved { self.saved.get(&place) } else { self.kept.get(&place) }.map(f64::to_string);
             format!("{name} 0x{number}={}", saved.unwrap_or_else(|| (row.get)(self, &self.axes[k])))
         };
         let short = |row: &Row| format!("{:X}", row.number);
@@ -164,7 +171,7 @@ impl Device {
                 // From a standstill to a full move in one servo cycle.
                 Set::Axis(_) => (1e-9..=1e9).contains(&value),
                 Set::Kept if row.number == RECORDER_TABLES => (1..=TABLES).any(|tables| tables as f64 == value),
-                Set::Kept => value.abs() <= 1e9,
+                Set::Kept => value.abs() <= 1e9 && (row.kind != "INT" || value.fract() == 0.0),
             };
             refused(&[(!is_possible, RANGE)])?;
             changes.push((k, row, value));
@@ -172,7 +179,7 @@ impl Device {
         for (k, row, value) in changes {
             match row.set {
                 Set::Axis(set) if !is_saved => *set(&mut self.axes[k]) = value,
-                _ => drop(if is_saved { &mut self.saved } else { &mut self.kept }.insert((k, row.number), value)),
+                _ => drop(if is_saved { &mut self.saved } else { &mut self.kept }.insert(row.place(k), value)),
             }
         }
         Ok(())

@@ -1,6 +1,6 @@
 //! Queries: what they answer is the state of the moment.
 
-use super::errors::{CHANNEL, COUNT, NO_WAVE, RANGE, TOO_FEW_POINTS, UNKNOWN, refused};
+use super::errors::{AWAITED, CHANNEL, COUNT, NO_WAVE, RANGE, TOO_FEW_POINTS, UNKNOWN, refused};
 use super::generators::{Generator, POINTS, WAVES};
 use super::recorder::{RECORDED, SOURCES, TABLES, TRIGGERS, part, source, tables};
 use super::waves::wave_table;
@@ -113,10 +113,13 @@ impl Device {
             [first, count, numbers @ ..] => (*first, *count, numbers),
             [_] => return Err(COUNT),
         };
+        let last = whole(first)?.saturating_add(whole(count)?).saturating_sub(1);
         let column = |table: usize| {
             let table = &self.recorder.tables[table - 1];
             let name = format!("{} {}", source(table.option).unwrap_or_default(), self.axes[table.source].name);
-            Ok((name, part(&table.points, first, count)?))
+            let points = part(&table.points, first, count);
+            let is_awaited = points == Err(TOO_FEW_POINTS) && table.records() && last <= RECORDED;
+            Ok((name, if is_awaited { Err(AWAITED) } else { points }?))
         };
         let columns = tables(numbers)?.into_iter().map(column).collect::<Result<Vec<_>, i32>>()?;
         Ok(array(&columns, CYCLE * self.recorder.rate as f64))

@@ -50,6 +50,12 @@ pub(super) struct Table {
     wait: Option<u64>,
 }
 
+impl Table {
+    pub(super) fn records(&self) -> bool {
+        self.wait.is_some()
+    }
+}
+
 #[derive(Debug)]
 pub(super) struct Recorder {
     /// Servo cycles a point.
@@ -66,7 +72,7 @@ impl Default for Recorder {
 
 impl Recorder {
     pub(super) fn is_running(&self) -> bool {
-        self.tables.iter().any(|table| table.wait.is_some())
+        self.tables.iter().any(Table::records)
     }
 
     /// Records this servo cycle.
