@@ -99,6 +99,21 @@ impl Drop for Controller {
 }
 
 #[test]
+fn positions_are_played_in_closed_loop_where_the_servo_is_on() {
+    let (bench, controller) = (Bench::new(), Controller::new());
+    let row = |k: usize| format!("{:.2},{:.3}\n", 0.01 * k as f64, 60.0 - 10.0 * (0.06 * k as f64).cos());
+    bench.write("path.csv", "t_s,r_um\n".to_string() + &(0..100).map(row).collect::<String>());
+    let line = format!("acquire path.csv --closed-loop --port {} --ramp 0.1 --settle 0 -o r.csv", controller.port());
+    bench.run(&line).exits(2).says(&["--closed-loop: needs the servo, but that of axis 1 is off"]);
+    assert!(!bench.path("r.csv").exists());
+    controller.text("SVO 1 1\nMOV 1 50\n");
+    sleep(Duration::from_secs(1));
+    bench.run(&line).ok().says(&["the position differs from the drive by"]);
+    assert_eq!((controller.text("MOV?\n"), controller.text("SVO?\n")), ("1=50.000000\n".into(), "1=1\n".into()));
+    assert_eq!(bench.text("r.csv").lines().filter(|line| !line.starts_with('#')).count(), 101);
+}
+
+#[test]
 fn a_drive_becomes_a_record_and_a_model() {
     let (bench, controller) = (Bench::new(), Controller::new());
     let port = controller.1.clone();
