@@ -19,7 +19,7 @@ use piezoid::Error;
 use piezoid::excitation::{LimitOptions, Limits};
 use std::time::{Duration, Instant};
 
-/// Largest distance of a servo at rest from its target, and of that from the one of the drive, as a share of the travel.
+/// Largest distance of a position from its target, and of a target at rest from the expected one, over the travel.
 const NEAR: f64 = 0.01;
 
 /// Time in which it must come so near.
