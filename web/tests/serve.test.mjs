@@ -96,6 +96,8 @@ test("files of the folder become records where they are", { skip, timeout: 60_00
   copyFileSync(measured("other.csv"), join(folder, "other.csv"));
   await page.reload();
   await page.getByText(/more file.* in the project folder/).waitFor();
+  // The list of files is open until the records of the project are there.
+  await page.getByRole("button", { name: "slow.csv", exact: true }).waitFor();
   const add = page.getByRole("button", { name: "Add other.csv" });
   if (!(await add.isVisible())) await page.getByText(/more file.* in the project folder/).click();
   await add.click();
