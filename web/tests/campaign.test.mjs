@@ -1,12 +1,11 @@
 // A campaign in the page of `piezoid serve`, on a simulated controller whose commands are kept with their times.
 import assert from "node:assert/strict";
 import { mkdtempSync, readdirSync, readFileSync, rmSync } from "node:fs";
-import { connect, createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
-import { skip as noPiezoid, started } from "./piezoid.mjs";
+import { overheard, skip as noPiezoid, started } from "./piezoid.mjs";
 import { SHOTS, viewed } from "./viewed.mjs";
 
 const skip = noBrowser || noPiezoid;
@@ -22,13 +21,7 @@ before(async () => {
   browser = await launched();
   server = await started(["serve", folder, "--port", "0"], /http:\/\/\S+/);
   controller = await started(["instrument", "--plant", "pl140", "--port", "0"], /port \d+/);
-  line = createServer((client) => {
-    const there = connect(Number(controller.found.split(" ")[1]), "127.0.0.1");
-    client.on("data", (piece) => log.push({ time: now(), text: String(piece) }));
-    for (const stream of [client, there]) stream.setNoDelay(true).on("error", () => {});
-    client.pipe(there).pipe(client);
-  });
-  await new Promise((listens) => line.listen(0, "127.0.0.1", listens));
+  line = await overheard(controller, (text) => log.push({ time: now(), text }));
 });
 after(async () => {
   await browser?.close();

@@ -1,12 +1,11 @@
 // Moves in time in the page of `piezoid serve`: on the model and a twin, then on a simulated controller.
 import assert from "node:assert/strict";
 import { mkdtempSync, rmSync } from "node:fs";
-import { connect, createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
-import { skip as noPiezoid, started } from "./piezoid.mjs";
+import { overheard, skip as noPiezoid, started } from "./piezoid.mjs";
 import { viewed } from "./viewed.mjs";
 
 const skip = noBrowser || noPiezoid;
@@ -19,13 +18,7 @@ before(async () => {
   browser = await launched();
   server = await started(["serve", folder, "--port", "0"], /http:\/\/\S+/);
   controller = await started(["instrument", "--plant", "pl140", "--port", "0"], /port \d+/);
-  line = createServer((client) => {
-    const there = connect(Number(controller.found.split(" ")[1]), "127.0.0.1");
-    client.on("data", (piece) => log.push(String(piece)));
-    for (const stream of [client, there]) stream.setNoDelay(true).on("error", () => {});
-    client.pipe(there).pipe(client);
-  });
-  await new Promise((listens) => line.listen(0, "127.0.0.1", listens));
+  line = await overheard(controller, (text) => log.push(text));
 });
 after(async () => {
   await browser?.close();

@@ -11,13 +11,14 @@ use piezoid::excitation::LimitOptions;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
 use piezoid::validation::Metrics;
-use piezoid::{Error, Record};
+use piezoid::{Error, Record, Units};
 use piezoid_numerics::number::round;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_verbs::DataFile;
 use serde_json::{Value, json};
 
-const SECONDS: OptionRow =
+/// A time [s].
+pub(crate) const SECONDS: OptionRow =
     OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: false, below: 3600.0 }) };
 
 options! {
@@ -99,8 +100,8 @@ impl AcquireOptions {
         let what = format!("the drive in {}", drive.name);
         let signal = if self.closed_loop { drive.path(columns) } else { drive.input(columns) }?;
         // A wrong unit is found before anything is connected.
-        if !self.closed_loop {
-            signal.clone().samples_in("V", &what)?;
+        if !self.closed_loop && Units::factor(&signal.unit, "V").is_none() {
+            return Err(Error::units(&what, &signal.unit, "V"));
         }
         let mut unmoved = |error: &Error| {
             if let Error::Cancelled { .. } = error {

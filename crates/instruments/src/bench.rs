@@ -4,12 +4,7 @@
 use crate::{Drive, Instrument, Setup};
 use piezoid::{Error, Record};
 use piezoid_numerics::number::round;
-use piezoid_numerics::options::{OptionKind, OptionRow};
 use piezoid_verbs::PlannedDrive;
-
-/// A wait [s].
-pub(crate) const WAIT: OptionRow =
-    OptionRow { unit: "s", ..OptionRow::new(OptionKind::Number { least: 0.0, open: false, below: 3600.0 }) };
 
 /// Time at rest over which the displacement is averaged before a path [s].
 const STILL: f64 = 0.2;

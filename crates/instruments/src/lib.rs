@@ -60,3 +60,4 @@ pub use rest::Rest;
 pub use scpi::ScpiOptions;
 pub use simulated::{Model, Simulated, Simulation};
 pub use timing::{Agree, MeasuredTiming, MeasuredTimingOptions};
+pub use watch::shared;

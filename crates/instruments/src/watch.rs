@@ -82,6 +82,14 @@ impl<'a> Watch<'a> {
     }
 }
 
+/// One progress for an instrument, which keeps it, and for the work that is done with the instrument.
+pub fn shared<T>(progress: &mut Progress, work: impl FnOnce(&mut Progress, &mut Progress) -> T) -> T {
+    let shared = RefCell::new(progress);
+    let mut of_instrument = |stage: Stage| (shared.borrow_mut())(stage);
+    let mut own = |stage: Stage| (shared.borrow_mut())(stage);
+    work(&mut of_instrument, &mut own)
+}
+
 /// What is done, as a part of something larger, if it is one.
 pub(crate) fn within(part: &str, what: &str) -> String {
     if part.is_empty() { what.into() } else { format!("{part}: {what}") }

@@ -7,13 +7,11 @@ use crate::samples::array;
 use crate::watch::watched;
 use piezoid::Error;
 use piezoid::formats::{ColumnSelection, Table};
-use piezoid::progress::Stage;
 use piezoid_host::files::FileSet;
-use piezoid_instruments::{Agenda, CampaignOptions, Function, Journal, Track};
+use piezoid_instruments::{Agenda, CampaignOptions, Function, Journal, Track, shared};
 use piezoid_verbs::{DataFile, File};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::cell::RefCell;
 use std::path::PathBuf;
 
 /// A folder, or nothing.
@@ -82,14 +80,13 @@ pub(crate) fn campaign<'py>(
         reference.map(|bytes| (DataFile::from(File::new("reference.csv", bytes)), ColumnSelection::default()));
     let (mut exception, mut notes) = (None, Vec::new());
     let found = watched(py, progress, |progress| {
-        let shared = RefCell::new(progress);
-        let mut of_function = |stage: Stage| (shared.borrow_mut())(stage);
-        let mut own = |stage: Stage| (shared.borrow_mut())(stage);
-        let measure = measuring(&call, &mut exception);
-        let function = Function::new(range, ts, Box::new(measure), &mut of_function)?;
-        let mut function = function.in_unit(unit).within(limits);
-        let reference = reference.as_ref().map(|(file, columns)| (file, columns));
-        options.on(&mut function, reference, &mut Folder(folder), &mut notes, &mut own)
+        shared(progress, |of_function, own| {
+            let measure = measuring(&call, &mut exception);
+            let function = Function::new(range, ts, Box::new(measure), of_function)?;
+            let mut function = function.in_unit(unit).within(limits);
+            let reference = reference.as_ref().map(|(file, columns)| (file, columns));
+            options.on(&mut function, reference, &mut Folder(folder), &mut notes, own)
+        })
     });
     // What the function itself raised is raised again.
     let found = found.map_err(|error| exception.unwrap_or(error))?;

@@ -8,13 +8,12 @@ use crate::plant::Plant;
 use crate::samples::{Array, array, samples, slice};
 use crate::watch::watched;
 use piezoid::compensation::FeedForwardSettings;
-use piezoid::progress::{Progress, Stage};
+use piezoid::progress::Progress;
 use piezoid::{Error, System};
-use piezoid_instruments::{Function, MeasuredTiming, MeasuredTimingOptions};
+use piezoid_instruments::{Function, MeasuredTiming, MeasuredTimingOptions, shared};
 use piezoid_verbs::{Players, TimingOptions};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use std::cell::RefCell;
 
 /// The displacement of each run, by the name of the run.
 type Runs = Vec<(String, Array)>;
@@ -71,10 +70,9 @@ fn on_function(
 ) -> Result<MeasuredTiming, Error> {
     let limits = &options.instrument.limits;
     let range = FeedForwardSettings::within(limits, false)?.ends(model)?;
-    let shared = RefCell::new(progress);
-    let mut of_function = |stage: Stage| (shared.borrow_mut())(stage);
-    let mut own = |stage: Stage| (shared.borrow_mut())(stage);
-    let function = Function::new(range, model.ts(), Box::new(measure), &mut of_function)?;
-    let mut function = function.in_unit(&*model.units().y).within(limits.limits()?.unwrap_or_default());
-    options.on(&mut function, (model, path), players, &mut |_| Ok(()), &mut Vec::new(), &mut own)
+    shared(progress, |of_function, own| {
+        let function = Function::new(range, model.ts(), Box::new(measure), of_function)?;
+        let mut function = function.in_unit(&*model.units().y).within(limits.limits()?.unwrap_or_default());
+        options.on(&mut function, (model, path), players, &mut |_| Ok(()), &mut Vec::new(), own)
+    })
 }

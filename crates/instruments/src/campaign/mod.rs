@@ -20,8 +20,9 @@ mod tests;
 pub use agenda::Agenda;
 pub use path::Track;
 
-use crate::acquire::{at_rest, servo_remark, stopped};
-use crate::bench::{Bench, WAIT};
+use crate::acquire::{SECONDS, at_rest, servo_remark, stopped};
+use crate::bench::Bench;
+use crate::watch::shared;
 use crate::{Instrument, InstrumentOptions, Left, Setup};
 use agenda::kept;
 use path::Path;
@@ -32,7 +33,6 @@ use piezoid::{Error, Identification, IdentifyOptions};
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use piezoid_verbs::{DataFile, File, Plan, PlannedDrive, Source, ValidateRecords, Validated};
 use serde_json::{Value, json};
-use std::cell::RefCell;
 
 options! {
     /// How to measure, identify and straighten an actuator.
@@ -47,7 +47,7 @@ options! {
         /// Sampling period of the model.
         period: Option<f64> = None, OptionRow::positive("s").absent("from bandwidth and resonance");
         /// Wait after each demagnetisation, until creep has decayed.
-        wait: f64 = 10.0, WAIT;
+        wait: f64 = 10.0, SECONDS;
         /// Hysteresis operators to identify: auto, names separated by commas, or auto,-NAME.
         operator: String = "auto".into(), OptionRow::new(OptionKind::Text("NAME")).list("operators");
     } with instrument: InstrumentOptions
@@ -113,11 +113,10 @@ impl CampaignOptions {
         notes: &mut Vec<String>,
         progress: &mut Progress,
     ) -> Result<Campaign, Error> {
-        let shared = RefCell::new(progress);
-        let mut of_line = |stage: piezoid::progress::Stage| (shared.borrow_mut())(stage);
-        let mut own = |stage: piezoid::progress::Stage| (shared.borrow_mut())(stage);
-        let mut instrument = self.instrument.open(&mut of_line)?;
-        self.on(&mut *instrument, reference, journal, notes, &mut own)
+        shared(progress, |of_line, own| {
+            let mut instrument = self.instrument.open(of_line)?;
+            self.on(&mut *instrument, reference, journal, notes, own)
+        })
     }
 
     /// The same on an instrument that is open. Its progress is its own.

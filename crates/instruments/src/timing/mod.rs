@@ -9,23 +9,23 @@
 //!
 //! It does not do: several axes, closed loop.
 
-use crate::acquire::{at_rest, servo_remark, stopped};
-use crate::bench::{Bench, WAIT, drive_of, still, to_move};
+use crate::acquire::{SECONDS, at_rest, servo_remark, stopped};
+use crate::bench::{Bench, drive_of, still, to_move};
+use crate::watch::shared;
 use crate::{Instrument, InstrumentOptions, Left, Setup};
 use piezoid::excitation::LimitOptions;
-use piezoid::progress::{Progress, Stage};
+use piezoid::progress::Progress;
 use piezoid::{Error, Model, System, Units};
 use piezoid_numerics::options::options;
 use piezoid_numerics::series::ends;
 use piezoid_verbs::{MoveOptions, PlanOptions, PlannedDrive, PlannedMoves, Players, Start, Timing};
 use serde_json::{Value, json};
-use std::cell::RefCell;
 
 options! {
     /// How to time moves on a controller.
     pub struct MeasuredTimingOptions {
         /// Wait after each demagnetisation, until creep has decayed.
-        wait: f64 = 10.0, WAIT;
+        wait: f64 = 10.0, SECONDS;
     } with moves: MoveOptions with instrument: InstrumentOptions
 }
 
@@ -68,12 +68,12 @@ impl MeasuredTimingOptions {
         notes: &mut Vec<String>,
         progress: &mut Progress,
     ) -> Result<MeasuredTiming, Error> {
+        // What is wrong with the path is found before anything is connected, whose limits may be narrower.
         self.moves.planned(&self.instrument.limits, model, r.clone(), Start::Demagnetised)?;
-        let shared = RefCell::new(progress);
-        let mut of_line = |stage: Stage| (shared.borrow_mut())(stage);
-        let mut own = |stage: Stage| (shared.borrow_mut())(stage);
-        let mut instrument = self.instrument.open(&mut of_line)?;
-        self.on(&mut *instrument, (model, r), players, agree, notes, &mut own)
+        shared(progress, |of_line, own| {
+            let mut instrument = self.instrument.open(of_line)?;
+            self.on(&mut *instrument, (model, r), players, agree, notes, own)
+        })
     }
 
     /// The same on an instrument that is open. Its progress is its own.
@@ -180,10 +180,8 @@ impl Work<'_> {
             let rest = self.bench.at_rest()?;
             let record = self.bench.play("", u, self.bench.ts, 0.0)?;
             let unit = &record.units().y;
-            let factor = Units::factor(unit, self.unit).ok_or_else(|| {
-                let what = "the sensor of the controller".into();
-                Error::Units { what, found: unit.clone(), expected: self.unit.into() }
-            })?;
+            let unlike = || Error::units("the sensor of the controller", unit, self.unit);
+            let factor = Units::factor(unit, self.unit).ok_or_else(unlike)?;
             let y = record.y().iter().map(|y| modelled + factor * (y - rest)).collect();
             Ok((format!("controller, {what}"), self.moves.along_path(y)))
         };

@@ -6,6 +6,7 @@ use piezoid::hammerstein::Domain;
 use piezoid::hysteresis::Proportional;
 use piezoid::linear::Arx;
 use piezoid::plant::{Plant, Preset};
+use piezoid::progress::Stage;
 use piezoid::{IdentifyOptions, Record, Records, identify};
 use piezoid_numerics::options::Options;
 use piezoid_testing::assert_close;

@@ -1,11 +1,8 @@
 //! Moves in time: settling, overshoot and scan lag along a path, and the fastest moves of the actuator.
 //!
 //! A path, perhaps shaped, is compensated with the model, known as a whole and clipped to the limits, and played on the
-//! model and, if named, on a simulated plant, each beside a straight line from displacement to voltage:
+//! model and, if named, on a simulated plant, each beside a straight line from displacement to voltage.
 //!
-//! ```text
-//! u = u_low + (r - y_low) (u_high - u_low) / (y_high - y_low)        through the ends of the stroke
-//! ```
 //! [`RunTiming::of`] takes any displacement along a requested one, such as a record of a controller. The reading of a
 //! plant is without the noise of its sensor, which is no motion. It does not simulate feedback: `control` does.
 

@@ -266,6 +266,7 @@ impl PlannedMoves<'_> {
         let (centre, half) = (0.5 * (reach.0 + reach.1), 0.5 * FLYBACK * (reach.1 - reach.0));
         (step, if self.is_path { (high, low) } else { (centre + half, centre - half) })
     }
+
     /// Notes on the tolerance and on the limits.
     fn remarks(&self) -> Vec<String> {
         let (compensation, tolerance) = (&self.compensation, self.tolerance);

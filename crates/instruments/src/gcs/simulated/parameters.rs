@@ -32,12 +32,14 @@ enum Set {
     Axis(fn(&mut Axis) -> &mut f64),
     /// It is answered again, and nothing else.
     Kept,
+    /// The number of tables of the recorder, of the controller as a whole, at any level. It changes no table.
+    Tables,
 }
 
 impl Row {
     /// Where the value of an axis is kept.
     fn place(&self, k: usize) -> (usize, u32) {
-        (if self.number == RECORDER_TABLES { 0 } else { k }, self.number)
+        (if matches!(self.set, Set::Tables) { 0 } else { k }, self.number)
     }
 }
 
@@ -60,7 +62,7 @@ const fn kept(number: u32, kind: &'static str, what: &'static str, get: fn(&Devi
     Row { number, kind, what, get, set: Set::Kept }
 }
 
-/// The number of tables of the recorder, of the controller as a whole. It changes no table.
+/// The number of tables of the recorder.
 const RECORDER_TABLES: u32 = 0x1600_0300;
 
 /// A number without the rounding of its computation.
@@ -104,7 +106,7 @@ const ROWS: [Row; 31] = [
     row(0x1300_0004, "INT", "Max Wave Points", |_, _| POINTS.to_string()),
     row(0x1300_010A, "INT", "Number Of Waves", |_, _| WAVES.to_string()),
     row(0x1600_0200, "INT", "Data Recorder Max Points", |device, _| (RECORDED * device.recorder_tables()).to_string()),
-    kept(RECORDER_TABLES, "INT", "Data Recorder Channel Number", |_, _| TABLES.to_string()),
+    Row { set: Set::Tables, ..row(RECORDER_TABLES, "INT", "Data Recorder Channel Number", |_, _| TABLES.to_string()) },
 ];
 
 impl Device {
@@ -125,7 +127,7 @@ impl Device {
             let (number, kind, what) = (row.number, row.kind, row.what);
             format!(
                 "0x{number:X}=\t{}\t1\t{kind}\tsystem\t{what}",
-                u8::from(!matches!(row.set, Set::Never) && row.number != RECORDER_TABLES)
+                u8::from(!matches!(row.set, Set::Never | Set::Tables))
             )
         };
         self.rows().map(line).collect()
@@ -164,13 +166,13 @@ impl Device {
         let mut changes = Vec::new();
         for triple in triples(arguments)? {
             let (k, row) = (self.axis(triple[0])?, self.row(triple[1])?);
-            refused(&[(self.level == 0 && row.number != RECORDER_TABLES, PROTECTED)])?;
+            refused(&[(self.level == 0 && !matches!(row.set, Set::Tables), PROTECTED)])?;
             let value = real(triple[2])?;
             let is_possible = match row.set {
                 Set::Never => return Err(READ_ONLY),
                 // From a standstill to a full move in one servo cycle.
                 Set::Axis(_) => (1e-9..=1e9).contains(&value),
-                Set::Kept if row.number == RECORDER_TABLES => (1..=TABLES).any(|tables| tables as f64 == value),
+                Set::Tables => (1..=TABLES).any(|tables| tables as f64 == value),
                 Set::Kept => value.abs() <= 1e9 && (row.kind != "INT" || value.fract() == 0.0),
             };
             refused(&[(!is_possible, RANGE)])?;
