@@ -63,7 +63,7 @@ pub fn error(truth: &Operator, model: &Operator) -> Result<f64, Error> {
 
 /// The operators that are not learned.
 pub fn laws() -> impl Iterator<Item = &'static Operator> + Clone {
-    OPERATORS.iter().copied().filter(|operator| !operator.learned)
+    OPERATORS.iter().copied().filter(|operator| !operator.is_learned())
 }
 
 /// The errors as the table of docs/operators.md.

@@ -46,6 +46,7 @@ export interface Lists {
     needs_minor_loops: boolean;
     rate_independent: boolean;
     wipes_out: boolean;
+    class: string;
     learned: boolean;
   }[];
   excitations: {
@@ -197,7 +198,7 @@ export interface CallOptions {
   };
   /** Run a plant or a model on a drive signal. */
   simulate: {
-    /** The plant to simulate, unless a model is given */
+    /** The plant to simulate, unless a model or a stand-in is given */
     plant?: string;
     /** Initial condition: at rest; settled at the first input, directly or after cycles over the whole range; or in motion as in the record */
     begin?: "rest" | "settled" | "from-above" | "from-below" | "demagnetised" | "motion";
@@ -258,6 +259,9 @@ export interface CallOptions {
     /** The position that attracts all particles, g_best in equation (2) of the paper */
     global_best?: "ever" | "current";
   };
+  /** Make a stand-in for an actuator: a second model of its records, to try voltages and controllers on. */
+  stand-in: {
+  };
   /** Validate a model on records that were not used to identify it. */
   validate: {
     /** Time at the start of each record that the error figures leave out [s] */
@@ -267,6 +271,8 @@ export interface CallOptions {
   };
   /** Compute the voltage for a requested displacement. */
   compensate: {
+    /** Also play the path on this plant, with and without compensation */
+    plant?: string;
     /** Clip the voltage to the limits, instead of refusing a reference that exceeds them */
     clip?: boolean;
     /** Largest number of iterations that correct the error left in the model's free run */
@@ -340,7 +346,7 @@ export interface CallOptions {
   };
   /** Close the loop on a simulated actuator and compare controllers. */
   control: {
-    /** The plant that is controlled */
+    /** The plant that is controlled, unless a stand-in is given */
     plant?: string;
     /** Controllers to compare, such as feed-forward+pi */
     controller?: string[];

@@ -35,6 +35,8 @@ pub struct Identified {
     pub trials: Vec<OperatorTrial>,
     /// Physical parameters with standard errors; only the joint method has them.
     pub parameters: Vec<FittedParameter>,
+    /// The model as fitted without each fold: the spread of its parameters; only the joint method has them.
+    pub spread: Vec<Model>,
     /// Predicted decrease of the sum of squared errors by another step of the search, if the fit is not at its minimum
     /// [%]; only the joint method knows it.
     pub left_percent: Option<f64>,

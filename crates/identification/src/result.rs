@@ -1,6 +1,6 @@
 //! The result of the search: the model, the reasons for it, and what the user should know.
 
-use super::fit::{MAX_CREEP_GAIN, offset, optimality, parameters};
+use super::fit::{Estimate, MAX_CREEP_GAIN, offset, optimality, parameters};
 use super::records::Records;
 use super::search::{Candidate, Search, reason_for_operator};
 use super::{FittedParameter, JointOptions, check};
@@ -42,7 +42,10 @@ pub(super) fn identified(
     notes.extend(check::check_fit(&fitted, runs)?);
     reasons.extend(reason_for_operator(&trials).map(|why| format!("operator: {why}")));
     let offset = offset(&fitted, runs, &mut notes, &records.units.y);
-    let model = fitted.estimate.model(offset)?.with_units(records.units.clone());
+    let of = |estimate: &Estimate| Ok(estimate.model(offset)?.with_units(records.units.clone()));
+    let without = fitted.held_out.without.iter().filter_map(|x| fitted.estimate.moved(x.as_slice()));
+    let spread = without.map(|estimate| of(&estimate)).collect::<Result<_, Error>>()?;
+    let model = of(&fitted.estimate)?;
     let model = match Domain::of(records.iter()) {
         Some(domain) => model.with_identified(domain),
         None => model,
@@ -58,6 +61,7 @@ pub(super) fn identified(
         loops: Vec::new(),
         trials,
         parameters,
+        spread,
         left_percent,
         cancelled: search.cancelled.clone(),
         reasons,

@@ -131,6 +131,7 @@ pub fn identify_paper(
         loops,
         trials: Vec::new(),
         parameters: Vec::new(),
+        spread: Vec::new(),
         reasons: Vec::new(),
         left_percent: None,
         cancelled: None,

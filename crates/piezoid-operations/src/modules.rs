@@ -11,7 +11,10 @@ mod models;
 #[cfg(feature = "reports")]
 mod reports;
 
-use crate::{Operation, Role};
+use crate::{Inputs, Operation, Role};
+use piezoid::Error;
+use piezoid::control::SimulatedActuator;
+use piezoid::plant::Preset;
 use piezoid_numerics::options::OptionKind;
 
 /// The operations that are built in: natively all. `instruments` is no module of the page in a browser alone.
@@ -31,6 +34,8 @@ pub(crate) const MODULES: &[&[Operation]] = &[
 const NAME: OptionKind = OptionKind::Text("NAME");
 const DATA: Role = several("data", 1);
 const MODEL: Role = one("model");
+/// The simulated actuator that `stand-in` wrote, in place of a plant by name.
+const STAND_IN: Role = optional("stand_in");
 
 /// One file.
 const fn one(name: &'static str) -> Role {
@@ -50,4 +55,23 @@ const fn several(name: &'static str, least: usize) -> Role {
 /// Series by their names.
 fn named<const N: usize>(series: [(&str, &[f64]); N]) -> Vec<(String, Vec<f64>)> {
     series.map(|(name, samples)| (name.to_string(), samples.to_vec())).into()
+}
+
+/// The stand-in among the files, or else the twin called `name`.
+fn simulated(inputs: &Inputs, name: &str) -> Result<(String, SimulatedActuator), Error> {
+    match inputs.some("stand_in")? {
+        Some(file) => {
+            let found = file.text().and_then(SimulatedActuator::from_json);
+            Ok(("stand-in".into(), found.map_err(|e| e.of(&file.name))?))
+        }
+        None => Ok((name.into(), Preset::find(name)?.spec().into())),
+    }
+}
+
+/// The same, if there is a stand-in or a name.
+fn some_simulated(inputs: &Inputs, name: Option<&str>) -> Result<Option<(String, SimulatedActuator)>, Error> {
+    match (name, inputs.some("stand_in")?) {
+        (None, None) => Ok(None),
+        (name, _) => simulated(inputs, name.unwrap_or_default()).map(Some),
+    }
 }

@@ -41,7 +41,7 @@ pub(crate) fn control(
         }
         reference.push(NamedReference::new(name.clone(), model.ts(), r.to_vec()));
     }
-    let (name, spec) = (plant.0, plant.1.get().spec.clone());
+    let (name, spec) = (plant.0, plant.1.get().actuator.clone());
     let compared = watched(py, progress, |progress| options.along((&name, &spec), &model, reference, progress))?;
     let runs = PyList::empty(py);
     for result in &compared.results {

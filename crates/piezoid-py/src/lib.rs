@@ -33,7 +33,7 @@ mod _piezoid {
         control::{control, follow},
         error::PiezoidError,
         export::{export, served, unfinished, write},
-        identify::{again, identify},
+        identify::{again, identify, stand_in},
         linear::{Arx, fit},
         lists::{excite, lists, plan},
         model::Model,

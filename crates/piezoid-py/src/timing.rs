@@ -37,7 +37,7 @@ pub(crate) fn timing(
         read.as_ref().map(|read| slice(read).map(<[f64]>::to_vec)).transpose()
     };
     let (path, measured) = (read("path", path)?, read("measured", measured)?);
-    let named = plant.map(|(name, plant)| (name, plant.get().spec.clone()));
+    let named = plant.map(|(name, plant)| (name, plant.get().actuator.clone()));
     let players = Players { plant: named.as_ref().map(|(name, spec)| (&**name, spec)), measured };
     let (figures, found) = match call {
         None => {

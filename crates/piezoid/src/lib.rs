@@ -57,7 +57,7 @@ pub mod control {
     pub use piezoid_control::feedback::{
         CONTROLLERS, ClosedLoopRun, Comparison, Controller, ControllerInput, ControllerKind, FEED_FORWARDS,
         FeedForwardKind, MarginTarget, Margins, NamedReference, REFERENCES, Reference, ReferenceResult, Scheme,
-        SchemeResult, Tolerance, Tracking, TunedScheme,
+        SchemeResult, SimulatedActuator, Tolerance, Tracking, TunedScheme,
     };
 }
 
@@ -116,7 +116,7 @@ pub mod optimize {
 
 /// Simulated actuators, which share no code with the models.
 pub mod plant {
-    pub use piezoid_twins::{PLANTS, Plant, PlantRun, Preset, Saturation, Spec};
+    pub use piezoid_twins::{PLANTS, Plant, Preset, Saturation, Spec};
 }
 
 /// Measured records.

@@ -6,7 +6,7 @@ use super::{DataFile, File, blamed};
 use piezoid_control::compensation::{FeedForward, FeedForwardSettings};
 use piezoid_control::feedback::{
     ClosedLoopRun, Comparison, ControlLoop, MarginTarget, NamedReference, Reference, ReferenceResult, Scheme,
-    Tolerance, TunedScheme,
+    SimulatedActuator, Tolerance, TunedScheme,
 };
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
@@ -16,8 +16,6 @@ use piezoid_numerics::progress::Progress;
 use piezoid_numerics::system::System;
 use piezoid_records::excitation::LimitOptions;
 use piezoid_records::formats::{ColumnSelection, Table};
-use piezoid_records::record::Units;
-use piezoid_twins::Spec;
 
 /// The schemes that are compared by default.
 pub const SCHEMES: [&str; 6] =
@@ -124,24 +122,17 @@ impl ControlOptions {
     /// [`ControlOptions::along`].
     pub fn run(
         &self,
-        (plant, spec): (&str, &Spec),
+        (plant, actuator): (&str, &SimulatedActuator),
         model: &File,
         files: &[DataFile],
         columns: &ColumnSelection,
         progress: &mut Progress,
     ) -> Result<Comparison, Error> {
         self.schemes()?;
-        let (file, model, mut spec) = (model, model.model()?, spec.clone());
+        let (file, model, mut actuator) = (model, model.model()?, actuator.clone());
         let settings = self.settings()?;
         if let Some(noise) = self.noise {
-            let unit = &model.units().y;
-            let none = || {
-                Error::Content(format!(
-                    "the output of the model is in {unit}, which is not a length: leave out the option noise"
-                ))
-            };
-            let factor = Units::factor(unit, "m").ok_or_else(none).map_err(|e| e.of(&file.name))?;
-            spec.sensor.noise_rms_m = noise * factor;
+            actuator = actuator.with_noise(noise, &model.units().y).map_err(|e| e.of(&file.name))?;
         }
         let names = match self.reference.is_empty() {
             true => PATHS.map(|(name, hz)| format!("{name}:{hz}")).into(),
@@ -156,7 +147,7 @@ impl ControlOptions {
             }
         };
         let reference = names.iter().map(reference).collect::<Result<_, _>>()?;
-        let mut result = self.along((plant, &spec), &model, reference, progress).map_err(|e| blamed(e, file))?;
+        let mut result = self.along((plant, &actuator), &model, reference, progress).map_err(|e| blamed(e, file))?;
         result.notes.extend(about);
         Ok(result)
     }
@@ -168,13 +159,13 @@ impl ControlOptions {
     /// reached.
     pub fn along(
         &self,
-        plant: (&str, &Spec),
+        plant: (&str, &SimulatedActuator),
         model: &Model,
         reference: Vec<NamedReference>,
         progress: &mut Progress,
     ) -> Result<Comparison, Error> {
         let (settings, mut drives) = (self.settings()?, Vec::new());
-        let (spec, note) = matched(plant, model, &settings)?;
+        let (actuator, note) = matched(plant, model, &settings)?;
         let mut notes: Vec<String> = note.into_iter().collect();
         for scheme in self.schemes()? {
             match self.tuning.drive(scheme, model, settings) {
@@ -194,7 +185,7 @@ impl ControlOptions {
             drives.first().map_or(Ok(()), |drive| drive.check(r)).map_err(|e| e.of(name))?;
         }
         let share = |percent: f64| Tolerance { share: percent / 100.0, draws: self.draws, seed: self.seed };
-        let plant = (plant.0, &spec);
+        let plant = (plant.0, &actuator);
         let mut compared =
             Comparison::run(plant, drives, reference, self.seed, self.tolerance.map(share).as_ref(), progress)?;
         compared.notes = notes;
@@ -350,7 +341,7 @@ mod tests {
     }
 
     fn compared(plant: &str, model: &File) -> Comparison {
-        let spec = Preset::find(plant).unwrap().spec();
+        let spec = Preset::find(plant).unwrap().spec().into();
         let options = ControlOptions {
             controller: vec!["gain".into()],
             reference: vec!["sine:5".into()],

@@ -20,12 +20,13 @@ mod prepare;
 mod same_actuator;
 mod simulate;
 mod split;
+mod stand_in;
 mod timing;
 mod validate;
 mod verdict;
 
 pub use compare::{CompareOptions, ComparedModel, Contest, Failed, ModelComparison, Other, Times};
-pub use compensate::{CompensateOptions, Compensation};
+pub use compensate::{CompensateOptions, Compensation, OnPlant};
 pub use control::{ComparisonReport, ControlOptions, PATHS, SCHEMES, TuneOptions};
 pub use data::DataFile;
 pub use excite::{ExciteOptions, Excited};
@@ -34,11 +35,12 @@ pub use identify::Identification;
 pub use inspect::{Measured, inspect};
 pub use methods::MethodOptions;
 pub use online::{EstimatorOptions, OnlineOptions, OnlineRow, OnlineRun, Replayed};
-pub use origin::{Origin, identify_again};
+pub use origin::{Origin, files_of, identify_again};
 pub use plan::{Plan, PlanOptions, PlannedDrive};
 pub use prepare::{Source, Step};
 pub use simulate::{SimulateOptions, Simulated, Subject};
 pub use split::{Split, Test};
+pub use stand_in::{stand_in, stand_in_from};
 pub use timing::{
     FastestMove, Landing, MoveOptions, PlannedMoves, Players, RunTiming, ScanLag, Start, StepTiming, Timing,
     TimingOptions,

@@ -92,11 +92,57 @@ impl Origin {
 
 /// What a model states of its identification.
 #[derive(Deserialize)]
-struct Recipe {
+pub(super) struct Recipe {
     command: String,
     version: String,
     options: Value,
     files: Vec<Training>,
+}
+
+impl Recipe {
+    /// # Errors
+    /// Returns an error if the model does not state how it was identified.
+    pub(super) fn of(model: &Model) -> Result<Self, Error> {
+        Recipe::deserialize(model.provenance()).map_err(|e| {
+            let why = "an older version wrote it, or another program than `identify`: identify it again";
+            Error::Content(format!("the model does not state how it was identified ({e}): {why}"))
+        })
+    }
+
+    /// # Errors
+    /// Returns an error for options that are unknown.
+    pub(super) fn options(&self) -> Result<IdentifyOptions, Error> {
+        IdentifyOptions::from_json(self.options.clone())
+    }
+}
+
+/// The names of the files that a model was identified from.
+///
+/// # Errors
+/// Returns an error if the model does not state how it was identified, or if one of its records was in no file.
+pub fn files_of(model: &Model) -> Result<Vec<String>, Error> {
+    let origins = Recipe::of(model)?.files.into_iter().map(|one| one.origin);
+    origins.map(|origin| if origin.sha256.is_empty() { Err(in_no_file()) } else { Ok(origin.file) }).collect()
+}
+
+fn in_no_file() -> Error {
+    let why = "was identified from a record that was in no file";
+    Error::Content(format!("the model {why}: repeat it in the program that has this record"))
+}
+
+/// The small-signal and the large-signal sources of a model, from its files in any order and under any names.
+///
+/// # Errors
+/// Returns an error if the model does not state how it was identified, or if one of its records was in no file, and if
+/// a file is missing or differs.
+pub(super) fn sources_of(model: &Model, files: &[DataFile]) -> Result<(Vec<Source>, Vec<Source>), Error> {
+    let training = Recipe::of(model)?.files;
+    let origins: Vec<&Origin> = training.iter().map(|one| &one.origin).collect();
+    let (mut small, mut large) = (Vec::new(), Vec::new());
+    for (one, source) in training.iter().zip(sources(&origins, files)?) {
+        if one.role == Role::SmallSignal { &mut small } else { &mut large }.push(source);
+    }
+    Ok((small, large))
 }
 
 /// Two models are the same but for rounding if their free runs differ by less [of the stroke].
@@ -109,26 +155,15 @@ const ROUNDING: f64 = 1e-6;
 /// Returns an error if the model does not state how it was identified, or if one of its records was in no file; if a
 /// file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
 pub fn identify_again(model: &Model, files: &[DataFile], progress: &mut Progress) -> Result<Identification, Error> {
-    let older = |e| {
-        let why = "an older version wrote it, or another program than `identify`: identify it again";
-        Error::Content(format!("the model does not state how it was identified ({e}): {why}"))
-    };
-    let Recipe { command, version, options, files: training } =
-        Recipe::deserialize(model.provenance()).map_err(older)?;
-    let options = IdentifyOptions::from_json(options)?;
-    let origins: Vec<&Origin> = training.iter().map(|one| &one.origin).collect();
-    let (mut small, mut large) = (Vec::new(), Vec::new());
-    for (one, source) in training.iter().zip(sources(&origins, files)?) {
-        if one.role == Role::SmallSignal { &mut small } else { &mut large }.push(source);
-    }
-    let mut again = options.run((small, large), &command, progress)?;
+    let recipe = Recipe::of(model)?;
+    let mut again = recipe.options()?.run(sources_of(model, files)?, &recipe.command, progress)?;
     again.found = again.found.finished()?;
     if again.found.model != *model {
-        let sources = sources(&origins, files)?;
-        let mut apart = sources.iter().map(|source| apart(model, &again.found.model, &source.record()?));
+        let (small, large) = sources_of(model, files)?;
+        let mut apart = small.iter().chain(&large).map(|source| apart(model, &again.found.model, &source.record()?));
         let apart = apart.try_fold(0.0, |most, one: Result<f64, Error>| Ok(f64::max(most, one?)))?;
         let this = env!("CARGO_PKG_VERSION");
-        let versions = format!("identified by version {version}; this is version {this}");
+        let versions = format!("identified by version {}; this is version {this}", recipe.version);
         if apart > ROUNDING {
             let percent = piezoid_numerics::number::short(100.0 * apart);
             let why = "it was changed since, or another version or machine identified it";
@@ -160,8 +195,7 @@ fn sources(origins: &[&Origin], files: &[DataFile]) -> Result<Vec<Source>, Error
     let hashes = files.iter().map(DataFile::sha256).collect::<Result<Vec<String>, Error>>()?;
     let found = |origin: &&Origin| {
         if origin.sha256.is_empty() {
-            let why = "was identified from a record that was in no file";
-            return Err(Error::Content(format!("the model {why}: repeat it in the program that has this record")));
+            return Err(in_no_file());
         }
         if let Some((file, _)) = files.iter().zip(&hashes).find(|(_, hash)| **hash == origin.sha256) {
             let file = file.clone().named(&origin.file);

@@ -5,6 +5,7 @@
 //! of a sensor is no property of an actuator: if only that differs, the plant's sensor gets the zero of the model's.
 
 use piezoid_control::compensation::FeedForwardSettings;
+use piezoid_control::feedback::SimulatedActuator;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
@@ -27,6 +28,19 @@ const ASIDE: f64 = 0.5;
 /// # Errors
 /// The errors of [`Plant::new`] and [`FeedForwardSettings::ends`].
 pub(super) fn matched(
+    (name, actuator): (&str, &SimulatedActuator),
+    model: &Model,
+    settings: &FeedForwardSettings,
+) -> Result<(SimulatedActuator, Option<String>), Error> {
+    match actuator {
+        SimulatedActuator::Twin(spec) => {
+            matched_twin((name, spec), model, settings).map(|(spec, note)| (spec.into(), note))
+        }
+        SimulatedActuator::StandIn(_) => Ok((actuator.clone(), None)),
+    }
+}
+
+fn matched_twin(
     (name, spec): (&str, &Spec),
     model: &Model,
     settings: &FeedForwardSettings,

@@ -1,6 +1,7 @@
 //! The response of a plant or a model to a drive signal.
 
 use super::DataFile;
+use piezoid_control::feedback::{SimulatedActuator, StandInPlant};
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::quantity;
@@ -55,8 +56,8 @@ pub struct Simulated {
 /// What is simulated.
 #[derive(Debug)]
 pub enum Subject {
-    /// A plant, in V and um.
-    Plant(Spec),
+    /// A plant: a twin in V and um, or a stand-in in the units of its records.
+    Plant(SimulatedActuator),
     /// A model.
     Model(Model),
 }
@@ -73,6 +74,7 @@ struct Run<'a> {
 enum Simulator<'a> {
     /// A plant with its parameters, and the jumps of its voltage so far.
     Plant(Box<Plant>, &'a Spec, Jumps),
+    StandIn(Box<StandInPlant>),
     Model(&'a Model),
 }
 
@@ -136,7 +138,7 @@ impl SimulateOptions {
     ) -> Result<String, Error> {
         let mut run = None;
         // All other initial conditions depend on the whole input, and so does an interpolation.
-        let interpolates = matches!(subject, Subject::Model(model) if model.interpolates());
+        let interpolates = subject.models().any(Model::interpolates);
         let pieces: Box<dyn Iterator<Item = _>> = match self.begin {
             InitialCondition::Rest | InitialCondition::Settled if !interpolates => {
                 Box::new(input.input_in_pieces(columns)?)
@@ -165,7 +167,13 @@ impl SimulateOptions {
                 Record::same_sampling("the model", model.ts(), "the input", ts)?;
                 (Simulator::Model(model), model.before(u, self.begin))
             }
-            Subject::Plant(spec) => {
+            Subject::Plant(SimulatedActuator::StandIn(stand_in)) => {
+                Record::same_sampling("the stand-in", stand_in.ts(), "the input", ts)?;
+                let plant = stand_in.plant(self.seed);
+                let state = plant.before(u, self.begin);
+                (Simulator::StandIn(Box::new(plant)), state)
+            }
+            Subject::Plant(SimulatedActuator::Twin(spec)) => {
                 let plant = Plant::new(spec, ts)?.with_seed(self.seed);
                 let state = self.before(&plant, u);
                 let first = u.first().copied().filter(|_| self.begin != InitialCondition::Rest).unwrap_or_default();
@@ -202,9 +210,20 @@ impl Subject {
     /// Units of input and response.
     fn units(&self) -> Units {
         match self {
-            Subject::Plant(_) => Units::default(),
+            Subject::Plant(SimulatedActuator::Twin(_)) => Units::default(),
+            Subject::Plant(SimulatedActuator::StandIn(stand_in)) => stand_in.units().clone(),
             Subject::Model(model) => model.units().clone(),
         }
+    }
+
+    /// The models in it.
+    fn models(&self) -> impl Iterator<Item = &Model> {
+        let models = match self {
+            Subject::Plant(SimulatedActuator::Twin(_)) => [None, None],
+            Subject::Plant(SimulatedActuator::StandIn(stand_in)) => [Some(stand_in.model()), Some(stand_in.other())],
+            Subject::Model(model) => [Some(model), None],
+        };
+        models.into_iter().flatten()
     }
 }
 
@@ -213,6 +232,7 @@ impl Run<'_> {
     fn respond(&mut self, u: &[f64]) -> Result<Vec<f64>, Error> {
         let y = match &mut self.system {
             Simulator::Model(model) => model.follow(&mut self.state, u),
+            Simulator::StandIn(plant) => plant.resume(&mut self.state, u),
             Simulator::Plant(plant, spec, jumps) => {
                 u.iter().for_each(|u| jumps.add(limited(spec, *u)));
                 plant.resume(&mut self.state, u)
@@ -231,7 +251,7 @@ impl Run<'_> {
     fn deviation(&self, u: &[f64]) -> Result<Vec<f64>, Error> {
         let found = match &self.system {
             Simulator::Model(model) => model.deviation(&self.state, u),
-            Simulator::Plant(..) => None,
+            Simulator::Plant(..) | Simulator::StandIn(_) => None,
         };
         found.ok_or_else(|| {
             let rule = "needs a model whose operator states one, in series with its mechanics: identify it with \
@@ -319,7 +339,7 @@ mod tests {
         let reached = |volts: f64, ts: f64| {
             let u: Vec<f64> = (0..200).map(|t| volts * (0.314_159 * f64::from(t)).sin()).collect();
             let input: DataFile = File::new("u.csv", Table::write("u.csv", ts, &[("u_V", &u)]).unwrap()).into();
-            let plant = Subject::Plant(Preset::find("pl140").unwrap().spec());
+            let plant = Subject::Plant(Preset::find("pl140").unwrap().spec().into());
             SimulateOptions::default().run(&plant, &input, &ColumnSelection::default()).unwrap().reached
         };
         let (slow, fast) = (reached(28.0, 1e-3), reached(28.0, 5e-5));

@@ -4,14 +4,13 @@
 //! periodic one after the whole periods that cover a quarter of a second. Percentages refer to the peak-to-peak value
 //! of the reference.
 
-use super::{ClosedLoopRun, FeedForwardResult, Scaled, Spread, Tolerance, Tracking, TunedScheme};
+use super::{ClosedLoopRun, FeedForwardResult, SimulatedActuator, Spread, Tolerance, Tracking, TunedScheme};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::progress::{Progress, Stage};
 use piezoid_numerics::series::ends;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use piezoid_records::waveform::period;
-use piezoid_twins::{Plant, Spec};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -87,14 +86,14 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Runs every scheme along every reference on the plant of `spec`; with a tolerance also on plants drawn around it,
+    /// Runs every scheme along every reference on the plant of `actuator`; with a tolerance also on plants drawn around it,
     /// along the first reference.
     ///
     /// # Errors
     /// Returns an error if no scheme can follow a reference; an error of one scheme alone is part of its results.
     /// Further errors: models with different sampling or units, an empty list, and cancellation.
     pub fn run(
-        (name, spec): (&str, &Spec),
+        (name, actuator): (&str, &SimulatedActuator),
         schemes: Vec<TunedScheme>,
         references: Vec<NamedReference>,
         seed: u64,
@@ -119,10 +118,10 @@ impl Comparison {
         if let Some(constant) = references.iter().find(|reference| reference.height() <= 0.0) {
             return Err(Error::parameter("reference", &constant.name, "must not be constant"));
         }
-        let plant = Scaled::of(Plant::new(spec, first.model().ts())?.with_seed(seed), first.model())?;
+        let plant = actuator.plant(first.model(), seed)?;
         let attempt = |tuned: &TunedScheme, reference: &NamedReference| -> Result<ReferenceResult, Error> {
-            let feed_forward = tuned.feed_forward(&plant, &reference.r)?;
-            let run = tuned.run(&plant, &reference.r, &feed_forward)?;
+            let feed_forward = tuned.feed_forward(&*plant, &reference.r)?;
+            let run = tuned.run(&*plant, &reference.r, &feed_forward)?;
             let tracking = run.tracking(reference.from, reference.height());
             Ok(ReferenceResult { feed_forward, run, tracking })
         };
@@ -136,7 +135,7 @@ impl Comparison {
             let attempts: Vec<_> = references.par_iter().map(|reference| attempt(&tuned, reference)).collect();
             let spread = match tolerance {
                 Some(tolerance) if attempts[0].is_ok() => {
-                    Some(tolerance.trials(spec, &tuned, &references[0].r, references[0].from, progress)?)
+                    Some(tolerance.trials(actuator, &tuned, &references[0].r, references[0].from, progress)?)
                 }
                 _ => None,
             };

@@ -15,8 +15,7 @@ use super::{Controller, ControllerInput};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::{Error, finite};
 use piezoid_numerics::system::System;
-use piezoid_records::record::Record;
-use piezoid_records::record::Units;
+use piezoid_records::record::{Record, Units};
 
 /// A plant in other units: its output times a factor, for example micrometres for a plant in metres.
 #[derive(Debug, Clone)]
@@ -28,17 +27,15 @@ pub(crate) struct Scaled<S> {
 }
 
 impl<S: System> Scaled<S> {
-    /// A plant in micrometres, in the unit of the output of `model`.
+    /// A plant with displacements in `unit`, in the output unit of `model`.
     ///
     /// # Errors
-    /// Returns an error if the output of `model` is not a length.
-    pub(crate) fn of(system: S, model: &Model) -> Result<Self, Error> {
-        let unit = &model.units().y;
-        let not_a_length = || {
-            let (found, expected) = (unit.clone(), "a length: m, mm, um or nm".into());
-            Error::Units { what: "the model's output".into(), found, expected }
-        };
-        Ok(Scaled { system, factor: Units::factor("um", unit).ok_or_else(not_a_length)? })
+    /// Returns an error if one cannot be converted into the other.
+    pub(crate) fn new(system: S, unit: &str, model: &Model) -> Result<Self, Error> {
+        let own = &model.units().y;
+        let expected = if unit == "um" { "a length: m, mm, um or nm" } else { unit };
+        let factor = Units::factor(unit, own).ok_or_else(|| Error::units("the model's output", own, expected))?;
+        Ok(Scaled { system, factor })
     }
 }
 

@@ -23,6 +23,7 @@ mod loops;
 mod margins;
 mod pi;
 mod pid;
+mod plants;
 mod positive_position;
 #[doc(hidden)]
 pub mod predictive;
@@ -42,6 +43,7 @@ pub use margins::ControlLoop;
 pub use margins::Margins;
 #[doc(hidden)]
 pub use pi::Pi;
+pub use plants::{SimulatedActuator, StandIn, StandInPlant};
 pub use references::{REFERENCES, Reference};
 pub use schemes::{Scheme, TunedScheme};
 pub(crate) use tolerance::Spread;

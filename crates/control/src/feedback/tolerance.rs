@@ -8,12 +8,10 @@
 //!
 //! Reference: PI datasheet PL112-PL140 (+-20 %). It does not do: correlated parameters, temperature.
 
-use super::{Scaled, Tracking, TunedScheme};
+use super::{SimulatedActuator, Tracking, TunedScheme};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::progress::{Progress, Stage};
 use piezoid_numerics::series::ends;
-use piezoid_numerics::system::System;
-use piezoid_twins::{Plant, Spec};
 use rayon::prelude::*;
 
 /// Time for which the last value is held, and time at its end that is checked [s].
@@ -48,8 +46,8 @@ impl Default for Tolerance {
 /// One draw.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Draw {
-    /// The plant.
-    pub spec: Spec,
+    /// The actuator.
+    pub actuator: SimulatedActuator,
     /// Tracking error.
     pub tracking: Tracking,
     /// True if it came to rest at the reference.
@@ -79,22 +77,22 @@ impl Spread {
 }
 
 impl Tolerance {
-    /// Runs plants drawn around `spec` along `r` [output unit of the scheme's model], in parallel. Errors count from
+    /// Runs plants drawn around `nominal` along `r` [output unit of the scheme's model], in parallel. Errors count from
     /// sample `from` on, relative to the height of `r`. The order of the draws does not depend on the threads.
     ///
     /// # Errors
     /// Returns an error for a share outside 0 to below 1 or a model whose output is not a length, and the errors of
-    /// [`TunedScheme`] and [`Plant::new`].
+    /// [`TunedScheme`] and [`SimulatedActuator::plant`].
     pub(crate) fn trials(
         &self,
-        spec: &Spec,
+        nominal: &SimulatedActuator,
         drive: &TunedScheme,
         r: &[f64],
         from: usize,
         progress: &mut Progress,
     ) -> Result<Spread, Error> {
         let draw = |i: usize| {
-            let drawn = spec.drawn(self.share, self.seed, i as u64)?;
+            let drawn = nominal.drawn(self.share, self.seed, i as u64)?;
             trial(drawn, self.seed ^ i as u64, drive, r, from)
         };
         let mut trials = Vec::with_capacity(self.draws);
@@ -110,12 +108,12 @@ impl Tolerance {
     }
 }
 
-fn trial(spec: Spec, seed: u64, drive: &TunedScheme, r: &[f64], from: usize) -> Result<Draw, Error> {
-    let plant = Scaled::of(Plant::new(&spec, drive.model().ts())?.with_seed(seed), drive.model())?;
+fn trial(actuator: SimulatedActuator, seed: u64, drive: &TunedScheme, r: &[f64], from: usize) -> Result<Draw, Error> {
+    let plant = actuator.plant(drive.model(), seed)?;
     let held = |x: &[f64]| [x, &vec![x.last().copied().unwrap_or(0.0); (HOLD_S / plant.ts()) as usize]].concat();
-    let mut feed_forward = drive.feed_forward(&plant, r)?;
+    let mut feed_forward = drive.feed_forward(&*plant, r)?;
     feed_forward.u = held(&feed_forward.u);
-    let mut done = drive.run(&plant, &held(r), &feed_forward)?;
+    let mut done = drive.run(&*plant, &held(r), &feed_forward)?;
     let watched = &done.y[done.y.len() - (CHECKED_S / plant.ts()) as usize..];
     let ((low, high), (bottom, top)) = (ends(watched.iter().copied()), ends(r.iter().copied()));
     // Feedback with an integral reaches the reference; a loop stuck at a limit, or with values that are not numbers,
@@ -127,7 +125,7 @@ fn trial(spec: Spec, seed: u64, drive: &TunedScheme, r: &[f64], from: usize) -> 
     for series in [&mut done.r, &mut done.y, &mut done.u] {
         series.truncate(r.len());
     }
-    Ok(Draw { spec, tracking: done.tracking(from, top - bottom), stable })
+    Ok(Draw { actuator, tracking: done.tracking(from, top - bottom), stable })
 }
 
 #[cfg(test)]
@@ -163,7 +161,7 @@ mod tests {
         let r = Sine { amplitude: 500.0, frequency: 5.0, ..Default::default() }.samples(5e-4, 400).unwrap();
         let tolerance = Tolerance { draws: 4, ..Default::default() };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let spec = Preset::find("pl140").unwrap().spec();
+        let spec = Preset::find("pl140").unwrap().spec().into();
         pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut Stage::ignore)).unwrap()
     }
 
@@ -171,7 +169,7 @@ mod tests {
     fn the_draws_are_the_same_on_one_thread_and_on_two() {
         let one = spread(&drive::<1>(), 1);
         assert_eq!(one, spread(&drive::<1>(), 2));
-        assert_ne!(one.trials[0].spec, one.trials[1].spec);
+        assert_ne!(one.trials[0].actuator, one.trials[1].actuator);
         assert!(one.percent_of_stroke(0.0) < one.percent_of_stroke(1.0));
     }
 

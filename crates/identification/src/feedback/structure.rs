@@ -112,7 +112,7 @@ fn taken(found: Identified, fit: FeedbackFit, trial: &Trial) -> Result<Identifie
     trials.iter_mut().filter(|trial| trial.verdict == SELECTED).for_each(|trial| trial.verdict = "");
     trials.push(trial.row(SELECTED));
     let model = found.model.with_feedback(fit.model)?;
-    Ok(Identified { model, parameters, trials, reasons, notes, left_percent: None, ..found })
+    Ok(Identified { model, parameters, trials, reasons, notes, spread: Vec::new(), left_percent: None, ..found })
 }
 
 /// What drives the hysteresis.

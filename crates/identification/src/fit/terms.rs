@@ -133,6 +133,6 @@ mod tests {
         let plays = estimate("prandtl-ishlinskii", 5);
         let same = with_selected_terms(plays.clone(), &runs, &mut |_| Ok(())).unwrap();
         assert!(same.len() == 1 && same[0].weights.len() == plays.weights.len(), "a law keeps its terms");
-        assert!(Operator::find("narx").unwrap().learned);
+        assert!(Operator::find("narx").unwrap().is_learned());
     }
 }

@@ -15,11 +15,11 @@
 //!
 //! Inverse and behaviour outside the range: like `bouc-wen`.
 
-use super::Operator;
 use super::basis::ShapeParameter;
 use super::bouc_wen::{CLIMB, bends, climb};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    learned: false,
+    class: Class::Equations,
     load: Weighted::<AsymmetricBoucWen>::load,
     basis: |design| {
         let beta = 1.0 / design.half();

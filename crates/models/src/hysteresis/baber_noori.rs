@@ -17,11 +17,11 @@
 //! Inverse: Newton's method through all steps of a path, at a few times the cost of one step. Outside the range like
 //! `bouc-wen`, except for the degradation.
 
-use super::Operator;
 use super::basis::ShapeParameter;
 use super::bouc_wen::{CLIMB, bends, climb};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -55,7 +55,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    learned: false,
+    class: Class::Equations,
     load: Weighted::<BaberNoori>::load,
     basis: |design| {
         let half = design.half();

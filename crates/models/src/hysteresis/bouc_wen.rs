@@ -20,10 +20,10 @@
 //! Inverse: Newton's method on the exponentials. When h is at its bound, the slope of z is w_0; if w_0 < w_1, z
 //! decreases after a reversal.
 
-use super::Operator;
 use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    learned: false,
+    class: Class::Equations,
     load: Weighted::<BoucWen>::load,
     basis: |design| {
         let law = BoucWen { beta: 1.0 / design.half(), gamma_over_beta: 0.0 };

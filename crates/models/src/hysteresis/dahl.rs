@@ -18,10 +18,10 @@
 //! Inverse: Newton's method on the solution. At breakaway the slope of z is w_0; if w_0 < w_1, z decreases after a
 //! reversal.
 
-use super::Operator;
 use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    learned: false,
+    class: Class::Equations,
     load: Weighted::<Dahl>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Dahl { breakaway: design.half(), exponent: 1.0 }),
     example: |ts| Weighted::example(ts, Dahl { breakaway: 20.0, exponent: 1.4 }, vec![1.4, 0.5]),

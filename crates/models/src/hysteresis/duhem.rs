@@ -21,11 +21,11 @@
 //! Inverse: Newton's method on the integrals. Where the polynomials have an extremum, usually outside the range, z
 //! decreases and one of several inputs is found.
 
-use super::Operator;
 use super::basis::ShapeParameter;
 use super::bouc_wen::bends;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -54,7 +54,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    learned: false,
+    class: Class::Equations,
     load: Weighted::<Duhem>::load,
     basis: |design| {
         let degree = design.elements.unwrap_or(DEGREE).clamp(1, MAX_DEGREE);

@@ -23,11 +23,11 @@
 //! Inverse: Newton's method on the step. Where z decreases, one of several inputs is found. Far outside the range the
 //! correction is constant, and z is that of the plays.
 
-use super::Operator;
 use super::basis::{BasisDesign, ShapeParameter, counted_within, curvature};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds;
+use super::{Class, Operator};
 use crate::elementary;
 use crate::program::Block;
 use piezoid_numerics::error::{Error, finite};
@@ -75,7 +75,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: true,
     rate_independent: true,
     wipes_out: true,
-    learned: true,
+    class: Class::Learned,
     load: Weighted::<GaussianProcess>::load,
     basis: |design| Weighted::basis(design.ts, design.range, GaussianProcess::even(design)),
     example: |ts| {

@@ -16,11 +16,11 @@
 //!
 //! Inverse: Newton's method on the cubic piece of the requested z. Outside the range z is linear.
 
-use super::Operator;
 use super::basis::{BasisDesign, ShapeParameter};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, finite};
 use serde::{Deserialize, Serialize};
@@ -56,7 +56,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
-    learned: false,
+    class: Class::Plays,
     load: Weighted::<GeneralisedPlay>::load,
     basis: |design| {
         let law = GeneralisedPlay::new(thresholds::even(design), dead_zones(design), [0.0; 4]);

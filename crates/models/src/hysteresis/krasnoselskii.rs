@@ -16,10 +16,10 @@
 //! Inverse: Newton's method on z(u), which is piecewise linear. Outside the outermost ridges z is constant and has no
 //! inverse.
 
-use super::Operator;
 use super::basis::{BasisDesign, ShapeParameter, counted_within};
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, finite, positive};
 use piezoid_numerics::number::short;
@@ -53,7 +53,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: true,
     rate_independent: true,
     wipes_out: true,
-    learned: false,
+    class: Class::Relays,
     load: Weighted::<Krasnoselskii>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Krasnoselskii::even(design)),
     example: |ts| {

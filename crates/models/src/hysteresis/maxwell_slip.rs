@@ -17,12 +17,12 @@
 //! Inverse: Newton's method on the law. When all sliders slide, the slope of z is w_0. If w_0 < w_1 + ... + w_n, z
 //! decreases after a reversal.
 
-use super::Operator;
 use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted, require};
 use super::rate_play::speeds;
 use super::real::Real;
 use super::thresholds;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -51,7 +51,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
-    learned: false,
+    class: Class::Plays,
     load: Weighted::<MaxwellSlip>::load,
     basis: |design| {
         let (low, high) = speeds(design.half(), design.ts);

@@ -109,6 +109,24 @@ pub struct LinearWeights<'a> {
     pub response: &'static str,
 }
 
+/// What the memory of an operator is. Operators of one class make similar errors; those of two classes seldom do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Class {
+    /// None.
+    Linear,
+    /// The direction of the input alone.
+    Branches,
+    /// Play or slip elements.
+    Plays,
+    /// Relays over a triangle.
+    Relays,
+    /// The state of a differential equation.
+    Equations,
+    /// A form that records determine.
+    Learned,
+}
+
 /// One kind of hysteresis operator: a row of [`OPERATORS`].
 pub struct Operator {
     /// Name, as users and files write it.
@@ -127,9 +145,8 @@ pub struct Operator {
     pub rate_independent: bool,
     /// True if an input that passes an older reversal deletes the loops inside it from memory.
     pub wipes_out: bool,
-    /// True if records determine its form, not only its parameters. `auto` leaves it out, because its fit takes longer
-    /// than those of several laws together; `all` has it.
-    pub learned: bool,
+    /// What its memory is.
+    pub class: Class,
     /// Its basis for the joint method, for the given inputs.
     pub basis: fn(&BasisDesign) -> Result<Box<dyn Basis>, Error>,
     /// Reads the parameters of a model file; the second argument is the sampling period [s].
@@ -151,7 +168,8 @@ impl Serialize for Operator {
         let row = json!({
             "name": self.name, "summary": format!("{}{also}", self.summary), "reference": self.reference,
             "aliases": self.aliases, "minor_loops": self.minor_loops, "needs_minor_loops": self.needs_minor_loops,
-            "rate_independent": self.rate_independent, "wipes_out": self.wipes_out, "learned": self.learned,
+            "rate_independent": self.rate_independent, "wipes_out": self.wipes_out, "class": self.class,
+            "learned": self.is_learned(),
         });
         row.serialize(to)
     }
@@ -182,6 +200,12 @@ pub static OPERATORS: &[&Operator] = &[
 ];
 
 impl Operator {
+    /// True if records determine its form, not only its parameters. `auto` leaves it out, because its fit takes longer
+    /// than those of several laws together; `all` has it.
+    pub fn is_learned(&self) -> bool {
+        self.class == Class::Learned
+    }
+
     /// The operator named `name`, or that has it as an alias.
     ///
     /// ```
@@ -199,13 +223,13 @@ impl Operator {
     }
 
     /// The operators of a comma-separated list of names, without those after a minus sign; `all` stands for all, and
-    /// `auto` for all but those that are [learned](Operator::learned).
+    /// `auto` for all but those that are [learned](Operator::is_learned).
     ///
     /// ```
     /// use piezoid::hysteresis::{OPERATORS, Operator};
     /// assert_eq!(Operator::list("stop, bouc-wen")?.len(), 2);
     /// assert_eq!(Operator::list("all,-preisach")?.len(), OPERATORS.len() - 1);
-    /// assert!(Operator::list("auto,narx")?.iter().filter(|operator| operator.learned).map(|o| o.name).eq(["narx"]));
+    /// assert!(Operator::list("auto,narx")?.iter().filter(|operator| operator.is_learned()).map(|o| o.name).eq(["narx"]));
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///
@@ -215,7 +239,7 @@ impl Operator {
         let mut listed: Vec<&'static Self> = Vec::new();
         for name in names.split(',').map(str::trim) {
             match name.strip_prefix('-') {
-                _ if name == AUTO => listed.extend(OPERATORS.iter().filter(|operator| !operator.learned)),
+                _ if name == AUTO => listed.extend(OPERATORS.iter().filter(|operator| !operator.is_learned())),
                 _ if name == ALL => listed.extend(OPERATORS),
                 None => listed.push(Operator::find(name)?),
                 Some(without) => {

@@ -25,11 +25,11 @@
 //! Inverse: Newton's method on the step. Where a polynomial has an extremum z decreases, and one of several inputs is
 //! found.
 
-use super::Operator;
 use super::basis::ShapeParameter;
 use super::bouc_wen::bends;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -81,7 +81,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    learned: true,
+    class: Class::Learned,
     load: Weighted::<Narx>::load,
     basis: |design| {
         let degree = design.elements.unwrap_or(DEGREE).clamp(1, MAX_DEGREE);

@@ -23,11 +23,11 @@
 //! Inverse: Newton's method on the step. Output weights of units may have either sign; where z decreases, one of
 //! several inputs is found. Far outside the range all units are constant, and z is that of the plays alone.
 
-use super::Operator;
 use super::basis::{BasisDesign, ShapeParameter, counted, counted_within, curvature};
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, finite};
 use serde::{Deserialize, Serialize};
@@ -70,7 +70,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: true,
     rate_independent: true,
     wipes_out: true,
-    learned: true,
+    class: Class::Learned,
     load: Weighted::<Neural>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Neural::even(design)),
     example: |ts| {

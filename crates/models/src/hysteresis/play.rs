@@ -19,11 +19,11 @@
 //!
 //! Why: docs/decisions/compensation.md, "Operators are inverted by Newton's method on the law".
 
-use super::Operator;
 use super::inverse::Inverted;
 use super::law::{Input, Law, Weighted};
 use super::real::{Dual, Real};
 use super::thresholds;
+use super::{Class, Operator};
 use crate::program::Block;
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
@@ -45,7 +45,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
-    learned: false,
+    class: Class::Plays,
     load: Weighted::<Play>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Play { thresholds: thresholds::even(design) }),
     example: |ts| Weighted::example(ts, Play { thresholds: thresholds::example() }, thresholds::example_weights(0.7)),

@@ -4,7 +4,7 @@
 
 use super::basis::counted;
 use super::inverse::Inverted;
-use super::{Basis, Hysteresis, Operator, document, parse};
+use super::{Basis, Class, Hysteresis, Operator, document, parse};
 use crate::program::Block;
 use piezoid_numerics::error::{finite, positive};
 use piezoid_numerics::system::System;
@@ -34,7 +34,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
-    learned: false,
+    class: Class::Linear,
     basis: |design| Ok(Box::new(Proportional::new(design.ts, 1.0)?)),
     load: |params, ts| {
         let params: ProportionalParams = parse("proportional", params)?;

@@ -16,11 +16,11 @@
 //! Inverse: Newton's method; except for the logarithm z(u) is piecewise linear. If growth / rate exceeds the sampling
 //! period, plays decrease when the input moves faster, and z may decrease; then bracketing finds one of several inputs.
 
-use super::Operator;
 use super::basis::ShapeParameter;
 use super::law::{Input, Law, Weighted, require};
 use super::real::Real;
 use super::thresholds;
+use super::{Class, Operator};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
-    learned: false,
+    class: Class::Plays,
     load: Weighted::<RatePlay>::load,
     basis: |design| {
         let rate = TAU * 0.01 * design.half() / design.ts;

@@ -15,7 +15,7 @@ use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::Real;
 use super::two_branch::{READ, example, read, read_slope};
-use super::{Basis, BasisDesign, Branches, HeldInput, Hysteresis, Operator, document, parse};
+use super::{Basis, BasisDesign, Branches, Class, HeldInput, Hysteresis, Operator, document, parse};
 use crate::elementary::ln;
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
@@ -69,7 +69,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: false,
     wipes_out: false,
-    learned: false,
+    class: Class::Branches,
     basis: |design| Ok(Box::new(RateScheduledBasis::new(design)?)),
     load: |params, ts| {
         let params: RateScheduledParams = parse("rate-scheduled", params)?;

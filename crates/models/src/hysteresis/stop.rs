@@ -14,10 +14,10 @@
 //! Inverse: exact, like that of `prandtl-ishlinskii`, if w_0 > w_1 + ... + w_n. Otherwise z decreases after a reversal,
 //! and one of several inputs is found. When all stops slide, the slope of z is w_0; if w_0 = 0, z saturates.
 
-use super::Operator;
 use super::law::{Input, Law, Weighted};
 use super::real::Real;
 use super::thresholds;
+use super::{Class, Operator};
 use crate::program::Block;
 use serde::{Deserialize, Serialize};
 
@@ -38,7 +38,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: true,
-    learned: false,
+    class: Class::Plays,
     load: Weighted::<Stop>::load,
     basis: |design| Weighted::basis(design.ts, design.range, Stop { thresholds: thresholds::even(design) }),
     example: |ts| Weighted::example(ts, Stop { thresholds: thresholds::example() }, thresholds::example_weights(1.2)),

@@ -24,7 +24,7 @@ use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::{Dual, Real};
 use super::two_branch::example;
-use super::{Basis, BasisDesign, Branches, Hysteresis, Operator, ShapeParameter, document, parse};
+use super::{Basis, BasisDesign, Branches, Class, Hysteresis, Operator, ShapeParameter, document, parse};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use piezoid_numerics::system::System;
@@ -50,7 +50,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    learned: false,
+    class: Class::Equations,
     basis: |design| Ok(Box::new(TellinenBasis::even(design)?)),
     load: |params, ts| Ok(Arc::new(Tellinen::new(ts, parse("tellinen", params)?)?)),
     example: |ts| Ok(Arc::new(Tellinen::new(ts, example(1.0)?)?)),

@@ -16,7 +16,7 @@ use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};
 use super::nodes::Nodes;
 use super::real::{Dual, Real};
-use super::{Basis, Branches, Hysteresis, Operator, document, parse};
+use super::{Basis, Branches, Class, Hysteresis, Operator, document, parse};
 use crate::program::Block;
 use piezoid_numerics::error::{Error, positive};
 use piezoid_numerics::system::System;
@@ -84,7 +84,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: false,
     rate_independent: true,
     wipes_out: false,
-    learned: false,
+    class: Class::Branches,
     basis: |design| Ok(Box::new(TwoBranchBasis { ts: design.ts, nodes: Nodes::new(design)? })),
     load: |params, ts| {
         let TwoBranchParams { reading, branches } = parse("two-branch", params)?;

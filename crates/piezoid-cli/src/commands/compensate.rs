@@ -1,5 +1,6 @@
 //! `piezoid compensate`: the voltage for a requested displacement, by feed-forward.
 
+use super::plant::RecordsOfModel;
 use super::prelude::*;
 use crate::values::record;
 use piezoid::validation::Metrics;
@@ -12,7 +13,9 @@ Examples:
     piezoid compensate r.csv --model model.json --driver pl140 -o u.csv
   Steps smoothed to moves of 20 ms that do not excite the resonance:
     piezoid compensate steps.csv --model model.json --smooth 20ms --zvd -o u.csv
-  Response of the plant to this voltage:
+  The error to expect with and without compensation, on a stand-in for the actuator of the model:
+    piezoid compensate r.csv --model model.json --plant records -o u.csv
+  Response of a twin to this voltage:
     piezoid simulate u.csv --plant pl140 -o y.csv
 
 The reference is the column r_*, or else y_*, in a unit that can be converted to that of the model's output. Before its first sample it is assumed constant at the first value. Errors are those of the model's free run; effects that the model does not contain add to them.";
@@ -29,6 +32,12 @@ pub(crate) struct Compensate {
     /// The same as <FILE>.
     #[arg(long, value_name = "FILE", conflicts_with = "file")]
     reference: Option<PathBuf>,
+    /// Also play the path on this plant, with and without compensation: records is a stand-in, a second model of the
+    /// records of the model; a name (see `piezoid plants`) or a JSON file is a twin.
+    #[arg(long, value_name = "NAME|FILE|records")]
+    plant: Option<String>,
+    #[command(flatten)]
+    of_model: RecordsOfModel,
     #[command(flatten)]
     options: Flags<CompensateOptions>,
     /// The file to write: CSV, or .npz or .mat by the extension; - is stdout.
@@ -48,12 +57,15 @@ impl Run for Compensate {
         };
         let is_free = files::check(&[Some(&self.output), self.json.as_deref()], &[&self.model, &reference])?;
         let columns = self.columns.read()?;
+        let plant = self.of_model.some_plant(self.plant.as_deref(), &self.model, console)?;
+        let plant = plant.as_ref().map(|(name, actuator)| (&**name, actuator));
         let (model, reference) = (files::read(&self.model)?, files::data(&reference)?);
-        let result = self.options.0.run(&model, &reference, &columns).map_err(failed)?;
+        let result = self.options.0.run(&model, &reference, &columns, plant).map_err(failed)?;
         if is_free {
             console.print(&tables(&result, console))?;
         }
-        console.remarks(result.compensated.notes.iter().chain([&result.proven()]));
+        let on_plant = result.on_plant.iter().flat_map(|played| &played.notes);
+        console.remarks(result.compensated.notes.iter().chain(on_plant).chain([&result.proven()]));
         let record = Results::default().record(Some(&self.output), |name| result.written(name))?;
         record.json(self.json.as_deref(), &result.to_json()).write(console)
     }
@@ -76,8 +88,15 @@ fn tables(result: &Compensation, console: &Console) -> String {
     // What the inverse leaves is rounding, unless it is set to clip or to stop early.
     let left = expected.is_none() || metrics.rms_pp_percent > ROUNDING;
     let name = if of_requested.is_some() { "on the model, shaped reference" } else { "on the model" };
-    let rows = expected
-        .into_iter()
+    let on_plant = result.on_plant.iter().flat_map(|played| {
+        let [gain, compensated] = &played.errors;
+        let name = |how: &str| format!("on {}, {how}", played.plant);
+        let range = played.spread.map(|spread| spread.map(number));
+        let range = range.map(|[low, high]| format!(" ({low} to {high})")).unwrap_or_default();
+        [figures(&name("constant gain"), gain), figures(&(name("compensated") + &range), compensated)]
+    });
+    let rows = on_plant
+        .chain(expected)
         .chain(left.then(|| figures(name, &metrics)))
         .chain(of_requested.map(|m| figures("on the model, requested reference", &m)));
     let error = console.table(&["error", &rms, &max, "% of peak-to-peak of r"], rows);

@@ -1,6 +1,6 @@
 //! `piezoid control`: the closed loop on a simulated actuator, several schemes side by side.
 
-use super::lists;
+use super::plant::RecordsOfModel;
 use super::prelude::*;
 use crate::values::{Ended::Misused, apart, record};
 use piezoid::System;
@@ -14,7 +14,9 @@ use std::time::{Duration, Instant};
 
 const EXAMPLES: &str = "\
 Examples:
-  The usual schemes along sines, triangles, a staircase and a random path:
+  The usual schemes along sines, triangles, a staircase and a random path, on a stand-in for the actuator of the model:
+    piezoid control --plant records --model model.json
+  The same on a twin of the catalogue:
     piezoid control --plant pl140 --model model.json
   One scheme along your own reference, the run as a file:
     piezoid control --plant pl140 --model model.json \\
@@ -28,11 +30,14 @@ y_*, or sine, triangle, staircase or random with a frequency in Hz, such as sine
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
-#[command(override_usage = "piezoid control --plant <NAME|FILE> --model <FILE>\n           [OPTIONS]")]
+#[command(override_usage = "piezoid control --plant <NAME|FILE|records> --model <FILE>\n           [OPTIONS]")]
 pub(crate) struct Control {
-    /// The actuator by name (see `piezoid plants`), or a JSON file of its parameters.
-    #[arg(long, value_name = "NAME|FILE")]
+    /// The actuator: records is a stand-in, a second model of the records of the model; a name (see `piezoid plants`) or
+    /// a JSON file is a twin.
+    #[arg(long, value_name = "NAME|FILE|records")]
     plant: String,
+    #[command(flatten)]
+    of_model: RecordsOfModel,
     /// The model that controllers are tuned to.
     #[arg(long, value_name = "FILE")]
     model: PathBuf,
@@ -69,10 +74,10 @@ impl Run for Control {
                 bail!(Misused(format!("{name}: there is no such file, and {unknown}")));
             }
         }
-        let spec = lists::plant(&self.plant)?;
-        let plant = Path::new(&self.plant).file_name().and_then(|name| name.to_str()).unwrap_or(&self.plant);
+        let (plant, actuator) = self.of_model.plant(&self.plant, &self.model, console)?;
         let (model, references) = (files::read(&self.model)?, files::all(&paths, files::data)?);
-        let compared = console.work(|progress| options.run((plant, &spec), &model, &references, &columns, progress))?;
+        let compared =
+            console.work(|progress| options.run((&plant, &actuator), &model, &references, &columns, progress))?;
         if !results.contains(&Some(Path::new("-"))) {
             console.print(&tables(&compared, console))?;
         }

@@ -46,7 +46,7 @@ pub(crate) struct Instrument {
 impl Run for Instrument {
     fn run(self, console: &Console) -> Result<()> {
         let simulation = self.simulation.0;
-        let plant = lists::plant(&simulation.plant)?;
+        let plant = lists::twin(&simulation.plant)?;
         let mut controller = simulation.around(&plant, &simulation.plant).map_err(failed)?;
         let (listener, port) = listener("port", self.port)?;
         if let Some(log) = &self.log {

@@ -3,6 +3,7 @@
 use super::prelude::*;
 use crate::values::Ended::Misused;
 use anyhow::anyhow;
+use piezoid::control::SimulatedActuator;
 use piezoid::plant::{self, Spec};
 use piezoid_export::{FEED_FORWARD, MODEL};
 use piezoid_operations::catalogue;
@@ -55,7 +56,7 @@ pub(crate) struct Plants {
 impl Run for Plants {
     fn run(self, console: &Console) -> Result<()> {
         match self.show {
-            Some(name) => console.print(&(plant(&name)?.to_json()? + "\n")),
+            Some(name) => console.print(&(twin(&name)?.to_json()? + "\n")),
             None => self.list.run("plants", console),
         }
     }
@@ -103,14 +104,25 @@ fn served(operators: &Value) -> String {
     }
 }
 
-/// The plant called `name`, or the plant in the JSON file of this name.
-pub(crate) fn plant(name: &str) -> Result<Spec> {
+/// The twin called `name`, or the twin or stand-in in the JSON file of this name.
+pub(crate) fn plant(name: &str) -> Result<SimulatedActuator> {
     if name.ends_with(".json") {
         let file = files::read(Path::new(name))?;
-        let spec = Spec::from_json(file.text().map_err(failed)?).map_err(|error| failed(error.of(name)));
-        return spec.map_err(|error| anyhow!("{error}, which `piezoid plants --show pl140` prints"));
+        let found = SimulatedActuator::from_json(file.text().map_err(failed)?);
+        let found = found.map_err(|error| failed(error.of(name)));
+        return found.map_err(|error| anyhow!("{error}, which `piezoid plants --show pl140` prints"));
     }
     let own = "a plant of your own goes into a .json file: see `piezoid plants --show`";
     let unknown = |e| Misused(format!("{e} ({own})"));
-    Ok(plant::Preset::find(name).map_err(unknown)?.spec())
+    Ok(plant::Preset::find(name).map_err(unknown)?.spec().into())
+}
+
+/// The same for a plant that must be a twin.
+pub(crate) fn twin(name: &str) -> Result<Spec> {
+    match plant(name)? {
+        SimulatedActuator::Twin(spec) => Ok(spec),
+        SimulatedActuator::StandIn(_) => {
+            bail!(Misused(format!("{name} is a stand-in, which has no parameters of an actuator: name a plant")))
+        }
+    }
 }

@@ -17,6 +17,7 @@ mod instrument;
 mod lists;
 mod online;
 mod plan;
+mod plant;
 mod prepare;
 mod report;
 mod serve;

@@ -26,7 +26,7 @@ Examples:
 )]
 #[group(id = "system", required = true, multiple = false, args = ["plant", "model"])]
 pub(crate) struct Simulate {
-    /// A plant by name (see `piezoid plants`), or a JSON file of its parameters.
+    /// A plant by name (see `piezoid plants`), or a JSON file: the parameters of a twin, or what `piezoid stand-in` wrote.
     #[arg(long, value_name = "NAME|FILE")]
     plant: Option<String>,
     /// A model file.

@@ -1,12 +1,12 @@
 //! `piezoid timing`: settling, overshoot and scan lag along a path, and the fastest moves.
 
 use super::agreed::agreed;
-use super::lists;
+use super::plant::RecordsOfModel;
 use super::prelude::*;
 use crate::values::{Ended, apart, record};
 use crate::words::flag;
+use piezoid::control::SimulatedActuator;
 use piezoid::formats::ColumnSelection;
-use piezoid::plant::Spec;
 use piezoid_instruments::{InstrumentOptions, MeasuredTiming, MeasuredTimingOptions};
 use piezoid_numerics::number::short as number;
 use piezoid_numerics::options::Options;
@@ -42,9 +42,12 @@ pub(crate) struct TimingCall {
     /// The displacement that was measured along the path, such as by `piezoid acquire`.
     #[arg(long, value_name = "FILE", requires = "path")]
     measured: Option<PathBuf>,
-    /// Also play the path on this plant: a name (see `piezoid plants`), or a JSON file of its parameters.
-    #[arg(long, value_name = "NAME|FILE")]
+    /// Also play the path on this plant: records is a stand-in, a second model of the records of the model; a name (see
+    /// `piezoid plants`) or a JSON file is a twin.
+    #[arg(long, value_name = "NAME|FILE|records")]
     plant: Option<String>,
+    #[command(flatten)]
+    of_model: RecordsOfModel,
     /// Also play both voltages on a controller, which `acquire` describes. The actuator moves.
     #[arg(long, conflicts_with = "measured")]
     controller: bool,
@@ -70,11 +73,8 @@ impl Run for TimingCall {
         apart(&results, &inputs)?;
         files::ready(&results)?;
         let columns = self.columns.read()?;
-        let plant = self.plant.as_deref().map(|name| Ok((name, lists::plant(name)?)));
-        let plant = plant.transpose().map_err(|error: anyhow::Error| error)?;
-        let plant = plant
-            .as_ref()
-            .map(|(name, spec)| (Path::new(name).file_name().and_then(|name| name.to_str()).unwrap_or(name), spec));
+        let plant = self.of_model.some_plant(self.plant.as_deref(), &self.model, console)?;
+        let plant = plant.as_ref().map(|(name, actuator)| (&**name, actuator));
         if self.controller {
             return self.on_controller(plant, &columns, console);
         }
@@ -104,7 +104,12 @@ fn apart_from_controllers(options: &MeasuredTimingOptions) -> Result<()> {
 }
 
 impl TimingCall {
-    fn on_controller(&self, plant: Option<(&str, &Spec)>, columns: &ColumnSelection, console: &Console) -> Result<()> {
+    fn on_controller(
+        &self,
+        plant: Option<(&str, &SimulatedActuator)>,
+        columns: &ColumnSelection,
+        console: &Console,
+    ) -> Result<()> {
         let model = files::read(&self.model)?.model().map_err(failed)?;
         let path = self.path.as_deref().map(files::data).transpose()?;
         let path = path.map(|path| path.reference(columns, &model)).transpose().map_err(failed)?;

@@ -1,9 +1,8 @@
 //! Controllers in the network.
 
 use super::models::timed;
-use super::{MODEL, NAME, named, one, optional};
+use super::{MODEL, NAME, STAND_IN, named, one, optional, some_simulated};
 use crate::{Inputs, Operation, Output, Role};
-use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::{Error, Verdict};
 use piezoid_instruments::{AcquireOptions, Agenda, CampaignOptions, ConnectOptions, Journal, MeasuredTimingOptions};
@@ -55,7 +54,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         name: "moves",
         summary: "Time moves along a path on a controller: settling, overshoot, scan lag",
         module: "instruments",
-        roles: &[MODEL, optional("path")],
+        roles: &[MODEL, optional("path"), STAND_IN],
         options: MovesCall::rows,
         run: moves,
     },
@@ -72,8 +71,8 @@ options! {
 /// Times moves; the caller has agreed to them.
 fn moves(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let MovesCall { plant, timing } = inputs.options()?;
-    let spec = plant.as_deref().map(|name| Ok((name, Preset::find(name)?.spec()))).transpose()?;
-    let players = Players { plant: spec.as_ref().map(|(name, spec)| (*name, spec)), measured: None };
+    let plant = some_simulated(inputs, plant.as_deref())?;
+    let players = Players { plant: plant.as_ref().map(|(name, plant)| (&**name, plant)), measured: None };
     let (model, mut notes) = (inputs.one("model")?.model()?, Vec::new());
     let path =
         inputs.some("path")?.map(|file| DataFile::from(file).reference(&inputs.columns()?, &model)).transpose()?;

@@ -1,8 +1,7 @@
 //! Models, their validation and their inverses.
 
-use super::{DATA, MODEL, NAME, named, one, optional, several};
+use super::{DATA, MODEL, NAME, STAND_IN, named, one, optional, several, simulated, some_simulated};
 use crate::{Inputs, Operation, Output};
-use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
 use piezoid::{Error, IdentifyOptions, StatedVerdict, Verdict};
@@ -11,8 +10,8 @@ use piezoid_models::hysteresis::LoopOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::{MIN_REVERSAL_SHARE, reversals};
 use piezoid_verbs::{
-    CompensateOptions, DataFile, File, OnlineOptions, OnlineRow, SimulateOptions, Subject, Timing, TimingOptions,
-    ValidateRecords,
+    CompensateOptions, DataFile, File, OnPlant, OnlineOptions, OnlineRow, SimulateOptions, Subject, Timing,
+    TimingOptions, ValidateRecords, stand_in_from,
 };
 use serde_json::{Value, json};
 
@@ -21,7 +20,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         name: "simulate",
         summary: "Run a plant or a model on a drive signal",
         module: "models",
-        roles: &[one("input"), optional("model")],
+        roles: &[one("input"), optional("model"), STAND_IN],
         options: SimulateCall::rows,
         run: |inputs, _| simulate(inputs),
     },
@@ -42,6 +41,14 @@ pub(super) const OPERATIONS: &[Operation] = &[
         run: identify,
     },
     Operation {
+        name: "stand-in",
+        summary: "Make a stand-in for an actuator: a second model of its records, to try voltages and controllers on",
+        module: "models",
+        roles: &[MODEL, several("records", 1)],
+        options: Vec::new,
+        run: stand_in,
+    },
+    Operation {
         name: "validate",
         summary: "Validate a model on records that were not used to identify it",
         module: "models",
@@ -53,15 +60,15 @@ pub(super) const OPERATIONS: &[Operation] = &[
         name: "compensate",
         summary: "Compute the voltage for a requested displacement",
         module: "models",
-        roles: &[MODEL, one("reference")],
-        options: CompensateOptions::rows,
+        roles: &[MODEL, one("reference"), STAND_IN],
+        options: CompensateCall::rows,
         run: |inputs, _| compensate(inputs),
     },
     Operation {
         name: "timing",
         summary: "Time moves along a path: settling, overshoot, scan lag; find the fastest step and flyback",
         module: "models",
-        roles: &[MODEL, optional("path"), optional("measured")],
+        roles: &[MODEL, optional("path"), optional("measured"), STAND_IN],
         options: TimingCall::rows,
         run: timing,
     },
@@ -78,9 +85,17 @@ pub(super) const OPERATIONS: &[Operation] = &[
 options! {
     /// Options of `simulate`.
     pub(crate) struct SimulateCall {
-        /// The plant to simulate, unless a model is given.
+        /// The plant to simulate, unless a model or a stand-in is given.
         plant: String = "pl140".into(), OptionRow::new(NAME).list("plants");
     } with simulation: SimulateOptions
+}
+
+options! {
+    /// Options of `compensate`.
+    pub(crate) struct CompensateCall {
+        /// Also play the path on this plant, with and without compensation.
+        plant: Option<String> = None, OptionRow::new(NAME).list("plants");
+    } with compensation: CompensateOptions
 }
 
 options! {
@@ -93,10 +108,10 @@ options! {
 
 fn timing(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let TimingCall { plant, timing } = inputs.options()?;
-    let spec = plant.as_deref().map(|name| Ok((name, Preset::find(name)?.spec()))).transpose()?;
+    let plant = some_simulated(inputs, plant.as_deref())?;
     let [path, measured] = ["path", "measured"].map(|role| Ok(inputs.some(role)?.map(DataFile::from)));
     let (path, measured): (Option<DataFile>, Option<DataFile>) = (path?, measured?);
-    let plant = spec.as_ref().map(|(name, spec)| (*name, spec));
+    let plant = plant.as_ref().map(|(name, actuator)| (&**name, actuator));
     let data = (path.as_ref(), measured.as_ref());
     let outcome = timing.run(&inputs.one("model")?, data, plant, &inputs.columns()?, progress)?;
     let document = outcome.to_json();
@@ -116,7 +131,7 @@ fn simulate(inputs: &Inputs) -> Result<Output, Error> {
     let (options, input, columns) = (inputs.options::<SimulateCall>()?, inputs.data("input")?, inputs.columns()?);
     let subject = match inputs.some("model")? {
         Some(model) => Subject::Model(model.model()?),
-        None => Subject::Plant(Preset::find(&options.plant)?.spec()),
+        None => Subject::Plant(simulated(inputs, &options.plant)?.1),
     };
     let outcome = options.simulation.run(&subject, &input, &columns)?;
     let result = json!({"ts": outcome.ts, "units": outcome.units, "reached": outcome.reached});
@@ -159,6 +174,16 @@ fn identify(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     Ok(Output { result, files: vec![File::new("model.json", found.model.to_json())], ..Output::default() })
 }
 
+fn stand_in(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
+    let records: Vec<DataFile> = inputs.all("records")?.into_iter().map(DataFile::from).collect();
+    let found = stand_in_from(&inputs.one("model")?.model()?, &records, progress)?;
+    let result = json!({
+        "sentence": found.to_string(), "operator": found.other().hysteresis().operator().name,
+        "share": found.share(), "error": found.error(), "noise": found.noise(), "units": found.units(),
+    });
+    Ok(Output { result, files: vec![File::new("stand-in.json", found.to_json())], ..Output::default() })
+}
+
 fn validate(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
     let outcome = inputs.options::<ValidateOptions>()?.run(&model, inputs.sources("data")?)?;
@@ -189,17 +214,23 @@ fn online(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
 }
 
 fn compensate(inputs: &Inputs) -> Result<Output, Error> {
-    let options = inputs.options::<CompensateOptions>()?;
-    let outcome = options.run(&inputs.one("model")?, &inputs.data("reference")?, &inputs.columns()?)?;
+    let CompensateCall { plant, compensation } = inputs.options()?;
+    let plant = some_simulated(inputs, plant.as_deref())?;
+    let plant = plant.as_ref().map(|(name, actuator)| (&**name, actuator));
+    let (model, reference) = (inputs.one("model")?, inputs.data("reference")?);
+    let outcome = compensation.run(&model, &reference, &inputs.columns()?, plant)?;
     let mut result = outcome.to_json();
     result["sentence"] = outcome.proven().into();
     result["ts"] = outcome.ts.into();
     result["units"] = json!(outcome.units);
-    let series = [
+    let mut series = named([
         ("requested", &*outcome.requested),
         ("shaped", &outcome.shaped),
         ("u", &outcome.compensated.u),
         ("y", &outcome.compensated.reached),
-    ];
-    Ok(Output { result, series: named(series), files: vec![File::new("voltage.csv", outcome.written("voltage.csv")?)] })
+    ]);
+    if let Some(OnPlant { displacements: [gain, compensated], .. }) = &outcome.on_plant {
+        series.extend(named([("y/gain", gain), ("y/compensated", compensated)]));
+    }
+    Ok(Output { result, series, files: vec![File::new("voltage.csv", outcome.written("voltage.csv")?)] })
 }

@@ -1,9 +1,8 @@
 //! Operations that write pages with figures.
 
-use super::{DATA, MODEL, NAME, several};
+use super::{DATA, MODEL, NAME, STAND_IN, several, simulated};
 use crate::{Inputs, Operation, Output};
 use piezoid::Error;
-use piezoid::plant::Preset;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
 use piezoid_numerics::options::{OptionRow, Options, options};
@@ -17,7 +16,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         name: "control",
         summary: "Close the loop on a simulated actuator and compare controllers",
         module: "reports",
-        roles: &[MODEL, several("reference", 0)],
+        roles: &[MODEL, several("reference", 0), STAND_IN],
         options: ControlCall::rows,
         run: control,
     },
@@ -50,7 +49,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
 options! {
     /// Options of `control`.
     pub(crate) struct ControlCall {
-        /// The plant that is controlled.
+        /// The plant that is controlled, unless a stand-in is given.
         plant: String = "pl140".into(), OptionRow::new(NAME).list("plants");
     } with control: ControlOptions
 }
@@ -59,8 +58,8 @@ fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let ControlCall { plant, mut control } = inputs.options()?;
     let files: Vec<DataFile> = inputs.all("reference")?.into_iter().map(DataFile::from).collect();
     control.reference.extend(files.iter().map(|file| file.name.clone()));
-    let spec = Preset::find(&plant)?.spec();
-    let outcome = control.run((&plant, &spec), &inputs.one("model")?, &files, &inputs.columns()?, progress)?;
+    let (plant, actuator) = simulated(inputs, &plant)?;
+    let outcome = control.run((&plant, &actuator), &inputs.one("model")?, &files, &inputs.columns()?, progress)?;
     let mut series = Vec::new();
     for (k, with_driver) in outcome.results.iter().enumerate() {
         for (j, attempt) in with_driver.attempts.iter().enumerate() {

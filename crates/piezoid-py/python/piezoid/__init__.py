@@ -30,6 +30,7 @@ from .online import Online
 from .plan import Plan, plan
 from .plants import Plant, plants
 from .records import Record, read, read_reference
+from .stand_in import stand_in
 from .study import Study, study
 from .timing import Timing, timing
 
@@ -77,6 +78,7 @@ __all__ = [
     "read_reference",
     "reference",
     "references",
+    "stand_in",
     "study",
     "targets",
     "timing",

@@ -1,4 +1,4 @@
-"""Twins: simulated actuators with driver, hysteresis, creep, beam and sensor, for measurements."""
+"""Simulated actuators: twins with driver, hysteresis, creep, beam and sensor, and stand-ins for measured ones."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Plant:
-    """A simulated actuator with its driver and sensor: input in volts, output in micrometres.
+    """A simulated actuator: a twin with its driver and sensor, from volts to micrometres, or a `stand_in`.
 
     The voltages of benders are relative to the middle of the supply; other actuators have those of their data sheets.
 
@@ -42,36 +42,46 @@ class Plant:
         self.name = name
 
     @takes(SimulateOptions)
-    def simulate(self, u: Samples, ts: float = 5e-4, **options: Unpack[SimulateOptions]) -> Array:
+    def simulate(self, u: Samples, ts: float | None = None, **options: Unpack[SimulateOptions]) -> Array:
         """Sensor readings [um] for the voltages `u` [V], both of shape (n,), sampled every `ts` [s].
 
-        A `UserWarning` names the limits that were reached.
+        `ts` is 0.5 ms by default; a stand-in has the sampling period and the units of its records. A `UserWarning` names the limits that were reached.
 
         {options}
         """
-        return self._run(u, ts, known(Plant.simulate, options))
+        return self._run(u, ts, known(Plant.simulate, options))[0]
 
     @takes(SimulateOptions)
-    def measure(self, u: Samples, ts: float = 5e-4, **options: Unpack[SimulateOptions]) -> Record:
+    def measure(self, u: Samples, ts: float | None = None, **options: Unpack[SimulateOptions]) -> Record:
         """The same as a record."""
-        return Record(u, self._run(u, ts, known(Plant.measure, options)), ts)
+        y, ts = self._run(u, ts, known(Plant.measure, options))
+        return Record(u, y, ts, units=self._core.units)
 
-    def _run(self, u: Samples, ts: float, options: dict[str, Any]) -> Array:
-        y, reached = self._core._measured(u, number("ts", ts), options)
+    def _run(self, u: Samples, ts: float | None, options: dict[str, Any]) -> tuple[Array, float]:
+        ts = number("ts", ts) if ts is not None else self._core.ts or 5e-4
+        y, reached = self._core._measured(u, ts, options)
         if reached is not None:
             warnings.warn(f"{self.name}: {reached}", stacklevel=3)
-        return y
+        return y, ts
 
     def drawn(self, tolerance: float = 0.2, *, seed: int = 0, index: int = 0) -> Plant:
         """A random plant whose parameters differ from these by up to the fraction `tolerance`.
 
-        This corresponds to the tolerance of a catalogue. `seed` and `index` select it.
+        This corresponds to the tolerance of a catalogue. `seed` and `index` select it. The draws of a stand-in differ in
+        gain by up to `tolerance`, and have the spread of its records.
         """
-        result = Plant.__new__(Plant)
-        result.name = f"{self.name}-{index}"
         with called(share="tolerance"):
-            result._core = self._core.drawn(number("tolerance", tolerance), whole("seed", seed), whole("index", index))
+            core = self._core.drawn(number("tolerance", tolerance), whole("seed", seed), whole("index", index))
+        return Plant._of(core, f"{self.name}-{index}")
+
+    @classmethod
+    def _of(cls, core: _piezoid.Plant, name: str) -> Plant:
+        result = cls.__new__(cls)
+        result._core, result.name = core, name
         return result
+
+    def __str__(self) -> str:
+        return self._core.sentence or repr(self)
 
     def to_dict(self) -> dict[str, Any]:
         """Its parameters as a dict, from which `Plant` makes another plant."""
@@ -103,9 +113,7 @@ class _Presets(Rows[Plant]):
 
 
 def _preset(name: str) -> Plant:
-    plant = Plant.__new__(Plant)
-    plant._core, plant.name = _piezoid.Plant.named(name), name
-    return plant
+    return Plant._of(_piezoid.Plant.named(name), name)
 
 
 plants: Rows[Plant] = _Presets()

@@ -19,6 +19,7 @@ use super::verdict::proven;
 use super::{DataFile, File, Verdict, blamed};
 use piezoid_control::compensation::FeedForwardSettings;
 use piezoid_control::compensation::shaping::Shaping;
+use piezoid_control::feedback::SimulatedActuator;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::ascii_unit;
@@ -28,7 +29,7 @@ use piezoid_numerics::system::System;
 use piezoid_records::excitation::LimitOptions;
 use piezoid_records::formats::{ColumnSelection, Table};
 use piezoid_records::record::{Record, Units};
-use piezoid_twins::{Plant, Spec};
+use piezoid_twins::Plant;
 use serde_json::{Value, json};
 
 options! {
@@ -55,7 +56,7 @@ const LENGTH: OptionKind = OptionKind::Text("LENGTH");
 #[derive(Debug, Default)]
 pub struct Players<'a> {
     /// A plant by name.
-    pub plant: Option<(&'a str, &'a Spec)>,
+    pub plant: Option<(&'a str, &'a SimulatedActuator)>,
     /// The displacement that was measured along the path [output unit].
     pub measured: Option<Vec<f64>>,
 }
@@ -108,7 +109,7 @@ impl TimingOptions {
         &self,
         file: &File,
         (path, measured): (Option<&DataFile>, Option<&DataFile>),
-        plant: Option<(&str, &Spec)>,
+        plant: Option<(&str, &SimulatedActuator)>,
         columns: &ColumnSelection,
         progress: &mut Progress,
     ) -> Result<Timing, Error> {
@@ -158,42 +159,42 @@ fn displacement(file: &DataFile, columns: &ColumnSelection, model: &Model) -> Re
     file.read(of)
 }
 
-/// A simulated plant.
+/// A simulated plant, in the units of the model.
 struct Twin {
     name: String,
-    plant: Plant,
-    /// From um to the output unit.
-    factor: f64,
+    plant: Box<dyn System>,
+    /// The plant that states which limits it reached; `None` for one without limits.
+    limited: Option<Plant>,
 }
 
 impl Twin {
     fn new(
-        (name, spec): (&str, &Spec),
+        (name, actuator): (&str, &SimulatedActuator),
         model: &Model,
         settings: &FeedForwardSettings,
         notes: &mut Vec<String>,
     ) -> Result<Self, Error> {
-        let unit = &model.units().y;
-        let factor = Units::factor("um", unit).ok_or_else(|| {
-            let what = "the model's output".to_string();
-            Error::Units { what, found: unit.clone(), expected: "a length, which a plant moves by,".into() }
-        })?;
-        let (mut spec, note) = matched((name, spec), model, settings)?;
+        let (actuator, note) = matched((name, actuator), model, settings)?;
         notes.extend(note);
-        spec.sensor.noise_rms_m = 0.0;
-        Ok(Twin { name: name.into(), plant: Plant::new(&spec, model.ts())?, factor })
+        let quiet = actuator.with_noise(0.0, &model.units().y)?;
+        let limited = match &quiet {
+            SimulatedActuator::Twin(spec) => Some(Plant::new(spec, model.ts())?),
+            SimulatedActuator::StandIn(_) => None,
+        };
+        Ok(Twin { name: name.into(), plant: quiet.plant(model, 0)?, limited })
     }
 
     /// The displacement with the voltage `u`, from the settled state at its first value.
     fn play(&self, u: &[f64]) -> Vec<f64> {
         let mut x = self.plant.settled(u.first().copied().unwrap_or(0.0));
-        self.plant.resume(&mut x, u).into_iter().map(|y| self.factor * y).collect()
+        self.plant.resume(&mut x, u)
     }
 
     fn saturated(&self, u: &[f64]) -> Option<String> {
-        let mut x = self.plant.settled(u.first().copied().unwrap_or(0.0));
-        self.plant.resume(&mut x, u);
-        let found = self.plant.saturation(&x);
+        let plant = self.limited.as_ref()?;
+        let mut x = plant.settled(u.first().copied().unwrap_or(0.0));
+        plant.resume(&mut x, u);
+        let found = plant.saturation(&x);
         found.any().then(|| format!("{}: along the path, {found}", self.name))
     }
 }

@@ -137,7 +137,8 @@ impl MoveOptions {
         let compensated = found.u.clone();
         (found.u, found.reached) = (after(before, found.u), after(before, found.reached));
         let verdict = model.verdict();
-        let compensation = Compensation { ts, units, requested, shaped, compensated: found, reach, verdict };
+        let on_plant = None;
+        let compensation = Compensation { ts, units, requested, shaped, compensated: found, reach, verdict, on_plant };
         Ok(PlannedMoves {
             model,
             settings,

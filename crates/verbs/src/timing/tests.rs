@@ -100,7 +100,7 @@ fn the_shortest_minimum_jerk_move_settles_at_once_and_a_shorter_one_does_not() {
 #[test]
 fn times_predicted_by_a_model_identified_from_a_twin_are_those_on_the_twin() {
     let ts = 5e-4;
-    let (spec, plant) = (Preset::find("pl140").unwrap().spec(), Plant::named("pl140", ts).unwrap());
+    let (spec, plant) = (Preset::find("pl140").unwrap().spec().into(), Plant::named("pl140", ts).unwrap());
     let record = |u: Vec<f64>| Record::new(ts, u.clone(), plant.run(&u).y).unwrap();
     let rising = |frequency: f64, n| {
         record(RisingSine { amplitude: 28.0, frequency, ..Default::default() }.samples(ts, n).unwrap())

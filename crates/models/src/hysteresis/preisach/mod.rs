@@ -23,7 +23,7 @@ mod reversible;
 use super::basis::{Basis, BasisDesign, SensitiveOperator, counted, counted_within, curvature};
 use super::inverse::{Inverted, by_slopes, by_trials};
 use super::real::{Dual, Real, Sensitive};
-use super::{Hysteresis, Operator, document, parse};
+use super::{Class, Hysteresis, Operator, document, parse};
 use crate::program::Block;
 use everett::Everett;
 use grid::{Grid, cell, cells};
@@ -79,7 +79,7 @@ pub(super) static OPERATOR: Operator = Operator {
     needs_minor_loops: true,
     rate_independent: true,
     wipes_out: true,
-    learned: false,
+    class: Class::Relays,
     basis: |design| Ok(Box::new(CellBasis::new(design)?)),
     load: |params, ts| Ok(Arc::new(Preisach::new(ts, parse("preisach", params)?)?)),
     example: |ts| {

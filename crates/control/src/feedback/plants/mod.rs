@@ -1,0 +1,100 @@
+//! The plants that schemes run on: twins of the catalogue, and stand-ins for an actuator that was measured.
+
+mod stand_in;
+
+pub use stand_in::{StandIn, StandInPlant};
+
+use super::Scaled;
+use piezoid_models::hammerstein::Model;
+use piezoid_numerics::error::Error;
+use piezoid_numerics::system::System;
+use piezoid_records::record::{Record, Units};
+use piezoid_twins::{Plant, Spec};
+use serde_json::Value;
+
+/// A simulated actuator.
+#[derive(Debug, Clone, PartialEq)]
+pub enum SimulatedActuator {
+    /// A twin, in V and um.
+    Twin(Spec),
+    /// A stand-in for the actuator of some records, in their units.
+    StandIn(Box<StandIn>),
+}
+
+impl From<Spec> for SimulatedActuator {
+    fn from(spec: Spec) -> Self {
+        SimulatedActuator::Twin(spec)
+    }
+}
+
+impl From<StandIn> for SimulatedActuator {
+    fn from(stand_in: StandIn) -> Self {
+        SimulatedActuator::StandIn(Box::new(stand_in))
+    }
+}
+
+impl SimulatedActuator {
+    /// The actuator in the text of a file: the parameters of a twin, or a stand-in.
+    ///
+    /// # Errors
+    /// The errors of [`Spec::from_json`] and [`StandIn::from_json`].
+    pub fn from_json(text: &str) -> Result<Self, Error> {
+        let document: Option<Value> = serde_json::from_str(text).ok();
+        match document.is_some_and(|document| StandIn::is_in(&document)) {
+            true => StandIn::from_json(text).map(Self::from),
+            false => Spec::from_json(text).map(Self::from),
+        }
+    }
+
+    /// The same with rms noise of the sensor [`unit`].
+    ///
+    /// # Errors
+    /// Returns an error for a unit that cannot be converted to that of the actuator.
+    pub fn with_noise(mut self, rms: f64, unit: &str) -> Result<Self, Error> {
+        let own = if let SimulatedActuator::StandIn(stand_in) = &self { &stand_in.units().y } else { "m" };
+        let factor = Units::factor(unit, own).ok_or_else(|| {
+            let why =
+                format!("the output of the model is in {unit}, which is not a length: leave out the option noise");
+            Error::Content(why)
+        })?;
+        match &mut self {
+            SimulatedActuator::Twin(spec) => spec.sensor.noise_rms_m = rms * factor,
+            SimulatedActuator::StandIn(stand_in) => stand_in.noise = rms * factor,
+        }
+        Ok(self)
+    }
+
+    /// The plant in the units and with the sampling period of `model`, with noise of `seed`.
+    ///
+    /// # Errors
+    /// The errors of [`Plant::new`]; an error for units that cannot be converted, and for a stand-in with another
+    /// sampling period.
+    pub fn plant(&self, model: &Model, seed: u64) -> Result<Box<dyn System>, Error> {
+        match self {
+            SimulatedActuator::Twin(spec) => {
+                let plant = Plant::new(spec, model.ts())?.with_seed(seed);
+                Ok(Box::new(Scaled::new(plant, "um", model)?))
+            }
+            SimulatedActuator::StandIn(stand_in) => {
+                Record::same_sampling("the model", model.ts(), "the stand-in", stand_in.ts())?;
+                let (own, of_model) = (stand_in.units(), &model.units().u);
+                if own.u != *of_model {
+                    return Err(Error::units("the input of the stand-in", &own.u, of_model));
+                }
+                Ok(Box::new(Scaled::new(stand_in.plant(seed), &own.y, model)?))
+            }
+        }
+    }
+
+    /// Actuator `i` of those drawn with `seed`. The parameters of a twin differ by up to `share` of their values, and so
+    /// does the gain of a stand-in, whose draws also have the spread of its parameters.
+    ///
+    /// # Errors
+    /// Returns an error for a share outside 0 to below 1.
+    pub fn drawn(&self, share: f64, seed: u64, i: u64) -> Result<Self, Error> {
+        match self {
+            SimulatedActuator::Twin(spec) => spec.drawn(share, seed, i).map(Self::from),
+            SimulatedActuator::StandIn(stand_in) => stand_in.drawn(share, seed, i).map(Self::from),
+        }
+    }
+}
