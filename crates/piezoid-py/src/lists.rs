@@ -73,7 +73,9 @@ pub(crate) fn plan<'py>(
         Ok(plan)
     });
     let plan = result.map_err(raised)?;
-    let document = json!({"ts": plan.ts, "page": plan.page(), "notes": plan.notes, "advice": plan.advice});
+    let document = json!({
+        "ts": plan.ts, "page": plan.page(), "notes": plan.notes, "advice": plan.advice, "uncertainty": plan.uncertainty,
+    });
     let drives = PyDict::new(py);
     plan.drives.into_iter().try_for_each(|drive| drives.set_item(drive.name, array(py, drive.u)))?;
     members(py, &document, [("drives", drives.into_any().unbind())])

@@ -18,7 +18,7 @@ def test_a_plan_is_within_its_limits_and_written_to_a_folder(tmp_path: Path) -> 
     assert set(result) >= {"small", "rise1", "rise2", "rise3", "creep", "path"}
     assert all(u.min() >= 0 and u.max() <= 120 for u in result.values())
     assert "piezoid identify" in result.page and (tmp_path / "plan.md").read_text() == result.page
-    assert result.advice is None
+    assert result.advice is None and result.uncertainty is None
     with pytest.raises(pz.PiezoidError, match="range"):
         pz.plan(bandwidth=50)
 

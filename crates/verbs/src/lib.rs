@@ -36,7 +36,7 @@ pub use inspect::{Measured, inspect};
 pub use methods::MethodOptions;
 pub use online::{EstimatorOptions, OnlineOptions, OnlineRow, OnlineRun, Replayed};
 pub use origin::{Origin, files_of, identify_again};
-pub use plan::{Plan, PlanOptions, PlannedDrive};
+pub use plan::{Plan, PlanOptions, PlannedDrive, UncertainParameter, Uncertainty};
 pub use prepare::{Source, Step};
 pub use simulate::{SimulateOptions, Simulated, Subject};
 pub use split::{Split, Test};

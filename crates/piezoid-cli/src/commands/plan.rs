@@ -27,7 +27,8 @@ All start and end at the middle of the range, and use at most 90 % of slew and c
 pub(crate) struct Plan {
     #[command(flatten)]
     options: Flags<PlanOptions>,
-    /// A first model: the plan has its sampling period, and says which record would lower its largest uncertainty most.
+    /// A first model: the plan has its sampling period, and says which record would lower its error of prediction most,
+    /// and by how much.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// The folder to write to; created if it does not exist.

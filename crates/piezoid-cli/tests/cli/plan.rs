@@ -16,7 +16,7 @@ fn a_planned_identification_of_a_simulated_stack_is_good_to_1_percent_and_advise
     bench.run(&format!("{identify} --operator PI")).ok();
     let error = bench.run(&format!("{validate} --json -")).ok().out_json()["total"]["rms_pp_percent"].clone();
     assert!(number(&error) < 1.0, "{error}");
-    let message = "The largest uncertainty is the ";
+    let message = "to the error of prediction";
     bench.run(&format!("{request} --model model.json -o next")).ok().prints(&[message]);
     assert!(bench.text("next/plan.md").contains(message));
 }

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import _piezoid
 from ._keywords import known, takes
@@ -19,12 +19,21 @@ class Plan(dict[str, Array]):
     """The voltages [V] by the names of their records, `small`, `rise1` to `rise3`, `creep` and `path`; shape (n,).
 
     ts: sampling period [s]; page: the page in Markdown; notes: what was shortened or reduced, and what to watch;
-    advice: the record that would lower the largest uncertainty of the model most, `None` without a model
+    advice: the record that would lower the error of prediction of the model most, or that none would lower it by much,
+    `None` without a model; uncertainty: the same in figures, with its `parameters`, the one that adds most first
     """
 
-    def __init__(self, drives: dict[str, Array], ts: float, page: str, notes: list[str], advice: str | None) -> None:
+    def __init__(
+        self,
+        drives: dict[str, Array],
+        ts: float,
+        page: str,
+        notes: list[str],
+        advice: str | None,
+        uncertainty: dict[str, Any] | None,
+    ) -> None:
         super().__init__(drives)
-        self.ts, self.page, self.notes, self.advice = ts, page, notes, advice
+        self.ts, self.page, self.notes, self.advice, self.uncertainty = ts, page, notes, advice, uncertainty
 
     def __repr__(self) -> str:
         return "\n".join(f"{name}: {u.size} samples, {u.min():.4g} to {u.max():.4g} V" for name, u in self.items())

@@ -9,6 +9,8 @@ mod page;
 #[cfg(test)]
 mod tests;
 
+pub use advice::{UncertainParameter, Uncertainty};
+
 use super::File;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
@@ -77,8 +79,11 @@ pub struct Plan {
     pub drives: Vec<PlannedDrive>,
     /// What was shortened or reduced, and what to watch; one sentence each.
     pub notes: Vec<String>,
-    /// Which drive would lower the largest uncertainty of a first model most; `None` without a model.
+    /// Which drive would lower the error of prediction of a first model most, or that none would lower it by much;
+    /// `None` without a model.
     pub advice: Option<String>,
+    /// The error of prediction that the uncertain parameters of this model cause; `None` without a model.
+    pub uncertainty: Option<Uncertainty>,
     rig: Rig,
 }
 
@@ -163,8 +168,9 @@ impl PlanOptions {
         let rig = self.rig(model, &mut notes)?;
         let drives = drives::all(&rig, &mut notes)?;
         let demagnetisation = drives::demagnetisation(&rig, &mut Vec::new())?;
-        let mut plan = Plan { ts: rig.ts, demagnetisation, drives, notes, advice: None, rig };
-        plan.advice = model.map(|model| advice::advise(model, &plan)).transpose()?;
+        let mut plan = Plan { ts: rig.ts, demagnetisation, drives, notes, advice: None, uncertainty: None, rig };
+        plan.uncertainty = model.map(|model| advice::uncertainty(model, &plan)).transpose()?;
+        plan.advice = plan.uncertainty.as_ref().map(Uncertainty::advice);
         Ok(plan)
     }
 
@@ -328,7 +334,10 @@ impl Plan {
             })
         };
         let drives: Vec<_> = self.drives.iter().map(one).collect();
-        json!({"ts": self.ts, "demagnetisation": one(&self.demagnetisation), "drives": drives, "notes": self.notes, "advice": self.advice})
+        json!({
+            "ts": self.ts, "demagnetisation": one(&self.demagnetisation), "drives": drives, "notes": self.notes,
+            "advice": self.advice, "uncertainty": self.uncertainty,
+        })
     }
 
     /// The middle of the range, at which all drives start and end [V].

@@ -1,11 +1,12 @@
-use super::advice::{expected, information, uncertain};
+use super::advice::{added, covariance, predicted, products, uncertain};
 use super::{Plan, PlanOptions, PlannedDrive};
 use piezoid_models::creep::{Creep, Lag};
-use piezoid_models::hammerstein::Model;
+use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_models::hysteresis::Proportional;
 use piezoid_models::linear::Arx;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::options::Options;
+use piezoid_numerics::system::System;
 use piezoid_testing::assert_close;
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
@@ -180,20 +181,81 @@ fn advised(model: &Model) -> String {
 #[test]
 fn an_uncertain_slow_creep_gain_needs_the_creep_record_and_an_uncertain_mode_the_small_signal() {
     let message = advised(&model(0.0047, 1e-3));
-    let begin = "The largest uncertainty is the creep gain at 5 s (0.008, standard error 0.0047): record creep_u.csv, ";
-    assert!(message.starts_with(begin) && message.contains("which is expected to lower it to "), "{message}");
+    let begin = "The creep gain at 5 s (0.008, standard error 0.0047) adds most to the error of prediction, ";
+    assert!(message.starts_with(begin) && message.contains(" um rms along these drives, of "), "{message}");
+    assert!(message.contains("Record creep_u.csv, which is expected to lower this to "), "{message}");
     let message = advised(&model(1e-5, 40.0));
-    let begin = "The largest uncertainty is the frequency of mode 1 (120 Hz, standard error 40 Hz): record small_u.csv";
-    assert!(message.starts_with(begin), "{message}");
+    let begin = "The frequency of mode 1 (120 Hz, standard error 40 Hz) adds most to the error of prediction, ";
+    assert!(message.starts_with(begin) && message.contains("Record small_u.csv"), "{message}");
 }
 
 #[test]
-fn repetitions_are_counted_where_one_record_is_not_enough() {
+fn nothing_is_to_be_gained_where_the_error_of_the_model_is_far_larger_than_what_parameters_add() {
     let message = advised(&model(1e-9, 1e-9));
-    assert!(
-        message.contains("no single record halves it; record small_u.csv 21 times, which is expected to"),
-        "{message}"
-    );
+    assert!(message.starts_with("Nothing to gain by further records: the uncertainty of creep and modes adds "));
+    assert!(message.contains("; the error of the model is 1.8 um rms, its noise 0.18 um."), "{message}");
+}
+
+/// The creep gain that a user was advised to measure 22 more records for: it was the largest standard error over its
+/// value, and moves the displacement by a few nanometres.
+#[test]
+fn a_parameter_without_effect_on_the_displacement_is_no_advice() {
+    let first = model(0.0047, 1e-3);
+    let lags = vec![Lag { tau_s: 0.005, gain: 3.3e-5 }, Lag { tau_s: 5.0, gain: 0.008 }];
+    let creep = Creep::new(TS, lags).unwrap();
+    let with = |slow: f64| {
+        let mut known = first.provenance().clone();
+        let row = json!({"name": "creep gain at 0.005000 s [-]", "value": 3.3e-5, "error": 1.4e-4});
+        known["parameters"][0]["error"] = slow.into();
+        known["parameters"].as_array_mut().unwrap().push(row);
+        first.clone().with_creep(creep.clone()).unwrap().with_provenance(known)
+    };
+    let input = json!({"range": [-30, 30], "bandwidth": 10, "driver": "pl140"});
+    let plan = |model: &Model| PlanOptions::from_json(input.clone()).unwrap().run(Some(model)).unwrap();
+    let certain = plan(&with(1e-5)).advice.unwrap();
+    assert!(certain.starts_with("Nothing to gain"), "{certain}");
+    let both = plan(&with(0.0047));
+    let found = both.uncertainty.unwrap();
+    let (least, most) = (found.parameters.iter().find(|p| p.value == 3.3e-5).unwrap(), &found.parameters[0]);
+    assert!(least.adds < 0.01 && most.name == "creep gain at 5 s" && most.adds > 0.3, "{found:?}");
+    assert!(both.advice.unwrap().starts_with("The creep gain at 5 s"));
+}
+
+/// The delta method against simulation: creep gain and frequency are drawn 200 times, the model runs free, and gain and
+/// offsets are fitted to its runs.
+#[test]
+fn what_parameters_add_to_a_prediction_is_what_random_ones_do() {
+    let model = model(0.0024, 0.3);
+    let plan = planned(json!({"range": [-30, 30], "bandwidth": 10, "driver": "pl140", "ts": TS})).unwrap();
+    // Of the longer ones a part, which takes less time.
+    let drives: Vec<Vec<f64>> = plan.drives.iter().map(|drive| drive.u[..drive.u.len().min(8000)].to_vec()).collect();
+    let known = uncertain(&model)[..2].to_vec();
+    let of_drives: Vec<_> = drives.iter().map(|u| products(&model, &known, u).unwrap()).collect();
+    let (each, all) = added(&known, &predicted(&of_drives));
+    let run = |model: &Model| -> Vec<Vec<f64>> {
+        let one = |u: &Vec<f64>| model.resume(&mut model.before(u, InitialCondition::Settled), u);
+        drives.iter().map(one).map(|y| piezoid_numerics::series::centred(&y)).collect()
+    };
+    let (first, draws) = (run(&model), 200);
+    let product = |a: &[Vec<f64>], b: &[Vec<f64>]| -> f64 {
+        let mean = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>() / a.len() as f64;
+        a.iter().zip(b).map(mean).sum::<f64>() / a.len() as f64
+    };
+    let normal = piezoid_testing::noise(11, 2 * draws);
+    let rms = |moves: [bool; 2]| {
+        let square = |k: usize| {
+            let moved = known.iter().enumerate().filter(|(p, _)| moves[*p]).fold(model.clone(), |model, (p, row)| {
+                row.moved(&model, row.value + row.error * normal[2 * k + p]).unwrap()
+            });
+            let y = run(&moved);
+            let gain = product(&y, &first) / product(&first, &first);
+            product(&y, &y) - gain * gain * product(&first, &first)
+        };
+        ((0..draws).map(square).sum::<f64>() / draws as f64).sqrt()
+    };
+    let found = [rms([true, false]), rms([false, true]), rms([true, true])];
+    assert_close(&[each[0], each[1], all], &found, 0.15, 0.0);
+    assert!(all > each[0] && each[0] > 0.0 && each[1] > 0.0, "{each:?} {all}");
 }
 
 #[test]
@@ -222,13 +284,14 @@ fn the_expected_standard_error_is_that_of_theory() {
     let u: Vec<f64> = (0..n).map(|t| amplitude * (TAU * hz * TS * f64::from(t)).sin()).collect();
     let known = uncertain(&model);
     assert_eq!((known.len(), known[0].value, known[0].error), (1, gain, error));
-    let found = information(&model, &known, &u, sigma).unwrap();
+    let found = products(&model, &known, &u).unwrap() * (f64::from(n) / (sigma * sigma));
     for records in [1, 4] {
         let wt = TAU * hz * tau;
         let slope = k * amplitude * wt / (1.0 + wt * wt);
         let of_records = f64::from(records) * f64::from(n) * slope * slope / (2.0 * sigma * sigma);
         let theory = 1.0 / (1.0 / (error * error) + of_records).sqrt();
-        assert_close(&[expected(&known, 0, &found, records)], &[theory], 0.05, 0.0);
+        let after = covariance(&known, &(&found * f64::from(records))).unwrap()[(0, 0)].sqrt() * gain;
+        assert_close(&[after], &[theory], 0.05, 0.0);
     }
 }
 
@@ -262,6 +325,9 @@ fn a_low_bandwidth_shortens_the_moves_of_the_creep_record() {
 #[test]
 fn a_parameter_that_others_imitate_gets_no_smaller_by_more_records() {
     let known = [uncertain(&model(f64::INFINITY, 1.0)), uncertain(&model(f64::INFINITY, 1.0))].concat();
-    let same = nalgebra::DMatrix::from_element(known.len(), known.len(), 1.0);
-    assert_eq!(expected(&known, 0, &same, 1), f64::INFINITY);
+    let same = |records: f64| nalgebra::DMatrix::from_element(known.len(), known.len(), records);
+    let [few, many] = [1.0, 1e6].map(|records| covariance(&known, &same(records)).unwrap()[(0, 0)].sqrt());
+    // Two are unknown, so their whole value counts, and only their sum becomes known.
+    assert!(few > many && many > 0.7, "{few} {many}");
+    assert_eq!(covariance(&known, &same(1e15)), None);
 }
