@@ -59,6 +59,7 @@ mod tests {
             assert!(html.contains(text), "{text}");
         }
         assert!(!html.contains("Validation"));
+        assert_eq!(html.matches(" of stroke (free run on the training records only").count(), 1, "the verdict once");
         assert_eq!(html, identification(&result).html());
     }
 }

@@ -55,9 +55,9 @@ fn page(model: &Model, records: &str, verdict: Option<&Verdict>, validated: &Val
     Page::new(title)
         .subtitle(subtitle)
         .each(validation.into_iter().chain(more), Page::section)
-        .each(trials.iter().map(record::section), Page::section)
+        .each(trials.iter().map(|trial| record::section(trial, trials.len() == 1)), Page::section)
         .section(model::section(model, trials))
-        .each(origin::section(model), Page::section)
+        .each(origin::section(model, verdict), Page::section)
 }
 
 fn validation(title: &str, verdict: Option<&Verdict>, validated: &Validated) -> Section {
@@ -114,6 +114,7 @@ mod tests {
             let html = report(&model, &trials).html();
             assert_eq!(html, report(&model, &trials).html());
             assert!(html.contains("a&lt;b.csv"));
+            assert_eq!(html.matches(" % NRMSE").count(), 1, "the error of the only record in one sentence, once");
             assert_eq!(html.contains("has no minor loops"), !o.minor_loops, "{}", o.name);
             assert_eq!(html.contains("Loops of the hysteresis block"), o.name != "proportional", "{}", o.name);
             assert_eq!(html.contains("is rate-dependent"), !o.rate_independent, "{}", o.name);

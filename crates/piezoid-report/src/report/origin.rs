@@ -2,17 +2,20 @@
 
 use crate::each::Each;
 use crate::page::{Cell, PageTable, Section, Text, sentence};
-use piezoid::{Model, StatedVerdict};
+use piezoid::{Model, StatedVerdict, Verdict};
 use piezoid_numerics::number::short;
 use serde_json::Value;
 
-/// The operators tried, the parameters with their standard errors, and the command; `None` without any of them.
-pub(super) fn section(model: &Model) -> Option<Section> {
+/// The operators tried, the parameters with their standard errors, and the command; `None` without any of them. The
+/// verdict too, unless the page has `stated` it above.
+pub(super) fn section(model: &Model, stated: Option<&Verdict>) -> Option<Section> {
     let result = model.provenance();
     let list = |name: &str| result[name].as_array().map(Vec::as_slice).unwrap_or_default();
     let (tried, known) = (list("trials"), list("parameters"));
     let section = Section::new("How it was identified")
-        .each(model.verdict(), |section, verdict| section.text(sentence(&verdict.to_string())))
+        .each(model.verdict().filter(|own| Some(own) != stated), |section, verdict| {
+            section.text(sentence(&verdict.to_string()))
+        })
         .each((!tried.is_empty()).then(|| trials(tried)), Section::table)
         .each((!known.is_empty()).then(|| parameters(known)), Section::table);
     match result["command"].as_str() {

@@ -11,7 +11,8 @@ use piezoid_validation::LoopShape;
 use piezoid_verbs::Compared;
 use std::ops::Range;
 
-pub(super) fn section(trial: &Compared) -> Section {
+/// The section of a record; its error in one sentence stands above already if it is the only one.
+pub(super) fn section(trial: &Compared, is_only: bool) -> Section {
     let (name, record, validation) = (trial.short(), &trial.record, &trial.validation);
     let removed = |mean: f64| {
         let (mean, drift, unit) = (short(mean), short(validation.drift_per_s), &record.units().y);
@@ -24,7 +25,7 @@ pub(super) fn section(trial: &Compared) -> Section {
     let section = Section::new(name)
         .each(&validation.remarks, |section, remark| section.warning("Note", sentence(remark)))
         .each(validation.offset_removed, |section, mean| section.note("Offset", removed(mean)))
-        .each(&validation.summary, |section, summary| section.text(sentence(summary)))
+        .each(validation.summary.iter().filter(|_| !is_only), |section, summary| section.text(sentence(summary)))
         .figure(time_series(trial));
     let shapes = (!validation.loops.is_empty()).then(|| shapes(trial));
     residuals::residuals(loops(section, trial).each(shapes, Section::table), trial)
