@@ -13,6 +13,9 @@ use piezoid_verbs::{Compared, Validated};
 const MOST: usize = 12;
 const WORST: usize = 8;
 
+/// The mark of a band.
+const LITTLE: &str = "* Little is excited there: the error is that of noise or of other frequencies.";
+
 /// A verdict as the beginning of a sentence.
 pub(crate) fn verdict(found: Option<&Verdict>) -> String {
     let unproven = || "not proven: the output is constant, or the free run is not finite".into();
@@ -86,10 +89,15 @@ fn bins(head: &str, bins: &[Bin], unit: &str, full: bool, console: &Console) -> 
             Source::Cycles => b.cycles.to_string(),
             Source::Spectrum => "spectrum".into(),
         };
-        vec![number(b.at), of, number(b.rmse), number(b.nrmse_percent), number(b.rms_pp_percent)]
+        let of = if b.little_excited { of + " *" } else { of };
+        let noise = b.noise_nrmse_percent.map_or("-".into(), number);
+        vec![number(b.at), of, number(b.rmse), number(b.nrmse_percent), noise, number(b.rms_pp_percent)]
     };
     let rmse = format!("rmse [{unit}]");
-    let text = console.table(&[head, "cycles", &rmse, "nrmse %", "rms/pp %"], shown.iter().map(row));
+    let mut text = console.table(&[head, "cycles", &rmse, "nrmse %", "noise %", "rms/pp %"], shown.iter().map(row));
+    if shown.iter().any(|b| b.little_excited) {
+        text += &console.paragraph(LITTLE, "");
+    }
     if shown.len() == bins.len() {
         return text;
     }

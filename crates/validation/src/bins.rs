@@ -5,6 +5,11 @@
 //! other input (a PRBS, a multisine) is analysed by its spectrum: rms of error and output in each excited band.
 //! Frequencies are grouped in the third-octave bands of IEC 61260, 10^((n - 1/2)/10) to 10^((n + 1/2)/10) Hz,
 //! amplitudes in fifths of a decade. The edges are the same for every record, so bins of several records can be merged.
+//!
+//! The noise floor of a bin has the bandwidth of its error: a cycle contains all frequencies, so it has all the noise,
+//! and a band of a spectrum has the share of white noise within it. It is at most the error of the bin. In a bin with
+//! little excitation, the relative error is that of other frequencies and of noise ([`Bin::little_excited`]).
+//! It does not do: noise that is not white.
 
 use super::{ComparedRun, errors};
 use libm::{log10, pow};
@@ -21,6 +26,14 @@ const AMPLITUDE_BANDS: f64 = 5.0;
 
 /// Share of the input's power from which a band counts as excited.
 const MIN_POWER_SHARE: f64 = 1e-4;
+
+/// Power of the input in a band over the largest of all bands, below which it has little excitation; and the same of its
+/// power at one frequency, or in one cycle. Both count: a multisine has little power in narrow bands, and pink noise
+/// little at each of many frequencies.
+const LITTLE_POWER_SHARE: f64 = 2e-2;
+
+/// Rms of the output over its noise below which a bin has little excitation.
+const LITTLE_OUTPUT_RATIO: f64 = 3.0;
 
 /// Source of the figures of a bin. Different sources are never merged.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
@@ -57,6 +70,21 @@ pub struct Bin {
     pub nrmse_percent: f64,
     /// 100 rmse / peak_to_peak.
     pub rms_pp_percent: f64,
+    /// Noise in `rmse`, with the same bandwidth; `None` if the noise floor of a record is unknown [output unit].
+    pub noise: Option<f64>,
+    /// 100 noise / std.
+    pub noise_nrmse_percent: Option<f64>,
+    /// 100 noise / peak_to_peak.
+    pub noise_rms_pp_percent: Option<f64>,
+    /// True if the relative errors say little: the output is below three times its noise, or the input has less than 2 %
+    /// of the power of its strongest band.
+    pub little_excited: bool,
+    /// Share of the mean square of white noise within the bin.
+    #[serde(skip)]
+    noise_share: f64,
+    /// Power of the input in the bin, and at one frequency or in one cycle of it.
+    #[serde(skip)]
+    input: [f64; 2],
 }
 
 impl Bin {
@@ -65,13 +93,41 @@ impl Bin {
         let edge = |k: f64| pow(10.0, ((log10(at) * per_decade).round() + k) / per_decade);
         let cycles = usize::from(source == Source::Cycles);
         let (low, high) = (edge(-0.5), edge(0.5));
-        Bin { at, low, high, source, cycles, n, rmse, std, peak_to_peak, nrmse_percent: 0.0, rms_pp_percent: 0.0 }
-            .rated()
+        let unrated = Bin {
+            at,
+            low,
+            high,
+            source,
+            cycles,
+            n,
+            rmse,
+            std,
+            peak_to_peak,
+            nrmse_percent: 0.0,
+            rms_pp_percent: 0.0,
+            noise: None,
+            noise_nrmse_percent: None,
+            noise_rms_pp_percent: None,
+            little_excited: false,
+            noise_share: 1.0,
+            input: [0.0; 2],
+        };
+        unrated.rated()
     }
 
     fn rated(self) -> Self {
-        let nrmse_percent = 100.0 * self.rmse / self.std;
-        Bin { nrmse_percent, rms_pp_percent: 100.0 * self.rmse / self.peak_to_peak, ..self }
+        let (nrmse_percent, rms_pp_percent) = (100.0 * self.rmse / self.std, 100.0 * self.rmse / self.peak_to_peak);
+        let over = |size: f64| self.noise.map(|noise| 100.0 * noise / size);
+        let (noise_nrmse_percent, noise_rms_pp_percent) = (over(self.std), over(self.peak_to_peak));
+        Bin { nrmse_percent, rms_pp_percent, noise_nrmse_percent, noise_rms_pp_percent, ..self }
+    }
+
+    /// The bin of a record with noise of this rms [output unit], if it is known.
+    pub(super) fn above(self, noise: Option<f64>) -> Self {
+        let within = noise.map(|noise| noise * self.noise_share.sqrt());
+        let hidden = within.is_some_and(|noise| self.std < LITTLE_OUTPUT_RATIO * noise);
+        let noise = within.map(|noise| noise.min(self.rmse));
+        Bin { noise, little_excited: self.little_excited || hidden, ..self }.rated()
     }
 
     /// Merges two bins with the same edges: squares and heights are averaged over samples.
@@ -86,6 +142,10 @@ impl Bin {
             rmse: rms(self.rmse, other.rmse),
             std: rms(self.std, other.std),
             peak_to_peak: mix(self.peak_to_peak, other.peak_to_peak),
+            noise: self.noise.zip(other.noise).map(|(x, y)| rms(x, y)),
+            little_excited: self.little_excited && other.little_excited,
+            noise_share: mix(self.noise_share, other.noise_share),
+            input: [self.input[0] + other.input[0], mix(self.input[1], other.input[1])],
             ..self
         };
         pooled.rated()
@@ -143,14 +203,18 @@ impl CycleBins {
         let n = y.len() as f64;
         let squares: f64 = y.iter().zip(simulated).map(|(y, s)| (y - s).powi(2)).sum();
         let figures = [(squares / n).sqrt(), (scatter(y) / n).sqrt(), range(y)];
-        let bin = |at: f64, per_decade: f64| Bin::new(at, per_decade, Source::Cycles, y.len(), figures);
+        let power = cycle.amplitude * cycle.amplitude;
+        let bin = |at: f64, per_decade: f64| Bin {
+            input: [power * n, power],
+            ..Bin::new(at, per_decade, Source::Cycles, y.len(), figures)
+        };
         bin(cycle.hz, FREQUENCY_BANDS).join(&mut self.by_frequency);
         bin(cycle.amplitude, AMPLITUDE_BANDS).join(&mut self.by_amplitude);
     }
 
     /// The bins by frequency and by amplitude.
     pub(super) fn bins(&self) -> [Vec<Bin>; 2] {
-        [Bin::merged(&self.by_frequency), Bin::merged(&self.by_amplitude)]
+        [marked(Bin::merged(&self.by_frequency)), Bin::merged(&self.by_amplitude)]
     }
 }
 
@@ -179,15 +243,29 @@ pub(super) fn by_spectrum(run: &ComparedRun) -> Vec<Bin> {
     let bins: Vec<usize> = (1..input.len()).collect();
     let stroke = range(record.y());
     let all: f64 = input.iter().sum();
-    let within = |bins: &[usize]| {
-        let sum = |power: &[f64]| bins.iter().map(|&k| power[k]).sum::<f64>();
-        let excited = sum(&input);
+    let bands: Vec<&[usize]> = bins.chunk_by(|a, b| band(hz(*a)) == band(hz(*b))).collect();
+    let sum = |power: &[f64], bins: &[usize]| bins.iter().map(|&k| power[k]).sum::<f64>();
+    let within = |bins: &&[usize]| {
+        let excited = sum(&input, bins);
         let centre = bins.iter().map(|&k| hz(k) * input[k]).sum::<f64>() / excited;
-        let figures = [sum(&error).sqrt(), sum(&output).sqrt(), stroke];
-        (excited > MIN_POWER_SHARE * all)
-            .then(|| Bin::new(centre, FREQUENCY_BANDS, Source::Spectrum, record.len(), figures))
+        let figures = [sum(&error, bins).sqrt(), sum(&output, bins).sqrt(), stroke];
+        (excited > MIN_POWER_SHARE * all).then(|| Bin {
+            noise_share: bins.len() as f64 / input.len() as f64,
+            input: [excited, excited / bins.len() as f64],
+            ..Bin::new(centre, FREQUENCY_BANDS, Source::Spectrum, record.len(), figures)
+        })
     };
-    bins.chunk_by(|a, b| band(hz(*a)) == band(hz(*b))).filter_map(within).collect()
+    marked(bands.iter().filter_map(within).collect())
+}
+
+/// The bins by frequency of a record, those with little of its input marked.
+fn marked(mut bins: Vec<Bin>) -> Vec<Bin> {
+    let [most, most_at_one] = [0, 1].map(|k| bins.iter().map(|bin| bin.input[k]).fold(0.0, f64::max));
+    for bin in &mut bins {
+        let [power, at_one] = bin.input;
+        bin.little_excited = power < LITTLE_POWER_SHARE * most && at_one < LITTLE_POWER_SHARE * most_at_one;
+    }
+    bins
 }
 
 #[cfg(test)]
@@ -261,5 +339,51 @@ mod tests {
         assert_eq!((both.len(), both[0].cycles), (1, a.cycles + b.cycles));
         assert_close(&[both[0].rmse, both[0].peak_to_peak], &[expected, 100.0], 1e-9, 0.0);
         assert_eq!(Bin::merged([&a, &Bin { source: Source::Spectrum, ..b }]).len(), 2);
+    }
+
+    /// A multisine from 2 to 200 Hz with white noise on y: in each band, noise and error are the same quantity.
+    #[test]
+    fn the_noise_of_a_bin_has_the_bandwidth_of_its_error() {
+        let wide =
+            Multisine { amplitude: 5.0, frequency_low: 2.0, frequency_high: 200.0, seed: 5, ..Multisine::default() };
+        let e = piezoid_testing::noise(8, 20_000);
+        let validation = validated(wide.samples(TS, 20_000).unwrap(), |t, y| y + 0.3 * e[t]);
+        assert_close(&[validation.floor.unwrap().rms], &[0.3], 0.1, 0.0);
+        let bins = &validation.by_frequency;
+        assert!(bins.len() > 12 && bins.iter().all(|bin| !bin.little_excited), "{bins:?}");
+        for bin in bins {
+            let noise = bin.noise.unwrap();
+            assert!(noise <= bin.rmse && noise < 0.5 * 0.3, "{bin:?}");
+            assert_close(&[bin.noise_nrmse_percent.unwrap()], &[100.0 * noise / bin.std], 1e-12, 0.0);
+            // Fewer frequencies in a band scatter more.
+            assert!(bin.at < 20.0 || noise > 0.7 * bin.rmse, "{bin:?}");
+        }
+        // A cycle has all frequencies, and so all the noise.
+        let sine = Sine { amplitude: 5.0, frequency: 10.0, ..Sine::default() }.samples(TS, 20_000).unwrap();
+        let validation = validated(sine, |t, y| y + 0.3 * e[t]);
+        assert_close(&[validation.by_frequency[0].noise.unwrap()], &[0.3], 0.1, 0.0);
+    }
+
+    #[test]
+    fn a_band_with_little_input_or_output_is_named() {
+        let sines = |frequency_low: f64, frequency_high: f64, seed: u32| {
+            let sines = Multisine { frequency_low, frequency_high, seed, ..Multisine::default() };
+            sines.samples(TS, 20_000).unwrap()
+        };
+        let sum = |a: &[f64], b: &[f64], share: f64| a.iter().zip(b).map(|(a, b)| 10.0 * a + share * b).collect();
+        let large = sines(2.0, 90.0, 5);
+        let bins = validated(sum(&large, &sines(150.0, 400.0, 5), 0.8), |_, y| 1.01 * y).by_frequency;
+        assert!(bins.iter().all(|bin| bin.source == Source::Spectrum && bin.little_excited == (bin.at > 100.0)));
+        assert!(bins.iter().any(|bin| bin.at > 100.0), "{bins:?}");
+        // Small fast cycles on slow large ones: their error is that of the large ones.
+        let seed = Multisine::default().seed;
+        let bins =
+            validated(sum(&sines(2.0, 20.0, seed), &sines(40.0, 400.0, seed), 0.2), |_, y| 1.01 * y).by_frequency;
+        let worst = bins.iter().max_by(|a, b| a.nrmse_percent.total_cmp(&b.nrmse_percent)).unwrap();
+        assert!(worst.source == Source::Cycles && worst.nrmse_percent > 20.0 && worst.little_excited, "{bins:?}");
+        // An output below its noise.
+        let e = piezoid_testing::noise(8, 20_000);
+        let bins = validated(large, |t, y| 1e-3 * y + e[t]).by_frequency;
+        assert!(bins.iter().all(|bin| bin.little_excited), "{bins:?}");
     }
 }

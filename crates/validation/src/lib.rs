@@ -302,6 +302,7 @@ impl Figures<'_> {
             shape: &self.shape,
         });
         let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
+        let above = |bins: Vec<Bin>| bins.into_iter().map(|bin| bin.above(floor.map(|floor| floor.rms))).collect();
         Validation {
             metrics,
             start: self.start,
@@ -311,8 +312,8 @@ impl Figures<'_> {
             mean_error: self.mean_error,
             drift_per_s: found.slope / ts,
             nrmse_without_drift_percent: 100.0 * (metrics.mse - drift.rms.powi(2)).max(0.0).sqrt() / metrics.std,
-            by_frequency: self.by_frequency,
-            by_amplitude: self.by_amplitude,
+            by_frequency: above(self.by_frequency),
+            by_amplitude: above(self.by_amplitude),
             whiteness: self.whiteness,
             floor,
             summary: summary(&metrics, floor.as_ref(), named),

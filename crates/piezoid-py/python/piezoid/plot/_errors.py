@@ -35,7 +35,9 @@ def frequencies(
     unit]
 
     The axis of errors is logarithmic if they differ by more than a factor of ten. A bar shows the width of the band of
-    a point. Hollow points come from the spectrum, for inputs without cycles.
+    a point. Hollow points come from the spectrum, for inputs without cycles. Dotted lines are the noise in the errors, of
+    the same bandwidth. Bands in which little is excited (`little_excited` of the table) are not drawn: their error is
+    that of noise or of other frequencies.
 
     Returns the Axes.
     """
@@ -64,6 +66,8 @@ def frequencies(
     if all(rows.empty for rows in tables.values()):
         remedy = '; try by="frequency"' if by == "amplitude" else ""
         raise PiezoidError(f"these records have no errors by {by}: their inputs have no cycles{remedy}")
+    tables = {name: rows if rows.empty else rows[~rows["little_excited"]] for name, rows in tables.items()}
+    noise = "noise" if measure == "rmse" else f"noise_{measure}"
 
     [a] = panels(ax, [[0]], 0.65)
     values: list[float] = []
@@ -84,6 +88,9 @@ def frequencies(
                 part["at"], part[measure], linestyle=joined, linewidth=width(0.6), marker=marker, color=colour,
                 markerfacecolor=face, label=shown,
             )  # fmt: skip
+            floor = part[[*("at", "low"), noise]].dropna()
+            if len(floor) > 1 and floor["low"].is_unique:
+                a.plot(floor["at"], floor[noise].astype(float), linestyle=":", linewidth=width(0.8), color=colour)
         values += [value for value in rows[measure] if value > 0]
     a.set_xscale("log")
     if max(values, default=0.0) > 10 * min(values, default=0.0):
