@@ -106,6 +106,11 @@ pub(super) static BIAS: Remark = Remark {
     },
 };
 
+/// True if the input leaves the data that the model was identified from.
+pub(super) fn is_outside(c: &Comparison) -> bool {
+    [&RANGE, &FREQUENCY, &BAND, &RATE, &BIAS].iter().any(|remark| (remark.text)(c).is_some())
+}
+
 pub(super) fn range(c: &Comparison) -> Option<String> {
     let unit = &c.model.units().u;
     let (low, high) = identified_range(c.model)?;

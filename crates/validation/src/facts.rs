@@ -90,6 +90,11 @@ impl Shape {
         self.powers = [self.powers[0] + y * y, self.powers[1] + s * s];
     }
 
+    /// The output over the free run, and the rms of `n` samples of the free run about its mean.
+    pub(super) fn factor_and_size(&self, n: usize) -> (f64, f64) {
+        (self.product / self.powers[1], (self.powers[1] / n as f64).sqrt())
+    }
+
     /// The output over the free run, and their correlation.
     pub(super) fn factor_and_correlation(&self) -> (f64, f64) {
         let [power_y, power_model] = self.powers;

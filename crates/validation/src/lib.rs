@@ -14,6 +14,7 @@
 // Tests compare with the C library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+mod advice;
 mod best_block;
 mod bins;
 mod drift;
@@ -115,6 +116,9 @@ pub struct Validation {
     pub floor: Option<Floor>,
     /// The error in one sentence: noise, drift, and what a better model could gain; `None` if y is constant.
     pub summary: Option<String>,
+    /// What would lower the error most, in one sentence; `None` if the error is near the noise or tiny, or a remark says
+    /// it.
+    pub advice: Option<String>,
     /// Remarks on the figures.
     pub remarks: Vec<String>,
     /// Properties of the model that this record does not test.
@@ -302,6 +306,16 @@ impl Figures<'_> {
             shape: &self.shape,
         });
         let named = drift.is_named.then_some(100.0 * drift.rms / metrics.std);
+        let advice = advice::Residual {
+            metrics: &metrics,
+            drift: &drift,
+            shape: &self.shape,
+            whiteness: self.whiteness.as_ref(),
+            floor: floor.as_ref(),
+            comparison: comparison.as_ref(),
+            unit,
+        }
+        .advice();
         let above = |bins: Vec<Bin>| bins.into_iter().map(|bin| bin.above(floor.map(|floor| floor.rms))).collect();
         Validation {
             metrics,
@@ -317,6 +331,7 @@ impl Figures<'_> {
             whiteness: self.whiteness,
             floor,
             summary: summary(&metrics, floor.as_ref(), named),
+            advice,
             remarks: comparison.as_ref().map_or(Vec::new(), remarks::remarks),
             not_covered: comparison.as_ref().map_or(Vec::new(), remarks::not_covered),
             loops,

@@ -148,7 +148,7 @@ impl Compared {
         let without = v.nrmse_without_drift_percent;
         merge(&mut object, json!({"summary": v.summary, "offset": v.offset, "offset_removed": v.offset_removed}));
         merge(&mut object, json!({"drift_per_s": v.drift_per_s, "nrmse_without_drift_percent": without}));
-        merge(&mut object, json!({"remarks": v.remarks, "unproven": v.not_covered}));
+        merge(&mut object, json!({"advice": v.advice, "remarks": v.remarks, "unproven": v.not_covered}));
         merge(&mut object, json!({"by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude}));
         merge(&mut object, json!({"loops": v.loops, "whiteness": v.whiteness, "floor": v.floor}));
         object

@@ -2,7 +2,7 @@
 
 use super::prelude::*;
 use crate::tables;
-use piezoid::validation::ValidateOptions;
+use piezoid::validation::{ValidateOptions, Validation};
 use piezoid::{Error, Model};
 use piezoid_verbs::{Source, ValidateRecords, Validated};
 
@@ -16,7 +16,7 @@ Examples:
 The model runs free: it sees only the input, and starts from the initial condition that fits the record best. \
 nrmse % is 100 rmse / standard deviation of y, noise % the part of it that is noise, rms/pp % is 100 rmse / peak-to-peak of y, fit % is 100 - nrmse %.
 
-The errors by frequency and by amplitude are computed from the cycles of the input, over all files; if the input has no cycles, from spectra, in third-octave bands. The noise floor is the scatter of y between repetitions of the same input or, if the input does not repeat, the level of the spectrum where the input does not drive y. A better model can remove the part of the error that is neither noise nor drift. The squares of the parts add up. The drift is the slope of the error over time, also if --offset drift removes it. The table of residuals ends with the correlation of each residual with the one before, and the largest correlation with the input. Both are near 0 if only noise is left.";
+The errors by frequency and by amplitude are computed from the cycles of the input, over all files; if the input has no cycles, from spectra, in third-octave bands. Their noise % has the bandwidth of their error. The noise floor is the scatter of y between repetitions of the same input or, if the input does not repeat, the level of the spectrum where the input does not drive y. A better model can remove the part of the error that is neither noise nor drift. The squares of the parts add up. The drift is the slope of the error over time, also if --offset drift removes it. The table of residuals ends with the correlation of each residual with the one before, and the largest correlation with the input. Both are near 0 if only noise is left.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES, override_usage = "piezoid validate <FILE>... --model <FILE> [OPTIONS]")]
@@ -82,7 +82,8 @@ impl Run for Validate {
             })?;
         }
         for compared in &validated.files {
-            let remarks = compared.record.history().iter().chain(&compared.validation.remarks);
+            let Validation { remarks, advice, .. } = &compared.validation;
+            let remarks = compared.record.history().iter().chain(remarks).chain(advice);
             console.remarks(remarks.map(|remark| format!("{}: {remark}", compared.name)));
         }
         Results::default().json(self.json.as_deref(), &validated.to_json()).write(console)?;

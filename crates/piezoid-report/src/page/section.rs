@@ -17,6 +17,11 @@ enum Element {
         figures: Vec<Figure>,
     },
     Table(PageTable),
+    /// What is shown on demand.
+    Details {
+        title: Text,
+        blocks: Vec<Element>,
+    },
 }
 
 /// A number shown large: its value, its unit and its meaning.
@@ -134,6 +139,11 @@ impl Section {
         self.with(Element::Table(table))
     }
 
+    /// The elements of another section, shown on demand under this title.
+    pub fn details(self, title: impl Into<Text>, inner: Section) -> Self {
+        self.with(Element::Details { title: title.into(), blocks: inner.blocks })
+    }
+
     pub(super) fn title(&self) -> &str {
         &self.title
     }
@@ -171,6 +181,11 @@ impl Element {
             Element::Table(table) => {
                 numbers.tables += 1;
                 out.write_str(&table.html(numbers.tables))
+            }
+            Element::Details { title, blocks } => {
+                let _ = writeln!(out, "<details>\n<summary>{}</summary>", title.html());
+                blocks.iter().for_each(|block| block.write(out, numbers));
+                writeln!(out, "</details>")
             }
         };
     }

@@ -141,6 +141,7 @@ mod tests {
             "Good to ",
             "Error by frequency",
             "Loops, measured and model",
+            "<details>\n<summary>Tests of the residuals</summary>",
             "with itself",
             "over the input",
             "this is the noise floor",

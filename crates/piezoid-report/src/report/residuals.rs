@@ -1,4 +1,4 @@
-//! Residuals of a record: compared with the noise floor and with white noise.
+//! Residuals of a record: compared with the noise floor, what would lower them, and on demand their tests.
 
 use crate::each::Each;
 use crate::page::{Section, sentence};
@@ -7,7 +7,10 @@ use piezoid::validation::{Floor, Whiteness};
 use piezoid_numerics::number::short;
 use piezoid_verbs::Compared;
 
-/// Adds the noise floor, and the correlations of the residuals with their bounds.
+/// Largest lag that is drawn [samples]: at longer ones a correlation only goes on.
+const LAGS: usize = 20;
+
+/// Adds the noise floor and what would lower the error most; on demand the correlations with their bounds.
 pub(super) fn residuals(section: Section, trial: &Compared) -> Section {
     let unit = &trial.record.units().y;
     let floor = |f: Floor| {
@@ -26,25 +29,31 @@ pub(super) fn residuals(section: Section, trial: &Compared) -> Section {
              times as large."
         )
     };
-    let section = section.each(trial.validation.floor, |section, f| section.text(floor(f)));
+    let section = section
+        .each(trial.validation.floor, |section, f| section.text(floor(f)))
+        .each(&trial.validation.advice, |section, advice| section.text(sentence(advice)));
     let Some(whiteness) = &trial.validation.whiteness else { return section };
     let verdict = whiteness.verdict.iter().map(|text| sentence(text));
     let figures = [autocorrelation(whiteness), cross_correlation(whiteness), over_input(trial)];
     let caption = "For white residuals the autocorrelation, and for residuals uncorrelated with the input the \
         cross-correlation, stays within the shaded bounds at all lags in 99 of 100 records. Plotted over the input, \
         noise is a band of constant height.";
-    section.figures(3, "Residuals", caption, figures).list(verdict)
+    let tests = Section::new("").list(verdict).figures(3, "Residuals", caption, figures);
+    section.details("Tests of the residuals", tests)
 }
 
 fn autocorrelation(w: &Whiteness) -> Figure {
-    let lags: Vec<f64> = (1..=w.autocorrelation.len()).map(|k| k as f64).collect();
-    correlation("with itself", &lags, &w.autocorrelation, w.autocorrelation_bound)
+    let shown = &w.autocorrelation[..w.autocorrelation.len().min(LAGS)];
+    let lags: Vec<f64> = (1..=shown.len()).map(|k| k as f64).collect();
+    correlation("with itself", &lags, shown, w.autocorrelation_bound)
 }
 
 fn cross_correlation(w: &Whiteness) -> Figure {
-    let half = (w.cross_correlation.len() / 2) as f64;
-    let lags: Vec<f64> = (0..w.cross_correlation.len()).map(|k| k as f64 - half).collect();
-    correlation("with the input, by lag", &lags, &w.cross_correlation, w.cross_correlation_bound)
+    let half = w.cross_correlation.len() / 2;
+    let cut = half.saturating_sub(LAGS);
+    let shown = &w.cross_correlation[cut..w.cross_correlation.len() - cut];
+    let lags: Vec<f64> = (0..shown.len()).map(|k| k as f64 - (half - cut) as f64).collect();
+    correlation("with the input, by lag", &lags, shown, w.cross_correlation_bound)
 }
 
 fn over_input(trial: &Compared) -> Figure {

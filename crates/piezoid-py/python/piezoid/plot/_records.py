@@ -17,6 +17,9 @@ from ._style import COLOURS, EQUALS
 POINTS = 5000
 """More points than this are drawn as an image, also in a PDF."""
 
+LAGS = 20
+"""Largest lag of an autocorrelation that is drawn [samples]."""
+
 
 def loops(
     data: Record | Validation | Mapping[Any, Record] | Mapping[Any, Validation], *, ax: Any = None
@@ -94,7 +97,7 @@ def series(data: Record | Validation, *, ax: Any = None) -> Panels:
 def residuals(validation: Validation, *, ax: Any = None) -> Panels:
     """Residual of the free run: over time, its autocorrelation, and over the input.
 
-    White noise stays within the shaded bound at all lags in 99 of 100 records. If there are too few residuals for an
+    White noise stays within the shaded bound at all lags in 99 of 100 records; 20 of them are drawn. If there are too few residuals for an
     autocorrelation, their histogram is drawn instead.
 
     ax: three Axes
@@ -114,9 +117,10 @@ def residuals(validation: Validation, *, ax: Any = None) -> Panels:
         noise.hist(left, bins="auto", color=COLOURS["residual"])
         label(noise, f"residual [{unit(record.units[1])}]", "samples [-]")
     else:
-        bound, lags = white["autocorrelation_bound"], np.arange(1, 1 + len(white["autocorrelation"]))
+        bound, own = white["autocorrelation_bound"], white["autocorrelation"][:LAGS]
+        lags = np.arange(1, 1 + len(own))
         noise.axhspan(-bound, bound, color=COLOURS["muted"], linewidth=0, zorder=0)
-        noise.vlines(lags, 0.0, white["autocorrelation"], color=COLOURS["residual"], linewidth=width())
+        noise.vlines(lags, 0.0, own, color=COLOURS["residual"], linewidth=width())
         noise.set_xlim(0, len(lags) + 1)
         label(noise, "lag [samples]", "autocorrelation [-]")
     over_input.plot(
