@@ -50,7 +50,7 @@ pub fn moves(request: &[u8]) -> bool {
 }
 
 /// The words of an answer: options stand in braces, and the page writes their labels.
-struct Marks;
+pub(crate) struct Marks;
 
 impl Words for Marks {
     fn option(&self, name: &str) -> String {

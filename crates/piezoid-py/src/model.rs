@@ -1,7 +1,7 @@
 //! Models: from a voltage to a displacement, and the inverse.
 
 use crate::compensation::FeedForward;
-use crate::error::{raised, refused};
+use crate::error::{Keywords, raised, refused};
 use crate::json::{members, object, options};
 use crate::record::Record;
 use crate::samples::{Array, array, samples, slice};
@@ -161,7 +161,7 @@ impl Model {
             "metrics": v.metrics, "summary": v.summary, "floor": v.floor, "offset": v.offset, "offset_removed": v.offset_removed,
             "drift_per_s": v.drift_per_s, "nrmse_without_drift_percent": v.nrmse_without_drift_percent,
             "by_frequency": v.by_frequency, "by_amplitude": v.by_amplitude, "loops": v.loops,
-            "whiteness": v.whiteness, "remarks": v.remarks, "unproven": v.not_covered,
+            "whiteness": v.whiteness, "advice": v.advice, "remarks": v.remarks, "unproven": v.not_covered,
         });
         Ok((object(py, &figures)?, array(py, v.simulated)))
     }
@@ -171,18 +171,23 @@ impl Model {
         FeedForward::new(&self.model, settings, delay_samples)
     }
 
-    /// The voltage for a reference, the displacement that the model predicts, and the other results by name.
+    /// The voltage for a reference, the displacement that the model predicts, and the other results by name; if it
+    /// `offers` one, also the smoothing that keeps the voltage within the rates of the training data.
     fn _compensation<'py>(
         &self,
         py: Python<'py>,
         reference: &Bound<'_, PyAny>,
         settings: &Bound<'_, PyDict>,
+        offers: bool,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (read, options) = (samples("reference", reference)?, options::<CompensateOptions>(settings)?);
         let r = slice(&read)?;
-        let result = py.detach(|| options.of(&self.model, r.to_vec())).map_err(raised)?;
-        let Compensated { u, reached, usage, clipped, notes } = result.compensated;
-        let document = json!({"usage": usage, "clipped": clipped, "notes": notes});
+        let compensated = || options.of(&self.model, r.to_vec()).map_err(|e| options.advised(&self.model, r, e));
+        let result = py.detach(compensated).map_err(raised)?;
+        let smoothing = offers.then(|| py.detach(|| options.smoothing(&self.model, &result))).flatten();
+        let Compensated { u, reached, usage, clipped, mut notes } = result.compensated;
+        notes.extend(smoothing.as_ref().map(|smoothing| smoothing.note(&Keywords)));
+        let document = json!({"usage": usage, "clipped": clipped, "notes": notes, "smoothing": smoothing});
         members(py, &document, [("u", array(py, u).into_any()), ("reached", array(py, reached).into_any())])
     }
 

@@ -1,12 +1,11 @@
 //! The voltage for a requested displacement.
 
-use super::same_actuator::matched;
 use super::verdict::StatedVerdict;
-use super::{DataFile, File, Verdict, blamed, verdict};
+use super::{DataFile, File, OnPlant, Smoothing, Verdict, blamed, smoothing, verdict};
 use libm::hypot;
 use piezoid_control::compensation::shaping::Shaping;
 use piezoid_control::compensation::{Compensated, FeedForward, FeedForwardSettings};
-use piezoid_control::feedback::{MarginTarget, NamedReference, Scheme, SimulatedActuator, TunedScheme};
+use piezoid_control::feedback::SimulatedActuator;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
@@ -15,7 +14,6 @@ use piezoid_records::excitation::LimitOptions;
 use piezoid_records::formats::{ColumnSelection, Table};
 use piezoid_records::record::Units;
 use piezoid_validation::Metrics;
-use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
 options! {
@@ -45,30 +43,12 @@ pub struct Compensation {
     pub reach: (f64, f64),
     /// How good the model was at its identification, if its file says so.
     pub verdict: Option<Verdict>,
+    /// The smoothing that keeps the voltage within the rates of the training data, where it exceeds them; `None` if it
+    /// was not looked for ([`CompensateOptions::smoothing`]).
+    pub smoothing: Option<Smoothing>,
     /// The path on a simulated actuator, if one was named.
     pub on_plant: Option<OnPlant>,
 }
-
-/// A path on a simulated actuator, without the noise of its sensor: with a constant gain, and with the compensated
-/// voltage.
-#[derive(Debug, Clone, PartialEq)]
-pub struct OnPlant {
-    /// Name of the actuator.
-    pub plant: String,
-    /// Displacements with the constant gain, and with the compensated voltage [output unit].
-    pub displacements: [Vec<f64>; 2],
-    /// Their errors against the path, from its first sample that counts (see [`NamedReference::new`]).
-    pub errors: [Metrics; 2],
-    /// Lowest and highest rms error of the compensated voltage on random stand-ins, in 8 of 10 of them [output unit];
-    /// `None` for a twin.
-    pub spread: Option<[f64; 2]>,
-    /// Remarks, one sentence each.
-    pub notes: Vec<String>,
-}
-
-/// Number of random stand-ins, and how many of them are left out on either side.
-const DRAWS: u64 = 20;
-const LEFT_OUT: usize = 2;
 
 impl CompensateOptions {
     /// Settings of the feed-forward.
@@ -89,58 +69,24 @@ impl CompensateOptions {
         let shaped = self.shape.of(model, r.clone())?;
         let compensated = inverse.whole(&shaped)?;
         let (ts, units, reach, verdict) = (model.ts(), model.units().clone(), inverse.reach(), model.verdict());
-        Ok(Compensation { ts, units, requested: r, shaped, compensated, reach, verdict, on_plant: None })
+        let (smoothing, on_plant) = (None, None);
+        Ok(Compensation { ts, units, requested: r, shaped, compensated, reach, verdict, smoothing, on_plant })
     }
 
-    /// The same, played on a simulated actuator.
-    ///
-    /// # Errors
-    /// The errors of [`CompensateOptions::of`], and of [`SimulatedActuator::plant`].
-    pub fn on(
-        &self,
-        model: &Model,
-        r: Vec<f64>,
-        plant: Option<(&str, &SimulatedActuator)>,
-    ) -> Result<Compensation, Error> {
-        let mut result = self.of(model, r)?;
-        result.on_plant = plant.map(|plant| self.played(model, &result, plant)).transpose()?;
-        Ok(result)
+    /// The smoothing that keeps the voltage of this result within the rates of the training data, from a dozen
+    /// inversions; `None` if it is within, if the rates are not known, and if the path is too long for that.
+    pub fn smoothing(&self, model: &Model, found: &Compensation) -> Option<Smoothing> {
+        Smoothing::of(self, model, &found.requested, &found.compensated)
     }
 
-    fn played(
-        &self,
-        model: &Model,
-        result: &Compensation,
-        (name, actuator): (&str, &SimulatedActuator),
-    ) -> Result<OnPlant, Error> {
-        let (settings, r) = (self.settings()?, &result.shaped);
-        let (actuator, note) = matched((name, actuator), model, &settings)?;
-        let actuator = actuator.with_noise(0.0, &model.units().y)?;
-        let plant = actuator.plant(model, 0)?;
-        let scheme = TunedScheme::new(Scheme::named("gain")?, model, settings, 0, &MarginTarget::default())?;
-        let with_gain = settings.limits.clip(&scheme.feed_forward(&*plant, r)?.u, model.ts())?;
-        let NamedReference { from, .. } = NamedReference::new(name, model.ts(), r.clone());
-        let play =
-            |plant: &dyn System, u: &[f64]| plant.resume(&mut plant.settled(u.first().copied().unwrap_or_default()), u);
-        let error = |y: &[f64]| Metrics::of(&r[from..], &y[from..]);
-        let displacements = [&with_gain, &result.compensated.u].map(|u| play(&*plant, u));
-        let errors = displacements.each_ref().map(|y| error(y));
-        let draw = |i: u64| -> Result<f64, Error> {
-            let drawn = actuator.drawn(0.0, 0, i)?.plant(model, 0)?;
-            Ok(error(&play(&*drawn, &result.compensated.u)).rmse)
-        };
-        let spread = match actuator {
-            SimulatedActuator::Twin(_) => None,
-            SimulatedActuator::StandIn(_) => {
-                let mut drawn = (0..DRAWS).map(draw).collect::<Result<Vec<f64>, Error>>()?;
-                drawn.sort_by(f64::total_cmp);
-                Some([drawn[LEFT_OUT], drawn[drawn.len() - 1 - LEFT_OUT]])
-            }
-        };
-        Ok(OnPlant { plant: name.into(), displacements, errors, spread, notes: note.into_iter().collect() })
+    /// The error of [`of`](Self::of) for the reference `r`; if that cannot be reached or exceeds limits, with the
+    /// smoothing that resolves it, from a dozen inversions.
+    pub fn advised(&self, model: &Model, r: &[f64], error: Error) -> Error {
+        smoothing::advised(self, model, r, error)
     }
 
-    /// The same with the model and the reference from files.
+    /// The same with the model and the reference from files, with the [`smoothing`](Self::smoothing), and played on a
+    /// simulated actuator if one is named.
     ///
     /// # Errors
     /// The errors of [`CompensateOptions::of`], and errors for files without a model or a reference.
@@ -152,19 +98,14 @@ impl CompensateOptions {
         plant: Option<(&str, &SimulatedActuator)>,
     ) -> Result<Compensation, Error> {
         let (file, model) = (model, model.model()?);
-        let result = self.on(&model, reference.reference(columns, &model)?, plant);
-        result.map_err(|e| blamed(e, file).about(&reference.name))
-    }
-}
-
-/// Its figures.
-impl Serialize for OnPlant {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let [before, after] = &self.errors;
-        let figures = json!({
-            "plant": self.plant, "gain": before, "compensated": after, "spread": self.spread, "notes": self.notes,
-        });
-        figures.serialize(to)
+        let r = reference.reference(columns, &model)?;
+        let result = self.of(&model, r.clone()).map_err(|error| self.advised(&model, &r, error));
+        let played = |found: Compensation| -> Result<Compensation, Error> {
+            let smoothing = self.smoothing(&model, &found);
+            let on_plant = plant.map(|plant| OnPlant::of(plant, &model, &found, self.settings()?)).transpose()?;
+            Ok(Compensation { smoothing, on_plant, ..found })
+        };
+        result.and_then(played).map_err(|e| blamed(e, file).about(&reference.name))
     }
 }
 
@@ -200,7 +141,8 @@ impl Compensation {
             "unit": self.units.y, "n": metrics.n, "rmse": metrics.rmse, "max_abs": metrics.max_abs,
             "rms_pp_percent": metrics.rms_pp_percent, "clipped": result.clipped, "reach": self.reach,
             "usage": result.usage, "notes": result.notes, "requested": requested,
-            "expected_rms": self.expected_rms(), "verdict": self.verdict, "on_plant": self.on_plant,
+            "expected_rms": self.expected_rms(), "verdict": self.verdict, "smoothing": self.smoothing,
+            "on_plant": self.on_plant,
         })
     }
 

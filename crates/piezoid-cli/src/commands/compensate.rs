@@ -3,6 +3,7 @@
 use super::plant::RecordsOfModel;
 use super::prelude::*;
 use crate::values::record;
+use crate::words::CommandLine;
 use piezoid::validation::Metrics;
 use piezoid_numerics::number::{round, short as number};
 use piezoid_verbs::{CompensateOptions, Compensation};
@@ -65,7 +66,9 @@ impl Run for Compensate {
             console.print(&tables(&result, console))?;
         }
         let on_plant = result.on_plant.iter().flat_map(|played| &played.notes);
-        console.remarks(result.compensated.notes.iter().chain(on_plant).chain([&result.proven()]));
+        let smoothing = result.smoothing.as_ref().map(|smoothing| smoothing.note(&CommandLine));
+        let notes = result.compensated.notes.iter().chain(&smoothing).chain(on_plant);
+        console.remarks(notes.chain([&result.proven()]));
         let record = Results::default().record(Some(&self.output), |name| result.written(name))?;
         record.json(self.json.as_deref(), &result.to_json()).write(console)
     }

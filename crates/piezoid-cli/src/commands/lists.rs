@@ -120,7 +120,7 @@ pub(crate) fn plant(name: &str) -> Result<SimulatedActuator> {
 /// The same for a plant that must be a twin.
 pub(crate) fn twin(name: &str) -> Result<Spec> {
     match plant(name)? {
-        SimulatedActuator::Twin(spec) => Ok(spec),
+        SimulatedActuator::Twin(spec) => Ok(*spec),
         SimulatedActuator::StandIn(_) => {
             bail!(Misused(format!("{name} is a stand-in, which has no parameters of an actuator: name a plant")))
         }

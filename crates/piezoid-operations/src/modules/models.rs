@@ -1,6 +1,7 @@
 //! Models, their validation and their inverses.
 
 use super::{DATA, MODEL, NAME, STAND_IN, named, one, optional, several, simulated, some_simulated};
+use crate::packet::Marks;
 use crate::{Inputs, Operation, Output};
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
@@ -220,6 +221,8 @@ fn compensate(inputs: &Inputs) -> Result<Output, Error> {
     let (model, reference) = (inputs.one("model")?, inputs.data("reference")?);
     let outcome = compensation.run(&model, &reference, &inputs.columns()?, plant)?;
     let mut result = outcome.to_json();
+    let notes = outcome.compensated.notes.iter().cloned().chain(outcome.smoothing.iter().map(|s| s.note(&Marks)));
+    result["notes"] = notes.collect();
     result["sentence"] = outcome.proven().into();
     result["ts"] = outcome.ts.into();
     result["units"] = json!(outcome.units);

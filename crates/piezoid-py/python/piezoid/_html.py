@@ -61,7 +61,7 @@ def validation(v: Validation) -> str:
             ("largest", f"{v.max_abs:.4g} {unit}", _series(v.residual[v.start :])),
             ("samples", f"{v.n}", ""),
         ],
-        v.remarks + [f"unproven: {part}" for part in v.unproven],
+        v.remarks + ([v.advice] if v.advice else []) + [f"unproven: {part}" for part in v.unproven],
     )
 
 

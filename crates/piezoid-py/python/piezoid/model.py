@@ -260,7 +260,8 @@ class Model:
 
         They are `compensation(...).u`, with the same options.
         """
-        return self.compensation(reference, **options).u
+        u: Array = self._core._compensation(reference, known(Model.compensate, options), False)["u"]
+        return u
 
     @takes(CompensateOptions)
     def compensation(self, reference: Samples, **options: Unpack[CompensateOptions]) -> Compensation:
@@ -270,7 +271,7 @@ class Model:
 
         {options}
         """
-        return Compensation(**self._core._compensation(reference, known(Model.compensation, options)))
+        return Compensation(**self._core._compensation(reference, known(Model.compensation, options), True))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Model) and self._core == other._core

@@ -117,6 +117,13 @@ class Validation:
         return pd.json_normalize(self.figures["loops"])
 
     @property
+    def advice(self) -> str | None:
+        """What would lower the error most, in one sentence; None near the noise, for a tiny error, and if a remark says
+        it. The tests of the residuals are `figures["whiteness"]`."""
+        text: str | None = self.figures["advice"]
+        return text
+
+    @property
     def remarks(self) -> list[str]:
         """Remarks on the figures."""
         return list(self.figures["remarks"])
@@ -151,6 +158,9 @@ class Compensation:
     """Number of samples that were clipped to a limit."""
     notes: list[str]
     """Remarks, one sentence each."""
+    smoothing: dict[str, Any] | None = None
+    """Where the voltage changes faster than in the training data: the duration `smooth` [s] that keeps it within their
+    rates, None if none does, and the rms difference `rms` [output unit] of the path from the requested one."""
 
     def __repr__(self) -> str:
         low, high = (float(end(self.u)) for end in (np.min, np.max)) if len(self.u) else (float("nan"), float("nan"))

@@ -137,8 +137,9 @@ impl MoveOptions {
         let compensated = found.u.clone();
         (found.u, found.reached) = (after(before, found.u), after(before, found.reached));
         let verdict = model.verdict();
-        let on_plant = None;
-        let compensation = Compensation { ts, units, requested, shaped, compensated: found, reach, verdict, on_plant };
+        let (smoothing, on_plant) = (None, None);
+        let compensation =
+            Compensation { ts, units, requested, shaped, compensated: found, reach, verdict, smoothing, on_plant };
         Ok(PlannedMoves {
             model,
             settings,

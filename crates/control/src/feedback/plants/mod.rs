@@ -16,14 +16,14 @@ use serde_json::Value;
 #[derive(Debug, Clone, PartialEq)]
 pub enum SimulatedActuator {
     /// A twin, in V and um.
-    Twin(Spec),
+    Twin(Box<Spec>),
     /// A stand-in for the actuator of some records, in their units.
     StandIn(Box<StandIn>),
 }
 
 impl From<Spec> for SimulatedActuator {
     fn from(spec: Spec) -> Self {
-        SimulatedActuator::Twin(spec)
+        SimulatedActuator::Twin(Box::new(spec))
     }
 }
 
