@@ -8,7 +8,7 @@ import type { Answer } from "../packet.ts";
 import { short, si, unit } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
 import { SignalForm, useSignal } from "../signal.tsx";
-import { Chart, Download, Fault, Notes, Section, Stale, Table, TextFile, useKept, useSettings, useShared, Verdict } from "../ui.tsx";
+import { Chart, Download, Fault, Notes, Section, Stale, Table, TextFile, useKept, useSettings, useShared } from "../ui.tsx";
 import { Instrument } from "./instrument.tsx";
 import { Twin } from "./twin.tsx";
 
@@ -94,7 +94,7 @@ function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
     <>
       <Section title="Drives" wide help={`Sampled every ${si(result.ts, "s")}. The bars are shares of the limits of the driver.`}>
         <Stale stale={stale} />
-        <Verdict text={result.advice} />
+        <Notes title="" notes={result.advice ? [result.advice] : []} />
         <Table caption="Drives of the plan" head={["Drive", "Purpose", "Duration", "Of limits", "Voltage", "Slew", "Current", "File"]}
           rows={rows} marked={shown ? drives.indexOf(shown) : -1} />
         <div class="row">

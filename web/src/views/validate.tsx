@@ -175,15 +175,21 @@ function Compared({ runs, records, report }: { runs: Run[]; records: RecordEntry
         )}
         <Chart figure={figures.time} height={520} />
       </Section>
-      {figures.frequency && <Section title="Error by frequency"><Chart figure={figures.frequency} bare /></Section>}
-      {figures.amplitude && <Section title="Error by amplitude"><Chart figure={figures.amplitude} bare /></Section>}
+      {figures.frequency && <Section title="Error by frequency" help={EXCITED}><Chart figure={figures.frequency} bare /></Section>}
+      {figures.amplitude && <Section title="Error by amplitude" help={EXCITED}><Chart figure={figures.amplitude} bare /></Section>}
       <Section title="Loop"><Chart figure={figures.loops} height={360} /></Section>
       {figures.white && (
         <Section title="Residuals" help="What is left of a good model is noise: its autocorrelation stays within the bounds.">
+          {runs.map(({ entry }, i) => {
+            const { advice, remarks, whiteness } = files[i]?.[k] ?? {};
+            return (
+              <div key={entry.file}>
+                <Notes title={nameOf(entry)} notes={[...(advice ? [advice] : []), ...(remarks ?? [])]} />
+                <details><summary>Tests of the residuals of {nameOf(entry)}</summary><Notes title="" notes={whiteness?.verdict ?? []} /></details>
+              </div>
+            );
+          })}
           <Chart figure={figures.white} />
-          {runs.map(({ entry }, i) => (
-            <Notes key={entry.file} title={nameOf(entry)} notes={[...(files[i]?.[k]?.whiteness?.verdict ?? []), ...(files[i]?.[k]?.remarks ?? [])]} />
-          ))}
         </Section>
       )}
     </>
@@ -249,13 +255,19 @@ export function loopsFigure(runs: Run[], k: number): Figure {
 interface Bin {
   at: number;
   rms_pp_percent: number;
+  noise_rms_pp_percent: number | null;
+  little_excited: boolean;
 }
 
-/** Errors of all records by frequency or amplitude, and the noise floor. */
+/** What stands beside errors by frequency or amplitude. */
+const EXCITED = "The noise has the bandwidth of the error. Bands in which little is excited are not drawn: their error is that of noise or of other frequencies.";
+
+/** Errors of all records by frequency or amplitude, and the noise in them. */
 function binsFigure(runs: Run[], by: "by_frequency" | "by_amplitude", x: Figure["x"]): Figure | undefined {
+  const excited = (file: Record<typeof by, Bin[] | undefined>) => (file[by] ?? []).filter((bin) => !bin.little_excited);
   const all = runs.flatMap((run, i) =>
     run.answer.result.files.map((file: Record<typeof by, Bin[] | undefined>, j: number): Series => {
-      const bins = file[by] ?? [];
+      const bins = excited(file);
       return {
         // One entry of the legend for all records.
         name: j === 0 ? nameOf(run.entry) : "", x: Float64Array.from(bins, (bin) => bin.at),
@@ -263,17 +275,25 @@ function binsFigure(runs: Run[], by: "by_frequency" | "by_amplitude", x: Figure[
       };
     }));
   if (all.every((one) => one.y.length === 0)) return undefined;
-  const floor = runs[0]!.answer.result.total.floor?.rms_pp_percent;
+  const noise = runs[0]!.answer.result.files.map((file: Record<typeof by, Bin[] | undefined>, j: number): Series => {
+    const bins = excited(file).filter((bin) => (bin.noise_rms_pp_percent ?? 0) > 0);
+    return {
+      name: j === 0 ? "noise in it" : "", x: Float64Array.from(bins, (bin) => bin.at),
+      y: Float64Array.from(bins, (bin) => bin.noise_rms_pp_percent!), style: "dashed", colour: 7,
+    };
+  });
   return {
     title: by === "by_frequency" ? "Error by frequency" : "Error by amplitude",
     x,
     panels: [{
       y: { label: "Error, rms", unit: "% of peak-to-peak", log: true },
-      series: all,
-      ...(floor > 0 && { levels: [{ at: floor, label: "noise floor of all records" }] }),
+      series: [...all, ...noise.filter((one: Series) => one.y.length > 0)],
     }],
   };
 }
+
+/** Largest lag that is drawn [samples]. */
+const LAGS = 20;
 
 function whiteFigure(runs: Run[], k: number): Figure | undefined {
   const of = (run: Run) => run.answer.result.files[k]?.whiteness;
@@ -286,7 +306,7 @@ function whiteFigure(runs: Run[], k: number): Figure | undefined {
     panels: [{
       y: { label: "Autocorrelation", unit: "" },
       series: known.map((run): Series => ({
-        name: nameOf(run.entry), y: Float64Array.from(of(run).autocorrelation), start: 1, step: 1, style: "marks", colour: 1 + runs.indexOf(run),
+        name: nameOf(run.entry), y: Float64Array.from(of(run).autocorrelation.slice(0, LAGS)), start: 1, step: 1, style: "marks", colour: 1 + runs.indexOf(run),
       })),
       levels: [{ at: bound, label: "bound of noise" }, { at: -bound, label: "" }],
     }],
