@@ -13,7 +13,8 @@
 
 use super::{Floor, Metrics, Whiteness, extrapolation, facts::Shape, remarks::Comparison};
 use crate::drift::Drift;
-use piezoid_numerics::number::short;
+use crate::floor::rough;
+use piezoid_numerics::number::round;
 
 /// Error over noise up to which nothing is advised: what a better model could gain is then about the noise itself.
 const NEAR_NOISE_RATIO: f64 = 1.5;
@@ -61,7 +62,7 @@ impl Residual<'_> {
         let rest = (scatter - gain.powi(2) - follows.powi(2) - noise.powi(2)).max(0.0).sqrt();
         let largest = mean.max(drift).max(gain).max(follows).max(rest);
         let is_outside = self.comparison.is_some_and(extrapolation::is_outside);
-        let size = format!("{} of the {} {} rms error", short(largest), short(rmse), self.unit);
+        let size = format!("{} of the {} {} rms error", rough(largest), rough(rmse), self.unit);
         Some(match largest {
             // A remark speaks of it.
             x if x == drift => return None,
@@ -76,7 +77,7 @@ impl Residual<'_> {
             x if x == gain => format!(
                 "{size} is a gain that is {} times that of the model: check scale and temperature of the sensor, or \
                  identify the model again with a record like this one",
-                short(factor)
+                round(factor)
             ),
             x if x == follows && lag < 0 => format!(
                 "{size} precedes the input by {} samples: check that the record was measured in open loop, and the \

@@ -2,7 +2,7 @@
 
 use super::prelude::*;
 use crate::tables;
-use piezoid::validation::{ValidateOptions, Validation};
+use piezoid::validation::ValidateOptions;
 use piezoid::{Error, Model};
 use piezoid_verbs::{Source, ValidateRecords, Validated};
 
@@ -82,12 +82,16 @@ impl Run for Validate {
             })?;
         }
         for compared in &validated.files {
-            let Validation { remarks, advice, .. } = &compared.validation;
-            let remarks = compared.record.history().iter().chain(remarks).chain(advice);
+            let remarks = compared.record.history().iter().chain(&compared.validation.remarks);
             console.remarks(remarks.map(|remark| format!("{}: {remark}", compared.name)));
         }
         Results::default().json(self.json.as_deref(), &validated.to_json()).write(console)?;
         let verdict = tables::verdict(validated.verdict(&model).as_ref());
-        if is_free { console.sentence(&verdict) } else { Ok(()) }
+        if !is_free {
+            return Ok(());
+        }
+        console.sentence(&verdict)?;
+        let advised = validated.files.iter().filter_map(|c| Some((c.short(), c.validation.advice.as_ref()?)));
+        advised.map(|(name, advice)| console.sentence(&format!("{name}: {advice}"))).collect()
     }
 }
