@@ -27,8 +27,8 @@ const AMPLITUDE_BANDS: f64 = 5.0;
 /// Share of the input's power from which a band counts as excited.
 const MIN_POWER_SHARE: f64 = 1e-4;
 
-/// Power of the input in a band over the largest of all bands, below which it has little excitation; and the same of its
-/// power at one frequency, or in one cycle. Both count: a multisine has little power in narrow bands, and pink noise
+/// Power of the input in a band over the largest of all bands, below which it has little excitation; and the same of
+/// its power at one frequency, or in one cycle. Both count: a multisine has little power in narrow bands, and pink noise
 /// little at each of many frequencies.
 const LITTLE_POWER_SHARE: f64 = 2e-2;
 
@@ -76,8 +76,8 @@ pub struct Bin {
     pub noise_nrmse_percent: Option<f64>,
     /// 100 noise / peak_to_peak.
     pub noise_rms_pp_percent: Option<f64>,
-    /// True if the relative errors say little: the output is below three times its noise, or the input has less than 2 %
-    /// of the power of its strongest band.
+    /// True if the relative errors say little: the output is below three times its noise, or the input has less than
+    /// 2 % of the power of its strongest band.
     pub little_excited: bool,
     /// Share of the mean square of white noise within the bin.
     #[serde(skip)]

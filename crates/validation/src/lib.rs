@@ -116,8 +116,8 @@ pub struct Validation {
     pub floor: Option<Floor>,
     /// The error in one sentence: noise, drift, and what a better model could gain; `None` if y is constant.
     pub summary: Option<String>,
-    /// What would lower the error most, in one sentence; `None` if the error is near the noise or tiny, or a remark says
-    /// it.
+    /// What would lower the error most, in one sentence; `None` if the error is near the noise or tiny, or a remark
+    /// says it.
     pub advice: Option<String>,
     /// Remarks on the figures.
     pub remarks: Vec<String>,

@@ -3,8 +3,8 @@
 //! ```text
 //! smallest S with  max |u_t - u_t-1| / ts <= slew,   u the voltage for the path smoothed over S
 //! ```
-//! by bisection, where slew is the largest rate of the training data. A corner of a path asks for a jump of the velocity,
-//! and so for voltages that no training record had; a minimum-jerk move of some milliseconds in its place does not.
+//! by bisection, where slew is the largest rate of the training data. A corner of a path requests a jump of the
+//! velocity, and so rates that no training record had; a minimum-jerk move of some milliseconds in its place does not.
 //!
 //! The same search finds the smoothing of a path that cannot be reached without it.
 //!
@@ -43,8 +43,8 @@ pub struct Smoothing {
     pub slew: f64,
     /// Largest rate of the training data [input unit/s].
     pub identified_slew: f64,
-    /// Its duration, the value of the option `smooth` [s]; `None` if none keeps the voltage within, or only one that makes
-    /// another path.
+    /// Its duration, the value of the option `smooth` [s]; `None` if none keeps the voltage within, or only one that
+    /// makes another path.
     pub smooth: Option<f64>,
     /// Rms difference of the smoothed path from the requested one [output unit].
     pub rms: Option<f64>,
@@ -54,7 +54,8 @@ pub struct Smoothing {
     units: [String; 2],
 }
 
-/// The shortest smoothing whose voltage there is and changes at most so fast [input unit/s]: its duration [s], and the path.
+/// The shortest smoothing whose voltage there is and changes at most so fast [input unit/s]: its duration [s], and the
+/// path.
 fn shortest(options: &CompensateOptions, model: &Model, r: &[f64], fastest: f64) -> Option<(f64, Vec<f64>)> {
     let ts = model.ts();
     let inverse = FeedForward::new(model, options.settings().ok()?).ok()?;
@@ -101,8 +102,8 @@ pub(crate) fn advised(options: &CompensateOptions, model: &Model, r: &[f64], err
 }
 
 impl Smoothing {
-    /// The smoothing for the path `r` whose voltage was `found`; `None` if that is within the rates of the training data,
-    /// if these are not known, and if the path is too long to look for it.
+    /// The smoothing for the path `r` whose voltage was `found`; `None` if that is within the rates of the training
+    /// data, if these are not known, and if the path is too long to look for it.
     pub(crate) fn of(options: &CompensateOptions, model: &Model, r: &[f64], found: &Compensated) -> Option<Self> {
         let (slew, known) = (Domain::of_input(&found.u, model.ts()).slew, model.identified()?.slew);
         if slew <= FASTER * known {

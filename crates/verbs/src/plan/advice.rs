@@ -15,8 +15,8 @@
 //! It does not do: the covariance between the parameters, which the file of a model does not state. Noise counts as
 //! white, the model as true, and y as linear in p within e.
 //!
-//! Reference: Ljung, System Identification: Theory for the User, 1999, chapter 13, DOI 10.1002/047134608X.W1046; Atkinson
-//! & Donev, Optimum Experimental Designs, 1992, section 10.6 (V-optimality).
+//! Reference: Ljung, System Identification: Theory for the User, 1999, chapter 13, DOI 10.1002/047134608X.W1046;
+//! Atkinson & Donev, Optimum Experimental Designs, 1992, section 10.6 (V-optimality).
 
 use super::{Plan, PlannedDrive};
 use crate::verdict::StatedVerdict;
