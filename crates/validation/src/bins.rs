@@ -28,8 +28,8 @@ const AMPLITUDE_BANDS: f64 = 5.0;
 const MIN_POWER_SHARE: f64 = 1e-4;
 
 /// Power of the input in a band over the largest of all bands, below which it has little excitation; and the same of
-/// its power at one frequency, or in one cycle. Both count: a multisine has little power in narrow bands, and pink noise
-/// little at each of many frequencies.
+/// its power at one frequency, or in one cycle. Both count: a multisine has little power in narrow bands, and pink
+/// noise little at each of many frequencies.
 const LITTLE_POWER_SHARE: f64 = 2e-2;
 
 /// Rms of the output over its noise below which a bin has little excitation.

@@ -91,7 +91,7 @@ impl Run for Validate {
             return Ok(());
         }
         console.sentence(&verdict)?;
-        let advised = validated.files.iter().filter_map(|c| Some((c.short(), c.validation.advice.as_ref()?)));
-        advised.map(|(name, advice)| console.sentence(&format!("{name}: {advice}"))).collect()
+        let mut advised = validated.files.iter().filter_map(|c| Some((c.short(), c.validation.advice.as_ref()?)));
+        advised.try_for_each(|(name, advice)| console.sentence(&format!("{name}: {advice}")))
     }
 }
