@@ -115,6 +115,11 @@ def test_the_voltage_for_a_reference_makes_the_twin_follow(model: pz.Model) -> N
     with pytest.raises(pz.PiezoidError, match="cannot be reached"):
         model.compensate([2000.0] * 10)
     assert model.compensation([2000.0] * 10, clip=True).clipped > 0
+    steps = np.repeat([0.0, 30.0, 0.0], 600)
+    fast = model.compensation(steps)
+    assert fast.smoothing is not None and fast.notes[-1].startswith(f"smooth={fast.smoothing['smooth']} keeps")
+    assert model.compensation(steps, smooth=fast.smoothing["smooth"]).smoothing is None
+    assert np.array_equal(model.compensate(steps), fast.u)
     with pytest.raises(pz.PiezoidError, match="capacitance"):
         model.compensate(r, driver="bd300")
 
