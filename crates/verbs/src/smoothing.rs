@@ -74,7 +74,7 @@ fn shortest(options: &CompensateOptions, model: &Model, r: &[f64], fastest: f64)
     };
     let longest = LONGEST.min(r.len() / 2);
     let mut low = options.shape.smooth.map_or(0, |seconds| (0.5 * seconds / ts) as usize);
-    let mut high = low + 1;
+    let mut high = low.saturating_add(1);
     while high <= longest && !is_within(high) {
         (low, high) = (high, 2 * high);
     }
