@@ -53,7 +53,7 @@ pub fn compared(
 ) -> Result<Comparison, Error> {
     let plant = Preset::find(twin)?;
     let paths = paths.iter().copied().map(reference).collect::<Result<Vec<_>, _>>()?;
-    Comparison::run((plant.name, &plant.spec()), drives, paths, SEED, tolerance, &mut Stage::ignore)
+    Comparison::run((plant.name, &plant.spec().into()), drives, paths, SEED, tolerance, &mut Stage::ignore)
 }
 
 /// The rms error along each reference [% of its height]; infinite if the reference returned an error.

@@ -7,5 +7,6 @@ pub mod operators;
 pub mod page;
 pub mod paper;
 pub mod profile;
+pub mod stand_in;
 pub mod twin;
 pub mod vectors;

@@ -53,7 +53,7 @@ const PARTS: [Part; 5] = [
         writes: &["docs"],
         is_quick: false,
         run: || {
-            let pages = ["paper", "operators", "accuracy", "control", "feedback"];
+            let pages = ["paper", "operators", "accuracy", "control", "feedback", "stand-in"];
             pages.iter().try_for_each(|page| measured(page, &["--release"], "docs"))
         },
     },

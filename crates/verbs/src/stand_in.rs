@@ -80,3 +80,82 @@ fn overfit(model: &Model) -> f64 {
         _ => 1.0,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::File;
+    use piezoid_models::hysteresis::Operator;
+    use piezoid_models::linear::Arx;
+    use piezoid_numerics::progress::Stage;
+    use piezoid_numerics::system::System;
+    use piezoid_records::formats::{ColumnSelection, Table};
+    use piezoid_twins::Plant;
+
+    const TS: f64 = 1e-3;
+
+    fn files() -> Vec<DataFile> {
+        let file = |(k, hz): (usize, f64)| -> DataFile {
+            let u: Vec<f64> = (0..2000)
+                .map(|t| 0.014 * f64::from(t) * (std::f64::consts::TAU * hz * TS * f64::from(t)).sin())
+                .collect();
+            let y = Plant::named("pl140", TS).unwrap().with_seed(k as u64).run(&u).y;
+            let name = format!("rise{k}.csv");
+            let bytes = Table::write(&name, TS, &[("u_V", &u), ("y_um", &y)]).unwrap();
+            File::new(name, bytes).into()
+        };
+        [4.0, 9.0].into_iter().enumerate().map(file).collect()
+    }
+
+    fn identified(operator: &str) -> Model {
+        let sources = Source::all(files(), &ColumnSelection::default());
+        let options = IdentifyOptions { operator: operator.into(), order: Some(2), ..IdentifyOptions::default() };
+        options.run((Vec::new(), sources), "", &mut Stage::ignore).unwrap().found.model
+    }
+
+    /// With few plays the model has an error that a Preisach operator shows.
+    #[test]
+    fn a_stand_in_differs_from_the_model_as_much_as_the_records_do() {
+        let model = identified("prandtl-ishlinskii");
+        let found = stand_in_from(&model, &files(), &mut Stage::ignore).unwrap();
+        assert_ne!(found.other().hysteresis().operator().class, Class::Plays);
+        let options = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };
+        let records: Vec<Record> =
+            files().iter().map(|file| file.record(&ColumnSelection::default()).unwrap()).collect();
+        let measured = records.iter().map(|record| model.validate_with(record, &options).unwrap().metrics.mse);
+        let measured = mean(&measured.collect::<Vec<_>>()).sqrt();
+        assert!((0.8..1.3).contains(&(found.error() / measured)), "{} {measured}", found.error());
+        let apart = records.iter().map(|record| {
+            let plant = found.plant(0);
+            let own = model.simulate(record.u());
+            let other = plant.simulate(record.u());
+            let differences: Vec<f64> = own.iter().zip(&other).map(|(a, b)| a - b).collect();
+            let middle = mean(&differences);
+            mean(&differences.iter().map(|d| (d - middle).powi(2)).collect::<Vec<_>>())
+        });
+        let apart = mean(&apart.collect::<Vec<_>>()).sqrt();
+        assert!((0.6..1.6).contains(&(apart / found.error())), "{apart} {}", found.error());
+    }
+
+    #[test]
+    fn the_other_operators_are_of_other_classes_with_minor_loops() {
+        let of = |operator: &str| {
+            let hysteresis = (Operator::find(operator).unwrap().example)(TS).unwrap();
+            others(&Model::new(hysteresis, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap()).operator
+        };
+        let plays = of("prandtl-ishlinskii");
+        assert!(plays.starts_with("auto,-proportional,-two-branch,-rate-scheduled,-prandtl-ishlinskii,-stop,"));
+        assert!(!plays.contains("preisach") && !plays.contains("bouc-wen"));
+        assert!(!of("proportional").contains("stop"));
+    }
+
+    #[test]
+    fn a_stand_in_needs_all_records_and_stops_when_it_is_cancelled() {
+        let model = identified("proportional");
+        let error = stand_in_from(&model, &files()[..1], &mut Stage::ignore).unwrap_err().to_string();
+        assert!(error.contains("rise1.csv"), "{error}");
+        let mut stop = |_: Stage| std::ops::ControlFlow::Break(());
+        let error = stand_in_from(&model, &files(), &mut stop).unwrap_err();
+        assert!(matches!(error, Error::Cancelled { .. }), "{error}");
+    }
+}

@@ -352,3 +352,113 @@ impl System for StandInPlant {
         signal.iter_mut().zip(sum).for_each(|(value, sum)| *value = self.read(head, sum));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_models::hysteresis::{Operator, Proportional};
+    use piezoid_models::linear::Arx;
+    use std::sync::Arc;
+
+    const TS: f64 = 1e-3;
+
+    fn model(operator: &str, offset: f64) -> Model {
+        let hysteresis = (Operator::find(operator).unwrap().example)(TS).unwrap();
+        Model::new(hysteresis, Arx::new(TS, vec![0.5], vec![0.0, 0.5]).unwrap(), offset).unwrap()
+    }
+
+    /// A stand-in with this share of the difference from a model with an offset of 7, without noise.
+    fn with_share(share: f64) -> StandIn {
+        let spread = [1.0, 2.0, 4.0].map(|offset| model("stop", offset));
+        let other = (model("preisach", 7.0), spread.into());
+        StandIn::new(model("prandtl-ishlinskii", 0.0), other, (share, 1.0), 0.0).unwrap()
+    }
+
+    fn drive() -> Vec<f64> {
+        (0..400).map(|t| 5.0 + (5.0 + 0.04 * f64::from(t)) * (0.05 * f64::from(t)).sin()).collect()
+    }
+
+    fn response(stand_in: &StandIn, seed: u64) -> Vec<f64> {
+        let (plant, u) = (stand_in.plant(seed), drive());
+        plant.resume(&mut plant.settled(u[0]), &u)
+    }
+
+    fn of_model(model: &Model) -> Vec<f64> {
+        let u = drive();
+        model.resume(&mut model.settled(u[0]), &u)
+    }
+
+    #[test]
+    fn it_lies_between_both_models_and_begins_where_the_first_one_does() {
+        let (a, b) = (of_model(&model("prandtl-ishlinskii", 0.0)), of_model(&model("preisach", 7.0)));
+        for share in [0.0, 0.25, 1.0, 2.0] {
+            let y = response(&with_share(share), 0);
+            for t in 0..a.len() {
+                let expected = a[t] + share * ((b[t] - b[0]) - (a[t] - a[0]));
+                assert!((y[t] - expected).abs() < 1e-9, "{share}: {} instead of {expected} at {t}", y[t]);
+            }
+        }
+    }
+
+    #[test]
+    fn models_that_agree_have_no_share_and_a_share_ends_at_its_limit() {
+        let pair = |error, apart| {
+            let other = (model("stop", 0.0), Vec::new());
+            StandIn::new(model("stop", 0.0), other, (error, apart), 0.0).unwrap()
+        };
+        assert_eq!([pair(1.0, 0.0).share(), pair(1.0, 0.1).share(), pair(1.0, 4.0).share()], [0.0, MAX_SHARE, 0.25]);
+        assert!(pair(1.0, 0.1).to_string().contains("at least, because both models have the same errors"));
+        assert!(!pair(1.0, 4.0).to_string().contains("at least"));
+    }
+
+    #[test]
+    fn steps_are_the_whole_run_to_the_bit_with_noise_of_its_rms() {
+        let stand_in = StandIn { noise: 0.5, ..with_share(0.5) };
+        for stand_in in [stand_in.clone(), stand_in.drawn(0.1, 3, 1).unwrap()] {
+            let (plant, u) = (stand_in.plant(4), drive());
+            let mut x = plant.settled(u[0]);
+            assert_eq!(x.len(), plant.order());
+            let steps: Vec<f64> = u.iter().map(|u| plant.step(&mut x, *u)).collect();
+            assert_eq!(steps, response(&stand_in, 4));
+            assert_ne!(steps, response(&stand_in, 5));
+        }
+        let quiet = response(&with_share(0.5), 4);
+        let noise: f64 = response(&stand_in, 4).iter().zip(&quiet).map(|(a, b)| (a - b) * (a - b)).sum();
+        let rms = (noise / quiet.len() as f64).sqrt();
+        assert!((0.45..0.55).contains(&rms), "{rms}");
+    }
+
+    #[test]
+    fn draws_lie_on_either_side_of_the_model_with_the_spread_and_repeat() {
+        let stand_in = with_share(0.5);
+        let draws: Vec<StandIn> = (0..40).map(|i| stand_in.drawn(0.0, 1, i).unwrap()).collect();
+        let above = draws.iter().filter(|drawn| drawn.share > 0.0).count();
+        assert!((10..30).contains(&above), "{above}");
+        assert!(draws.iter().all(|drawn| drawn.draw.gain == 1.0 && drawn.draw.part.is_some()));
+        assert_eq!(draws[7], stand_in.drawn(0.0, 1, 7).unwrap());
+        let variance: f64 = draws.iter().filter_map(|drawn| drawn.draw.part).map(|(_, z)| z * z).sum::<f64>() / 40.0;
+        // (F - 1) for F = 3.
+        assert!((1.0..3.5).contains(&variance), "{variance}");
+        let gains = (0..40).map(|i| stand_in.drawn(0.2, 1, i).unwrap().draw.gain);
+        assert!(gains.clone().all(|gain| (0.8..1.2).contains(&gain)) && gains.clone().any(|gain| gain > 1.1));
+        assert!(stand_in.drawn(1.0, 1, 0).is_err());
+    }
+
+    #[test]
+    fn its_file_gives_it_again_and_a_wrong_one_an_error() {
+        let stand_in = with_share(0.5);
+        let text = stand_in.to_json();
+        assert_eq!(StandIn::from_json(&text).unwrap(), stand_in);
+        let changed = |from: &str, to: &str| {
+            let other = text.replace(from, to);
+            assert_ne!(other, text, "{from}");
+            StandIn::from_json(&other).unwrap_err().to_string()
+        };
+        assert!(changed("\"share\":0.5", "\"share\":-1").starts_with("share = -1"), "{text}");
+        assert!(changed("\"noise\":0.0", "\"noise\":1e999").contains("no stand-in"));
+        assert!(changed("\"share\":0.5,", "").contains("missing field `share`"));
+        let quick = Model::new(Arc::new(Proportional::new(2e-3, 1.0).unwrap()), Arx::gain(2e-3, 1.0).unwrap(), 0.0);
+        let apart = StandIn::new(quick.unwrap(), (model("stop", 0.0), Vec::new()), (1.0, 1.0), 0.0);
+        assert!(apart.unwrap_err().to_string().contains("the other model of the stand-in every 0.001 s"));
+    }
+}
