@@ -2,13 +2,14 @@
 //! paths each.
 
 use crate::page::{self, cell, head, row};
+use piezoid::compensation::shaping::Shaping;
 use piezoid::control::{Reference, SimulatedActuator};
 use piezoid::excitation::Prbs;
 use piezoid::plant::{Plant, Preset, Spec};
 use piezoid::progress::Stage;
 use piezoid::{Error, IdentifyOptions, Model, Record, Records, System, identify};
 use piezoid_verbs::{CompensateOptions, Compensation, DataFile, File, stand_in};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 /// A twin, as it is measured: sampling period [s], range of the voltage [V], and highest frequency of the records [Hz].
@@ -41,6 +42,9 @@ const PATHS: [(&str, &str, f64, f64); 5] = [
     ("random", "random", 0.5, 0.5),
 ];
 
+/// Smoothing of the paths, in periods of the highest frequency of the records.
+const SMOOTH: f64 = 0.25;
+
 /// Share of the records in which they begin and end.
 const FADE: f64 = 0.02;
 
@@ -57,16 +61,15 @@ impl Measured {
         let rise = |k: usize| (k as f64 / (0.9 * SAMPLES as f64)).min(1.0);
         let slow = (0.05 * self.hz).max(2.0 / time(SAMPLES));
         let lines: Vec<f64> = (0..12).map(|k| slow * (self.hz / slow).powf(f64::from(k) / 11.0)).collect();
-        let multisine = |k: usize| -> f64 {
-            // Phases of Schroeder, for a small peak.
-            let phase = |j: usize| -std::f64::consts::PI * (j * j) as f64 / lines.len() as f64;
-            let sum = lines.iter().enumerate().map(|(j, hz)| (TAU * hz * time(k) + phase(j)).sin()).sum::<f64>();
-            0.9 * sum / (lines.len() as f64).sqrt() / 2.0
-        };
+        // Phases of Schroeder, for a small peak.
+        let phase = |j: usize| -PI * (j * j) as f64 / lines.len() as f64;
+        let line = |(j, hz): (usize, &f64), k: usize| (TAU * hz * time(k) + phase(j)).sin();
+        let sum = |k: usize| lines.iter().enumerate().map(|of| line(of, k)).sum::<f64>();
+        let peak = (0..SAMPLES).map(|k| sum(k).abs()).fold(0.0, f64::max);
         let large = [
             along(&|k| rise(k) * (TAU * slow * time(k)).sin()),
             along(&|k| 0.9 * rise(k) * (TAU * self.hz / 3.0 * time(k)).sin()),
-            along(&multisine),
+            along(&|k| 0.9 * sum(k) / peak),
         ];
         let steps = Prbs { amplitude: 0.03, ..Prbs::default() }.samples(self.ts, SAMPLES)?;
         let small = along(&|k| steps[k]);
@@ -87,18 +90,22 @@ struct Tracked {
     twin: f64,
 }
 
-/// The rms errors along a path [% of its height].
+/// The rms errors along a path that is smoothed over so many seconds [% of its height].
 fn tracked(
     model: &Model,
     (own, twin): (&SimulatedActuator, &SimulatedActuator),
-    r: Vec<f64>,
+    (r, smooth): (Vec<f64>, f64),
 ) -> Result<Tracked, Error> {
     let (low, high) = r.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), r| (low.min(*r), high.max(*r)));
     let units = model.units();
     let table = piezoid::formats::Table::write("r.csv", model.ts(), &[(&format!("r_{}", units.y), &r)])?;
     let (file, reference) = (File::new("model.json", model.to_json()), DataFile::from(File::new("r.csv", table)));
     let on = |name: &str, actuator: &SimulatedActuator| -> Result<Compensation, Error> {
-        CompensateOptions::default().run(&file, &reference, &Default::default(), Some((name, actuator)))
+        CompensateOptions {
+            shape: Shaping { smooth: Some(smooth), ..Shaping::default() },
+            ..CompensateOptions::default()
+        }
+        .run(&file, &reference, &Default::default(), Some((name, actuator)))
     };
     let percent = |rms: f64| 100.0 * rms / (high - low);
     let errors = |found: Compensation| {
@@ -131,7 +138,7 @@ pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
             let hz = (hz * measured.hz).max(3.0 / (PATH_SAMPLES as f64 * measured.ts));
             let mut r = Reference::find(kind)?.samples(measured.ts, PATH_SAMPLES, peak, hz)?;
             r.iter_mut().for_each(|r| *r += 0.5 * (bottom + top));
-            let found = tracked(&model, (&own, &twin), r)?;
+            let found = tracked(&model, (&own, &twin), (r, SMOOTH / measured.hz))?;
             let ratio = found.stand_in[1] / found.twin;
             ratios.push(ratio);
             let range = found.spread.map(cell).join(" to ");

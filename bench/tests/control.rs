@@ -68,7 +68,7 @@ fn rings(shaped: impl Fn(&[f64]) -> Vec<f64>) -> f64 {
     let line = drive(model(), "gain", 0).expect("a drive");
     let plant = Preset::find(TWIN).expect("a twin");
     let reference = vec![NamedReference { name: "steps".into(), r: shaped(&steps), from: 0 }];
-    let done = Comparison::run((plant.name, &plant.spec()), vec![line], reference, 1, None, &mut Stage::ignore)
+    let done = Comparison::run((plant.name, &plant.spec().into()), vec![line], reference, 1, None, &mut Stage::ignore)
         .expect("a run");
     let y = &done.results[0].attempts[0].as_ref().expect("a run").run.y;
     let oscillation = |part: &[f64]| {

@@ -32,7 +32,8 @@ fn main() -> Result<(), Error> {
     let references = vec!["sine:5".into(), "triangle:20".into()];
     let options = ControlOptions { reference: references, amplitude: Some(400.0), ..ControlOptions::default() };
     let (spec, model) = (Preset::find("pl140")?.spec(), File::new("model.json", model.to_json()));
-    let compared = options.run(("pl140", &spec), &model, &[], &ColumnSelection::default(), &mut Stage::ignore)?;
+    let compared =
+        options.run(("pl140", &spec.into()), &model, &[], &ColumnSelection::default(), &mut Stage::ignore)?;
     for result in &compared.results {
         print!("{:30}", result.name());
         for (attempt, reference) in result.attempts.iter().zip(&compared.references) {

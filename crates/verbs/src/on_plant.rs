@@ -1,7 +1,9 @@
 //! A path on a simulated actuator: with a constant gain, and with the compensated voltage.
 //!
-//! The displacements are without the noise of the sensor, which is no motion. A stand-in says how far its prediction may
-//! be off: random ones lie on either side of the model (see [`StandIn`](piezoid_control::feedback::StandIn)).
+//! The displacements are without the noise of the sensor, which is no motion. The errors leave out a constant: it
+//! depends on the zero of the sensor and on the past of the actuator, which no path contains. A stand-in states how far
+//! its prediction may be off: random ones lie on either side of the model (see
+//! [`StandIn`](piezoid_control::feedback::StandIn)).
 
 use super::Compensation;
 use super::same_actuator::matched;
@@ -9,6 +11,7 @@ use piezoid_control::compensation::FeedForwardSettings;
 use piezoid_control::feedback::{MarginTarget, NamedReference, Scheme, SimulatedActuator, TunedScheme};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
+use piezoid_numerics::series::mean;
 use piezoid_numerics::system::System;
 use piezoid_validation::Metrics;
 use serde::{Serialize, Serializer};
@@ -25,7 +28,8 @@ pub struct OnPlant {
     pub plant: String,
     /// Displacements with the constant gain, and with the compensated voltage [output unit].
     pub displacements: [Vec<f64>; 2],
-    /// Their errors against the path, from its first sample that counts (see [`NamedReference::new`]).
+    /// Their errors against the path without a constant, from its first sample that counts (see
+    /// [`NamedReference::new`]).
     pub errors: [Metrics; 2],
     /// Lowest and highest rms error of the compensated voltage on random stand-ins, in 8 of 10 of them [output unit];
     /// `None` for a twin.
@@ -52,7 +56,10 @@ impl OnPlant {
         let gain = TunedScheme::new(Scheme::named("gain")?, model, settings, 0, &MarginTarget::default())?;
         let with_gain = settings.limits.clip(&gain.feed_forward(&*plant, r)?.u, model.ts())?;
         let NamedReference { from, .. } = NamedReference::new(name, model.ts(), r.clone());
-        let error = |y: &[f64]| Metrics::of(&r[from..], &y[from..]);
+        let error = |y: &[f64]| {
+            let aside = mean(&y[from..]) - mean(&r[from..]);
+            Metrics::of(&r[from..], &y[from..].iter().map(|y| y - aside).collect::<Vec<_>>())
+        };
         let displacements = [&with_gain, u].map(|u| played(&*plant, u));
         let drawn = |i: u64| Ok(error(&played(&*actuator.drawn(0.0, 0, i)?.plant(model, 0)?, u)).rmse);
         let spread = match actuator {

@@ -59,7 +59,7 @@ pub enum Subject {
     /// A plant: a twin in V and um, or a stand-in in the units of its records.
     Plant(SimulatedActuator),
     /// A model.
-    Model(Model),
+    Model(Box<Model>),
 }
 
 /// A simulation that goes on from piece to piece of its input.
@@ -221,7 +221,7 @@ impl Subject {
         let models = match self {
             Subject::Plant(SimulatedActuator::Twin(_)) => [None, None],
             Subject::Plant(SimulatedActuator::StandIn(stand_in)) => [Some(stand_in.model()), Some(stand_in.other())],
-            Subject::Model(model) => [Some(model), None],
+            Subject::Model(model) => [Some(&**model), None],
         };
         models.into_iter().flatten()
     }
@@ -355,7 +355,9 @@ mod tests {
         use piezoid_models::linear::Arx;
         let model = |operator: &str| {
             let hysteresis = (Operator::find(operator).unwrap().example)(1e-3).unwrap();
-            Subject::Model(Model::new(hysteresis, Arx::new(1e-3, vec![0.5], vec![1.0]).unwrap(), 0.0).unwrap())
+            Subject::Model(Box::new(
+                Model::new(hysteresis, Arx::new(1e-3, vec![0.5], vec![1.0]).unwrap(), 0.0).unwrap(),
+            ))
         };
         let u: Vec<f64> = (0..300).map(|t| (0.15 * f64::from(t) + 10.0) * (0.2 * f64::from(t)).sin()).collect();
         let input: DataFile = File::new("u.csv", Table::write("u.csv", 1e-3, &[("u_V", &u)]).unwrap()).into();

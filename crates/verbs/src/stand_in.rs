@@ -1,8 +1,8 @@
 //! A stand-in for the actuator of a model: a second model of the same records, whose operator is of another class.
 //!
 //! The error of the model is the part of its free runs on the records that neither noise nor a constant explains, times
-//! the ratio of held-out to fitted error at its identification: a model that fits its own records better than others has
-//! learned some of their noise.
+//! the ratio of held-out to fitted error at its identification: a model that fits its own records better than others
+//! has learned some of their noise.
 
 use super::origin::{Recipe, sources_of};
 use super::{DataFile, Source};
@@ -10,7 +10,7 @@ use crate::identification::{IdentifyOptions, Method, Records};
 use piezoid_control::feedback::StandIn;
 use piezoid_identification::{Effort, feedback::Structure};
 use piezoid_models::hammerstein::Model;
-use piezoid_models::hysteresis::{Class, OPERATORS};
+use piezoid_models::hysteresis::{Class, OPERATORS, Operator};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::progress::Progress;
 use piezoid_numerics::series::mean;
@@ -34,7 +34,7 @@ pub fn stand_in_from(model: &Model, files: &[DataFile], progress: &mut Progress)
 /// # Errors
 /// The errors of [`identify`](crate::identify), and [`Error::Cancelled`].
 pub fn stand_in(model: &Model, records: Records, progress: &mut Progress) -> Result<StandIn, Error> {
-    let found = records.identify(&others(model), progress)?.finished()?;
+    let found = records.identify(&others(model, records.small_signal.is_empty()), progress)?.finished()?;
     let judged = if records.large_signal.is_empty() { records.small_signal } else { records.large_signal };
     let y = &model.units().y;
     let judged = judged.iter().map(|record| record.output_in(y)).collect::<Result<Vec<Record>, Error>>()?;
@@ -56,17 +56,21 @@ pub fn stand_in(model: &Model, records: Records, progress: &mut Progress) -> Res
     StandIn::new(model.clone(), (found.model, found.spread), (error, apart), noise)
 }
 
-/// How to identify the other model: as this one, but with the operators of other classes that have minor loops, and with
-/// a linear block of its own.
-fn others(model: &Model) -> IdentifyOptions {
+/// How to identify the other model: as this one, but with the operators of other classes that have minor loops, and
+/// with a linear block of its own.
+fn others(model: &Model, is_large_signal_alone: bool) -> IdentifyOptions {
     let own = Recipe::of(model).and_then(|recipe| recipe.options()).unwrap_or_default();
     let own = if own.method == Method::Joint { own } else { IdentifyOptions::default() };
     let class = model.hysteresis().operator().class;
-    let is_other = |row: Class| row != class && !matches!(row, Class::Linear | Class::Branches);
-    let without: String =
-        OPERATORS.iter().filter(|row| !is_other(row.class)).map(|row| format!(",-{}", row.name)).collect();
+    // All of them, although records without minor loops do not show which one has the right ones: that is where the
+    // two models should differ then.
+    let suits = |row: &&&Operator| {
+        let is_other = row.class != class && !matches!(row.class, Class::Linear | Class::Branches | Class::Learned);
+        is_other && (row.rate_independent || !is_large_signal_alone)
+    };
+    let names: Vec<&str> = OPERATORS.iter().filter(suits).map(|row| row.name).collect();
     let effort = if own.effort == Effort::Quick { Effort::Usual } else { own.effort };
-    let (operator, structure) = (format!("auto{without}"), Structure::Hammerstein);
+    let (operator, structure) = (names.join(","), Structure::Hammerstein);
     IdentifyOptions { operator, structure, effort, order: None, elements: None, fractional_creep: false, ..own }
 }
 
@@ -85,7 +89,6 @@ fn overfit(model: &Model) -> f64 {
 mod tests {
     use super::*;
     use crate::File;
-    use piezoid_models::hysteresis::Operator;
     use piezoid_models::linear::Arx;
     use piezoid_numerics::progress::Stage;
     use piezoid_numerics::system::System;
@@ -139,14 +142,14 @@ mod tests {
 
     #[test]
     fn the_other_operators_are_of_other_classes_with_minor_loops() {
-        let of = |operator: &str| {
+        let of = |operator: &str, is_large_signal_alone: bool| {
             let hysteresis = (Operator::find(operator).unwrap().example)(TS).unwrap();
-            others(&Model::new(hysteresis, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap()).operator
+            let model = Model::new(hysteresis, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+            others(&model, is_large_signal_alone).operator
         };
-        let plays = of("prandtl-ishlinskii");
-        assert!(plays.starts_with("auto,-proportional,-two-branch,-rate-scheduled,-prandtl-ishlinskii,-stop,"));
-        assert!(!plays.contains("preisach") && !plays.contains("bouc-wen"));
-        assert!(!of("proportional").contains("stop"));
+        assert!(of("stop", false).starts_with("preisach,krasnoselskii-pokrovskii,bouc-wen,"), "{}", of("stop", false));
+        assert!(of("preisach", false).contains("maxwell-slip") && !of("preisach", true).contains("maxwell-slip"));
+        assert!(!of("proportional", true).contains("two-branch") && of("narx", true).contains("tellinen"));
     }
 
     #[test]

@@ -86,8 +86,8 @@ pub struct Comparison {
 }
 
 impl Comparison {
-    /// Runs every scheme along every reference on the plant of `actuator`; with a tolerance also on plants drawn around it,
-    /// along the first reference.
+    /// Runs every scheme along every reference on an actuator; with a tolerance also on those drawn around it, along
+    /// the first reference.
     ///
     /// # Errors
     /// Returns an error if no scheme can follow a reference; an error of one scheme alone is part of its results.

@@ -90,7 +90,7 @@ fn a_compensated_path_settles_on_a_controller_as_on_its_plant() {
         announced = text.into();
         Ok(())
     };
-    let players = Players { plant: Some(("pl140", &spec)), measured: None };
+    let players = Players { plant: Some(("pl140", &spec.into())), measured: None };
     let path = Some(held(&[-100.0, 100.0, 300.0, -200.0]));
     let found = options.run((&model, path), &players, &mut agree, &mut notes, &mut Stage::ignore).unwrap();
     assert!(announced.contains("axis 1 is to move between -2") && announced.ends_with(" s or more."), "{announced}");

@@ -229,7 +229,8 @@ impl Operator {
     /// use piezoid::hysteresis::{OPERATORS, Operator};
     /// assert_eq!(Operator::list("stop, bouc-wen")?.len(), 2);
     /// assert_eq!(Operator::list("all,-preisach")?.len(), OPERATORS.len() - 1);
-    /// assert!(Operator::list("auto,narx")?.iter().filter(|operator| operator.is_learned()).map(|o| o.name).eq(["narx"]));
+    /// let all = Operator::list("auto,narx")?;
+    /// assert!(all.iter().filter(|operator| operator.is_learned()).map(|o| o.name).eq(["narx"]));
     /// # Ok::<(), piezoid::Error>(())
     /// ```
     ///

@@ -108,9 +108,10 @@ fn served(operators: &Value) -> String {
 pub(crate) fn plant(name: &str) -> Result<SimulatedActuator> {
     if name.ends_with(".json") {
         let file = files::read(Path::new(name))?;
-        let found = SimulatedActuator::from_json(file.text().map_err(failed)?);
-        let found = found.map_err(|error| failed(error.of(name)));
-        return found.map_err(|error| anyhow!("{error}, which `piezoid plants --show pl140` prints"));
+        let text = file.text().map_err(failed)?;
+        let advice = if text.contains("\"stand_in\"") { "" } else { ", which `piezoid plants --show pl140` prints" };
+        let found = SimulatedActuator::from_json(text).map_err(|error| failed(error.of(name)));
+        return found.map_err(|error| anyhow!("{error}{advice}"));
     }
     let own = "a plant of your own goes into a .json file: see `piezoid plants --show`";
     let unknown = |e| Misused(format!("{e} ({own})"));

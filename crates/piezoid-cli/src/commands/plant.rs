@@ -12,8 +12,8 @@ const RECORDS: &str = "records";
 /// The records of the model, for a stand-in.
 #[derive(Args)]
 pub(super) struct RecordsOfModel {
-    /// The records that the model was identified from, for --plant records [default: those that the model names, in this
-    /// folder or in that of the model].
+    /// The records that the model was identified from, for --plant records [default: those that the model names, in
+    /// this folder or in that of the model].
     #[arg(long, value_name = "FILE", num_args = 1..)]
     records: Vec<PathBuf>,
 }

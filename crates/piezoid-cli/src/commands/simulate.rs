@@ -26,7 +26,8 @@ Examples:
 )]
 #[group(id = "system", required = true, multiple = false, args = ["plant", "model"])]
 pub(crate) struct Simulate {
-    /// A plant by name (see `piezoid plants`), or a JSON file: the parameters of a twin, or what `piezoid stand-in` wrote.
+    /// A plant by name (see `piezoid plants`), or a JSON file: the parameters of a twin, or what `piezoid stand-in`
+    /// wrote.
     #[arg(long, value_name = "NAME|FILE")]
     plant: Option<String>,
     /// A model file.
@@ -61,7 +62,7 @@ impl Run for Simulate {
         let input = files::data(&input)?;
         let subject = match (&self.plant, &self.model) {
             (Some(plant), _) => Subject::Plant(lists::plant(plant)?),
-            (_, Some(model)) => Subject::Model(files::read(model)?.model().map_err(failed)?),
+            (_, Some(model)) => Subject::Model(Box::new(files::read(model)?.model().map_err(failed)?)),
             _ => bail!("name a --plant or a --model"),
         };
         let name = self.output.display().to_string();

@@ -27,6 +27,7 @@ mod prepare;
 mod process;
 mod proof;
 mod serve;
+mod stand_in;
 mod strangers;
 mod study;
 mod timing;

@@ -131,7 +131,7 @@ pub(super) fn timed(outcome: &Timing, mut result: Value) -> Result<Output, Error
 fn simulate(inputs: &Inputs) -> Result<Output, Error> {
     let (options, input, columns) = (inputs.options::<SimulateCall>()?, inputs.data("input")?, inputs.columns()?);
     let subject = match inputs.some("model")? {
-        Some(model) => Subject::Model(model.model()?),
+        Some(model) => Subject::Model(Box::new(model.model()?)),
         None => Subject::Plant(simulated(inputs, &options.plant)?.1),
     };
     let outcome = options.simulation.run(&subject, &input, &columns)?;

@@ -218,7 +218,8 @@ mod tests {
         let (plant, tolerance) = (Preset::find("pl140").unwrap(), Tolerance { draws: 3, ..Default::default() });
         let all = vec![reference("sine", 10.0), reference("random", 20.0)];
         let compared =
-            Comparison::run((plant.name, &plant.spec()), drives, all, 1, Some(&tolerance), &mut Stage::ignore).unwrap();
+            Comparison::run((plant.name, &plant.spec().into()), drives, all, 1, Some(&tolerance), &mut Stage::ignore)
+                .unwrap();
         let html = tracking(&compared).html();
         for text in [
             "Distribution of the errors within the tolerance",

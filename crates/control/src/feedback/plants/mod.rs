@@ -86,8 +86,8 @@ impl SimulatedActuator {
         }
     }
 
-    /// Actuator `i` of those drawn with `seed`. The parameters of a twin differ by up to `share` of their values, and so
-    /// does the gain of a stand-in, whose draws also have the spread of its parameters.
+    /// Actuator `i` of those drawn with `seed`. The parameters of a twin differ by up to `share` of their values, the
+    /// gain of a stand-in too, whose draws also have the spread of its parameters.
     ///
     /// # Errors
     /// Returns an error for a share outside 0 to below 1.

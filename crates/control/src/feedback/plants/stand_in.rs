@@ -8,8 +8,8 @@
 //! the stand-in differs from A by as much as the actuator does. The constant c is the difference at the start, because
 //! the zero of a sensor is no property of an actuator.
 //!
-//! Random stand-ins lie on either side of A, and their B has the spread of its parameters: with F fits, each without one
-//! fold, B + z (F - 1)^(1/2) (B_f - B) for a normal z and a random f has the variance of the jackknife.
+//! Random stand-ins lie on either side of A, and their B has the spread of its parameters: with F fits, each without
+//! one fold, B + z (F - 1)^(1/2) (B_f - B) for a normal z and a random f has the variance of the jackknife.
 //!
 //! Reference: B. Efron & C. Stein, Ann. Statist. 9, 586 (1981), DOI 10.1214/aos/1176345462 (jackknife). It does not do:
 //! errors that all models here share, coloured noise, limits of a driver.
@@ -82,9 +82,9 @@ struct Members {
 }
 
 impl StandIn {
-    /// The stand-in of `model` and of the `other` one, which was fitted to the same records; `spread` is the other one as
-    /// fitted without each fold. On the records `model` has the rms `error` [output unit] beside the rms `noise`, and the
-    /// two differ by the rms `apart`.
+    /// The stand-in of `model` and of the `other` one, which was fitted to the same records; `spread` is the other one
+    /// as fitted without each fold. On the records `model` has the rms `error` [output unit] beside the rms `noise`,
+    /// and both differ by the rms `apart`.
     ///
     /// # Errors
     /// Returns an error for models with different sampling periods or units, and for numbers that are negative or not
@@ -181,7 +181,9 @@ impl StandIn {
     /// # Errors
     /// Returns an error for another document, and the errors of [`StandIn::new`] and [`Model::from_json`].
     pub fn from_json(text: &str) -> Result<Self, Error> {
-        let refused = |e: serde_json::Error| Error::Content(format!("this is no stand-in ({e}): make it again"));
+        let refused = |e: serde_json::Error| {
+            Error::Content(format!("this is no stand-in ({e}): give a file that `stand-in` wrote"))
+        };
         let Document { stand_in } = serde_json::from_str(text).map_err(refused)?;
         let Members { model, other, spread, share, error, noise } = stand_in;
         if spread.len() > MAX_SPREAD {
@@ -194,8 +196,8 @@ impl StandIn {
         StandIn { model: read(&model)?, other: read(&other)?, spread, share, error, noise, draw: NOMINAL }.checked()
     }
 
-    /// Stand-in `i` of those drawn with `seed`, on either side of the model, with the spread of the parameters and a gain
-    /// that differs by up to `share`.
+    /// Stand-in `i` of those drawn with `seed`, on either side of the model, with the spread of the parameters and a
+    /// gain that differs by up to `share`.
     ///
     /// # Errors
     /// Returns an error for a share outside 0 to below 1.
