@@ -260,7 +260,7 @@ export interface CallOptions {
     global_best?: "ever" | "current";
   };
   /** Make a stand-in for an actuator: a second model of its records, to try voltages and controllers on. */
-  stand-in: {
+  "stand-in": {
   };
   /** Validate a model on records that were not used to identify it. */
   validate: {

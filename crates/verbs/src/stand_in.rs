@@ -1,8 +1,9 @@
 //! A stand-in for the actuator of a model: a second model of the same records, whose operator is of another class.
 //!
-//! The error of the model is the part of its free runs on the records that neither noise nor a constant explains, times
-//! the ratio of held-out to fitted error at its identification: a model that fits its own records better than others
-//! has learned some of their noise.
+//! The error of the model is the part of its free runs on the records that neither noise nor a constant explains. The
+//! error of these runs is first multiplied by the ratio of held-out to fitted error at the identification, because a
+//! model that fits its own records better than others has learned some of their noise. The result is at least the noise:
+//! records do not show a smaller error.
 
 use super::origin::{Recipe, sources_of};
 use super::{DataFile, Source};
@@ -52,7 +53,7 @@ pub fn stand_in(model: &Model, records: Records, progress: &mut Progress) -> Res
         apart += differences.iter().map(|d| (d - middle).powi(2)).sum::<f64>();
     }
     let [error, noise, apart] = [error, noise, apart].map(|sum| (sum / samples).sqrt());
-    let error = ((error * overfit(model)).powi(2) - noise.powi(2)).max(0.0).sqrt();
+    let error = ((error * overfit(model)).powi(2) - noise.powi(2)).max(noise.powi(2)).sqrt();
     StandIn::new(model.clone(), (found.model, found.spread), (error, apart), noise)
 }
 

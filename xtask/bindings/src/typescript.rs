@@ -26,7 +26,9 @@ pub(crate) fn catalogue() -> String {
     text += &typed(&[&lists], "", &known);
     text += "\n\n/** The options of each call by name. */\nexport interface CallOptions {\n";
     for (k, call) in calls.iter().enumerate() {
-        text += &format!("  /** {}. */\n  {}: ", capitalised(text_of(&call["summary"])), text_of(&call["name"]));
+        let name = text_of(&call["name"]);
+        let name = if name.contains('-') { format!("\"{name}\"") } else { name.into() };
+        text += &format!("  /** {}. */\n  {name}: ", capitalised(text_of(&call["summary"])));
         let is_same = |other: &&Value| other["options"] == call["options"] && !rows(&call["options"]).is_empty();
         if let Some(other) = calls[..k].iter().find(is_same) {
             text += &format!("CallOptions[{}];\n", other["name"]);
