@@ -48,6 +48,14 @@ const SMOOTH: f64 = 0.25;
 /// Share of the records in which they begin and end.
 const FADE: f64 = 0.02;
 
+/// Share of a path in which its amplitude rises, and falls.
+const RAMP: f64 = 0.2;
+
+/// From 0 to 1 without a corner.
+fn smoothstep(s: f64) -> f64 {
+    s * s * (3.0 - 2.0 * s)
+}
+
 impl Measured {
     /// Rising sines at a low and at a middle frequency, a multisine up to the highest, and a small PRBS.
     fn records(&self) -> Result<(Vec<Record>, Vec<Record>), Error> {
@@ -137,7 +145,10 @@ pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
             let peak = 0.5 * height * (top - bottom);
             let hz = (hz * measured.hz).max(3.0 / (PATH_SAMPLES as f64 * measured.ts));
             let mut r = Reference::find(kind)?.samples(measured.ts, PATH_SAMPLES, peak, hz)?;
-            r.iter_mut().for_each(|r| *r += 0.5 * (bottom + top));
+            // It begins and ends at rest: no voltage follows a sine that stops.
+            let ramp = |k: usize| (k as f64 / (RAMP * PATH_SAMPLES as f64)).min(1.0);
+            let at_rest = |k: usize| smoothstep(ramp(k)) * smoothstep(ramp(PATH_SAMPLES - 1 - k));
+            r.iter_mut().enumerate().for_each(|(k, r)| *r = 0.5 * (bottom + top) + at_rest(k) * *r);
             let found = tracked(&model, (&own, &twin), (r, SMOOTH / measured.hz))?;
             let ratio = found.stand_in[1] / found.twin;
             ratios.push(ratio);

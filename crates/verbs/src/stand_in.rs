@@ -1,8 +1,8 @@
 //! A stand-in for the actuator of a model: a second model of the same records, whose operator is of another class.
 //!
 //! The error of the model is the part of its free runs on the records that neither noise nor a constant explains. The
-//! error of these runs is first multiplied by the ratio of held-out to fitted error at the identification, because a
-//! model that fits its own records better than others has learned some of their noise. The result is at least the noise:
+//! error of these runs is first multiplied by the ratio of held-out to fitted error at the identification: a model that
+//! fits its own records better than others has learned some of their noise. The result is at least the noise, because
 //! records do not show a smaller error.
 
 use super::origin::{Recipe, sources_of};
