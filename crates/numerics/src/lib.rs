@@ -10,6 +10,7 @@ pub mod complex;
 pub mod error;
 pub mod fourier;
 pub mod intervals;
+pub mod noise;
 pub mod number;
 pub mod optimize;
 pub mod options;

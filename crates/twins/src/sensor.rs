@@ -16,12 +16,7 @@
 use super::spec::{SensorSpec, non_negative, require};
 use libm::exp;
 use piezoid_numerics::error::{Error, positive};
-use rand::SeedableRng;
-use rand_chacha::ChaCha8Rng;
-use rand_distr::{Distribution, StandardNormal};
-
-/// 32-bit words of the generator reserved per sample; the ziggurat rarely needs more than two.
-const WORDS: u128 = 16;
+use piezoid_numerics::noise::Noise;
 
 /// The sensor, for a fixed time step.
 #[derive(Debug, Clone)]
@@ -38,7 +33,7 @@ pub(super) struct Sensor {
     code: f64,
     /// Reading at rest [m].
     zero: f64,
-    generator: ChaCha8Rng,
+    noise: Noise,
 }
 
 impl Sensor {
@@ -64,13 +59,13 @@ impl Sensor {
         let rule = "must be a number of metres, 0 for a sensor that was zeroed";
         let zero = require(spec.zero_m.is_finite(), "sensor.zero_m", spec.zero_m, rule)?;
         let keep = if lag > 0.0 { exp(-h / lag) } else { 0.0 };
-        let generator = ChaCha8Rng::seed_from_u64(seed);
-        Ok(Sensor { keep, bend: spec.curvature / range, rms, min: -range, max: range - code, code, zero, generator })
+        let noise = Noise::new(seed);
+        Ok(Sensor { keep, bend: spec.curvature / range, rms, min: -range, max: range - code, code, zero, noise })
     }
 
     /// The same sensor with other noise.
     pub(super) fn with_seed(self, seed: u64) -> Self {
-        Sensor { generator: ChaCha8Rng::seed_from_u64(seed), ..self }
+        Sensor { noise: Noise::new(seed), ..self }
     }
 
     /// Advances the lagged displacement one step; the mean displacement of the tip over it is `y` [m].
@@ -86,16 +81,9 @@ impl Sensor {
     /// Reads `s` [m] as sample number `n`; true if the range clipped it.
     pub(super) fn read(&self, s: f64, n: u64) -> (f64, bool) {
         let s = s + self.bend * s * s;
-        let noisy = if self.rms > 0.0 { s + self.rms * self.normal(n) } else { s };
+        let noisy = if self.rms > 0.0 { s + self.rms * self.noise.at(n) } else { s };
         let coded = if self.code > 0.0 { (noisy / self.code).round() * self.code } else { noisy };
         (self.zero + coded.clamp(self.min, self.max), coded < self.min || coded > self.max)
-    }
-
-    /// The n-th standard normal number of the seed.
-    fn normal(&self, n: u64) -> f64 {
-        let mut generator = self.generator.clone();
-        generator.set_word_pos(WORDS * u128::from(n));
-        StandardNormal.sample(&mut generator)
     }
 }
 

@@ -51,7 +51,7 @@ impl OnPlant {
     ) -> Result<Self, Error> {
         let (r, u) = (&found.shaped, &found.compensated.u);
         let (actuator, note) = matched((name, actuator), model, &settings)?;
-        let actuator = actuator.with_noise(0.0, &model.units().y)?;
+        let actuator = actuator.without_noise();
         let plant = actuator.plant(model, 0)?;
         let gain = TunedScheme::new(Scheme::named("gain")?, model, settings, 0, &MarginTarget::default())?;
         let with_gain = settings.limits.clip(&gain.feed_forward(&*plant, r)?.u, model.ts())?;
@@ -76,7 +76,7 @@ impl OnPlant {
 }
 
 /// The displacement with the voltage `u`, from the settled state at its first value.
-fn played(plant: &dyn System, u: &[f64]) -> Vec<f64> {
+pub(super) fn played(plant: &dyn System, u: &[f64]) -> Vec<f64> {
     plant.resume(&mut plant.settled(u.first().copied().unwrap_or_default()), u)
 }
 

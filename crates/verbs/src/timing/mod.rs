@@ -14,6 +14,7 @@ pub use fastest::{FastestMove, Landing};
 pub use planned::{PlannedMoves, Start};
 pub use run::{RunTiming, ScanLag, StepTiming};
 
+use super::on_plant::played;
 use super::same_actuator::matched;
 use super::verdict::proven;
 use super::{DataFile, File, Verdict, blamed};
@@ -176,7 +177,7 @@ impl Twin {
     ) -> Result<Self, Error> {
         let (actuator, note) = matched((name, actuator), model, settings)?;
         notes.extend(note);
-        let quiet = actuator.with_noise(0.0, &model.units().y)?;
+        let quiet = actuator.without_noise();
         let limited = match &quiet {
             SimulatedActuator::Twin(spec) => Some(Plant::new(spec, model.ts())?),
             SimulatedActuator::StandIn(_) => None,
@@ -186,8 +187,7 @@ impl Twin {
 
     /// The displacement with the voltage `u`, from the settled state at its first value.
     fn play(&self, u: &[f64]) -> Vec<f64> {
-        let mut x = self.plant.settled(u.first().copied().unwrap_or(0.0));
-        self.plant.resume(&mut x, u)
+        played(&*self.plant, u)
     }
 
     fn saturated(&self, u: &[f64]) -> Option<String> {

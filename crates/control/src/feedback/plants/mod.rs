@@ -46,6 +46,12 @@ impl SimulatedActuator {
         }
     }
 
+    /// The same without the noise of its sensor.
+    pub fn without_noise(mut self) -> Self {
+        *self.noise() = 0.0;
+        self
+    }
+
     /// The same with rms noise of the sensor [`unit`].
     ///
     /// # Errors
@@ -57,11 +63,16 @@ impl SimulatedActuator {
                 format!("the output of the model is in {unit}, which is not a length: leave out the option noise");
             Error::Content(why)
         })?;
-        match &mut self {
-            SimulatedActuator::Twin(spec) => spec.sensor.noise_rms_m = rms * factor,
-            SimulatedActuator::StandIn(stand_in) => stand_in.noise = rms * factor,
-        }
+        *self.noise() = rms * factor;
         Ok(self)
+    }
+
+    /// The rms noise of its sensor [m, or the output unit of a stand-in].
+    fn noise(&mut self) -> &mut f64 {
+        match self {
+            SimulatedActuator::Twin(spec) => &mut spec.sensor.noise_rms_m,
+            SimulatedActuator::StandIn(stand_in) => &mut stand_in.noise,
+        }
     }
 
     /// The plant in the units and with the sampling period of `model`, with noise of `seed`.

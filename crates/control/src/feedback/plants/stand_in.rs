@@ -16,6 +16,7 @@
 
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::error::Error;
+use piezoid_numerics::noise::Noise;
 use piezoid_numerics::number::short;
 use piezoid_numerics::system::System;
 use piezoid_records::record::{Record, Units};
@@ -31,9 +32,6 @@ const MAX_SHARE: f64 = 3.0;
 
 /// The most fits without a fold that a file may hold.
 const MAX_SPREAD: usize = 64;
-
-/// Words of the generator reserved for a sample of noise.
-const WORDS: u128 = 16;
 
 /// A stand-in for a measured actuator.
 #[derive(Debug, Clone, PartialEq)]
@@ -224,8 +222,8 @@ impl StandIn {
             part,
             share: self.share,
             gain: self.draw.gain,
-            noise: self.noise,
-            generator: ChaCha8Rng::seed_from_u64(seed),
+            rms: self.noise,
+            noise: Noise::new(seed),
         }
     }
 }
@@ -258,8 +256,8 @@ pub struct StandInPlant {
     part: Option<(Model, f64)>,
     share: f64,
     gain: f64,
-    noise: f64,
-    generator: ChaCha8Rng,
+    rms: f64,
+    noise: Noise,
 }
 
 const SAMPLES: usize = 0;
@@ -302,14 +300,7 @@ impl StandInPlant {
         let y = head[START] + self.gain * (sum - head[ASIDE] - head[START]);
         let n = head[SAMPLES] as u64;
         head[SAMPLES] += 1.0;
-        if self.noise > 0.0 { y + self.noise * self.normal(n) } else { y }
-    }
-
-    /// The n-th standard normal number of the seed.
-    fn normal(&self, n: u64) -> f64 {
-        let mut generator = self.generator.clone();
-        generator.set_word_pos(WORDS * u128::from(n));
-        StandardNormal.sample(&mut generator)
+        if self.rms > 0.0 { y + self.rms * self.noise.at(n) } else { y }
     }
 }
 
