@@ -159,6 +159,8 @@ pub fn write(docs: &Path) -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     let within = ratios.iter().filter(|ratio| (0.5..=2.0).contains(*ratio)).count();
-    let sentence = format!("\nWithin a factor of two: {within} of {}.\n", ratios.len());
+    let [least, most] = [f64::min, f64::max].map(|of| ratios.iter().copied().reduce(of).unwrap_or(f64::NAN));
+    let sentence =
+        format!("\nWithin a factor of two: {within} of {}; all ratios: {least:.2} to {most:.2}.\n", ratios.len());
     page::write(&docs.join("stand-in.md"), "stand-in", &(head(titles, 3) + &body + &sentence))
 }
