@@ -90,6 +90,7 @@ test("every drawing becomes plots", { skip }, () =>
   opened({}, async (page) => {
     const drawings = await page.locator(".drawing").count();
     assert.ok(drawings > 5);
+    await page.locator("details").evaluateAll((all) => all.forEach((one) => (one.open = true)));
     assert.equal(await page.locator(".drawing.live").count(), drawings);
     assert.equal(await page.locator(".drawing > svg:visible").count(), 0);
     assert.ok((await page.locator(".drawing .stage:visible").count()) >= drawings);
@@ -178,6 +179,7 @@ test("in print stand the drawings", { skip }, () =>
 test("without scripts the drawings stay", { skip }, () =>
   opened({ javaScriptEnabled: false }, async (page) => {
     assert.equal(await page.locator("canvas").count(), 0);
+    await page.locator("summary").click();
     assert.equal(await page.locator(".drawing > svg:visible").count(), await page.locator(".drawing").count());
     assert.equal(await page.locator("script:visible").count(), 0);
   }));

@@ -58,7 +58,8 @@ def test_a_validation_shows_what_is_left_and_what_is_not_proven(model: pz.Model,
     rows, drawn, notes = parts(found)
     assert rows["largest"] == f"{found.max_abs:.4g} um" and len(drawn["largest"]) > 100
     assert found.floor is not None and rows["noise floor"] == f"{found.floor['nrmse_percent']:.2g} %"
-    assert found.unproven and notes == found.remarks + [f"unproven: {part}" for part in found.unproven]
+    assert found.advice and found.unproven
+    assert notes == [*found.remarks, found.advice, *(f"unproven: {part}" for part in found.unproven)]
 
 
 def test_drawings_have_the_colour_of_the_text(model: pz.Model, unseen: pz.Record) -> None:
