@@ -10,23 +10,19 @@ import { message, SharedContext } from "./ui.tsx";
 import { CampaignView } from "./views/campaign.tsx";
 import { CompensateView } from "./views/compensate.tsx";
 import { ControlView } from "./views/control.tsx";
-import { DataView } from "./views/data.tsx";
 import { ExperimentView } from "./views/experiment.tsx";
 import { ExportView } from "./views/export.tsx";
-import { IdentifyView } from "./views/identify.tsx";
 import { LoopsView } from "./views/loops.tsx";
 import { StudyView } from "./views/study.tsx";
-import { ValidateView } from "./views/validate.tsx";
+import { WorkbenchView } from "./views/workbench.tsx";
 import type { Workspace } from "./workspace.ts";
 
 /** The views in the order of the work; some need instruments, which only `piezoid serve` reaches. */
 const VIEWS: { name: string; title: string; show(): JSX.Element; served?: true }[] = [
-  { name: "data", title: "Data", show: () => <DataView /> },
+  { name: "workbench", title: "Workbench", show: () => <WorkbenchView /> },
   { name: "experiment", title: "Experiment", show: () => <ExperimentView /> },
   { name: "campaign", title: "Campaign", show: () => <CampaignView />, served: true },
   { name: "loops", title: "Loops", show: () => <LoopsView /> },
-  { name: "identify", title: "Identify", show: () => <IdentifyView /> },
-  { name: "validate", title: "Validate", show: () => <ValidateView /> },
   { name: "compensate", title: "Compensate", show: () => <CompensateView /> },
   { name: "control", title: "Control", show: () => <ControlView /> },
   { name: "export", title: "Export", show: () => <ExportView /> },
@@ -34,6 +30,7 @@ const VIEWS: { name: string; title: string; show(): JSX.Element; served?: true }
 ];
 
 const viewsOf = (served: boolean) => VIEWS.filter((view) => served || !view.served);
+/** The view of the address. Views of earlier versions that are parts of the workbench now lead there. */
 const viewNow = (served: boolean) => viewsOf(served).find((view) => `#${view.name}` === location.hash) ?? VIEWS[0]!;
 
 export function App({ workspace, served }: { workspace: Workspace; served: boolean }) {
@@ -91,7 +88,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
         {lists ? (
           <SharedContext.Provider value={{ workspace, lists }}>
             <div key={view.name} class={`view ${view.name}`}>
-              <h1>{view.title}</h1>
+              <h1 class={view.name === "workbench" ? "unseen" : ""}>{view.title}</h1>
               <Guard>{view.show()}</Guard>
             </div>
           </SharedContext.Provider>

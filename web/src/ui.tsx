@@ -181,9 +181,9 @@ export function Notes({ title, notes }: { title: string; notes: string[] }) {
 }
 
 /** What to do first where there is nothing to show. */
-export const Missing = ({ what, view, title }: { what: string; view: string; title: string }) => (
+export const Missing = ({ what, title }: { what: string; title: string }) => (
   <p class="missing">
-    {what} <a href={`#${view}`}>{title}</a>
+    {what} <a href="#workbench">{title}</a>
   </p>
 );
 

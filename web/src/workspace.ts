@@ -8,6 +8,7 @@ import {
   EMPTY, fileName, filesOf, free, History, isProject, type ModelEntry, PROJECT, type Project, read, type RecordEntry, withRecord, written,
 } from "./project.ts";
 import type { Store } from "./store.ts";
+import type { Search } from "./workbench/search.ts";
 
 /** Work of the library under way. */
 export interface Job {
@@ -26,8 +27,8 @@ export interface Task {
   name: string;
   request: Request;
   files: File[];
-  /** Called after each step. */
-  onStage?(what: string, figures: Record<string, number>, model?: string): void;
+  /** Called after each step, with the figures that are numbers. */
+  onStage?(stage: Stage & { figures: Record<string, number> }): void;
   /** Short work is not shown among the jobs. */
   quiet?: boolean;
   /** It does not wait for long work. */
@@ -47,6 +48,8 @@ export class Workspace {
   readonly library: Library;
   readonly store: Store;
   jobs: Job[] = [];
+  /** The identification that is under way, or the last. */
+  search: Search | undefined;
   /** The last fault of the store or the library that no view shows. */
   fault = "";
   /** Why the project of the store cannot be read; nothing is stored then, until one is begun beside it. */
@@ -295,10 +298,11 @@ export class Workspace {
     if (!quiet) this.jobs = [...this.jobs, job];
     this.changed();
     try {
-      const progress = ({ what, done, total, figures, model }: Stage) => {
+      const progress = (stage: Stage) => {
+        const { what, done, total } = stage;
         Object.assign(job, { what, done, total });
-        const known = Object.fromEntries(Object.entries(figures).filter(([, value]) => value !== null));
-        onStage?.(what, known as Record<string, number>, model);
+        const known = Object.fromEntries(Object.entries(stage.figures).filter(([, value]) => value !== null));
+        onStage?.({ ...stage, figures: known as Record<string, number> });
         if (!quiet) this.changed();
       };
       return await this.library.call(request, files, progress, stop.signal, beside);

@@ -7,6 +7,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, served, skip as noBrowser } from "./browser.mjs";
+import { fill } from "./steps.mjs";
 import { PIEZOID, piezoid as run, skip as noPiezoid } from "./piezoid.mjs";
 
 const skip = noBrowser || noPiezoid;
@@ -42,18 +43,10 @@ async function identified(url) {
   const { page, faults, context } = await opened(browser, url);
   await page.getByLabel("Data files").setInputFiles(join(cwd, "log.mat"));
   await page.getByText(/4,000 samples/).waitFor();
-  const fill = async (name, value) => {
-    const field = page.locator(`input[name="${name}"]`);
-    await field.waitFor({ state: "attached" });
-    if (!(await field.isVisible())) await page.locator("details", { has: field }).locator("summary").first().click();
-    await field.fill(value);
-    await field.blur();
-  };
-  await fill("from", "0.1");
-  await fill("output_scale", "2");
+  await fill(page, "from", "0.1");
+  await fill(page, "output_scale", "2");
   await page.getByText("cut from 0.1 s").waitFor();
-  await page.getByRole("link", { name: "Identify", exact: true }).click();
-  for (const [name, value] of [["operator", "pi"], ["order", "2"], ["elements", "8"]]) await fill(name, value);
+  for (const [name, value] of [["operator", "pi"], ["order", "2"], ["elements", "8"]]) await fill(page, name, value);
   await page.getByRole("button", { name: "Identify", exact: true }).click();
   await page.locator(".verdict").first().waitFor({ timeout: 120_000 });
   const model = await download(page, () => page.getByRole("button", { name: "Download the model" }).click());

@@ -6,6 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launched, opened, skip as noBrowser } from "./browser.mjs";
+import { identify as begun, known } from "./steps.mjs";
 import { piezoid, skip as noPiezoid, started } from "./piezoid.mjs";
 
 const skip = noBrowser || noPiezoid;
@@ -45,12 +46,7 @@ test("a project lives in a folder, and outlasts a server that is killed", { skip
   await page.getByText("on this computer").waitFor();
   await page.getByLabel("Data files").setInputFiles(measured("slow.csv"));
   await page.getByText(/4,000 samples/).waitFor();
-  const identify = async () => {
-    await page.getByRole("link", { name: "Identify", exact: true }).click();
-    await page.getByLabel("Operator", { exact: true }).fill("pi");
-    await page.getByLabel("Operator", { exact: true }).blur();
-    await page.getByRole("button", { name: "Identify", exact: true }).click();
-  };
+  const identify = () => begun(page, "pi");
   await identify();
   await page.locator(".verdict").first().waitFor({ timeout: 120_000 });
   await page.waitForTimeout(500);
@@ -86,7 +82,6 @@ test("a project lives in a folder, and outlasts a server that is killed", { skip
   await page.getByRole("button", { name: "prandtl-ishlinskii-2.json", exact: true }).waitFor({ timeout: 120_000 });
   await page.waitForTimeout(500);
   await page.reload();
-  await page.getByRole("link", { name: "Data", exact: true }).click();
   await page.getByRole("button", { name: "slow.csv", exact: true }).waitFor();
   await context.close();
 });
@@ -190,8 +185,7 @@ test("a model of the name of the project is kept under another", { skip, timeout
   await page.dispatchEvent(".app", "drop", { dataTransfer: drop });
   await page.waitForTimeout(800);
   await page.reload();
-  await page.getByRole("link", { name: "Identify", exact: true }).click();
-  await page.getByRole("button", { name: "file-project.json", exact: true }).waitFor();
+  await known(page, "file-project");
   assert.equal(JSON.parse(readFileSync(join(folder, "file-project.json"))).hysteresis.operator, "dahl");
   await context.close();
 });

@@ -6,10 +6,11 @@ import { createRequire } from "node:module";
 import { after, before, test } from "node:test";
 import { launched, opened, served, skip } from "./browser.mjs";
 import { csv, measured } from "./records.mjs";
+import { identify, known } from "./steps.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const PICTURES = new URL("../dist/pictures/", import.meta.url).pathname;
-const VIEWS = ["Data", "Experiment", "Loops", "Identify", "Validate", "Compensate", "Control", "Export", "Study"];
+const VIEWS = ["Workbench", "Experiment", "Loops", "Compensate", "Control", "Export", "Study"];
 let server, browser, saved;
 
 before(async () => {
@@ -24,13 +25,9 @@ before(async () => {
   await page.getByLabel("Data files").setInputFiles([{ name: "faulty.csv", mimeType: "text/csv", buffer: csv({ u, y, ts }) }]);
   await page.getByRole("heading", { name: "faulty.csv" }).waitFor();
   await page.getByLabel("Use of faulty.csv").selectOption("not used");
-  for (const operator of ["pi", "bouc-wen"]) {
-    await page.getByRole("link", { name: "Identify", exact: true }).click();
-    await page.getByLabel("Operator", { exact: true }).fill(operator);
-    await page.getByLabel("Operator", { exact: true }).blur();
-    const models = await page.locator("tr", { has: page.getByText("good to") }).count();
-    await page.getByRole("button", { name: "Identify", exact: true }).click();
-    await page.locator("tr", { has: page.getByText("good to") }).nth(models).waitFor({ timeout: 120_000 });
+  for (const operator of ["prandtl-ishlinskii", "bouc-wen"]) {
+    await identify(page, operator);
+    await known(page, operator);
   }
   await page.waitForTimeout(500);
   saved = context;

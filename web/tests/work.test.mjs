@@ -8,6 +8,7 @@ import { after, before, test } from "node:test";
 import { unzipSync } from "fflate";
 import { download, launched, opened, served, skip } from "./browser.mjs";
 import { csv, measured } from "./records.mjs";
+import { fill, identify, known } from "./steps.mjs";
 import { call } from "./modules.mjs";
 
 let server, browser, model;
@@ -50,7 +51,7 @@ test("drives are planned, tried on a twin, and become records with their uses", 
   await page.getByRole("img", { name: /^Spectrum of rise1; shaded: up to the bandwidth, 40 Hz/ }).waitFor();
   await button("Measure the twin").click();
   await page.getByText("records of the twin pl140").waitFor({ timeout: 120_000 });
-  await page.getByRole("link", { name: "Data", exact: true }).first().click();
+  await page.getByRole("link", { name: "Workbench", exact: true }).first().click();
   assert.equal(await page.getByLabel("Use of pl140-small.csv").inputValue(), "small-signal");
   assert.equal(await page.getByLabel("Use of pl140-rise1.csv").inputValue(), "training");
   assert.equal(await page.getByLabel("Use of pl140-path.csv").inputValue(), "validation");
@@ -140,16 +141,15 @@ test("the exported C gives the numbers of the page to the bit", { skip }, async 
   await button("Export as c").click();
   const files = unzipSync(await download(page, () => button("Download all as zip").click()));
   await page.getByLabel("Project to open").waitFor({ state: "attached" });
-  await page.goto(`${server.url}#data`);
+  await page.goto(`${server.url}#workbench`);
   const record = { name: "other.csv", mimeType: "text/csv", buffer: csv(measured(20)) };
   await page.getByLabel("Data files").setInputFiles([record]);
   await page.getByText(/4,000 samples/).waitFor();
-  await page.goto(`${server.url}#validate`);
-  await page.getByText("Free run on other.csv", { exact: true }).waitFor();
+  await page.getByRole("img", { name: /^other\.csv against time\. .*Error/ }).waitFor();
   const text = (await download(page, () => page.getByRole("button", { name: "CSV" }).first().click())).toString();
   const [head, ...rows] = text.trim().split("\n").map((row) => row.split(","));
   const column = (name) => rows.map((row) => Number(row[head.findIndex((cell) => cell.startsWith(name))]));
-  const [inputs, simulated] = [column("input: "), column("model: Output")];
+  const [inputs, simulated] = [column("input: "), column("model: Output y")];
   assert.equal(inputs.length, 4000);
   assert.deepEqual(compiled(files)(inputs), simulated);
   assert.deepEqual(faults, []);
@@ -177,35 +177,30 @@ test("the voltage of Compensate is that of the path that is chosen", { skip }, a
 });
 
 test("a model remembers its records; what cannot be read is not used", { skip }, async () => {
-  const { page, faults, close, field } = await at("Data", false);
+  const { page, faults, close } = await at("Workbench", false);
   const training = "log.csv";
   await page.getByLabel("Data files").setInputFiles([{ name: training, mimeType: "text/csv", buffer: csv(measured(5)) }]);
-  await page.goto(`${server.url}#identify`);
-  await field("Operator", "pi");
-  await page.getByRole("button", { name: "Identify", exact: true }).click();
-  await page.getByRole("heading", { name: "prandtl-ishlinskii.json" }).waitFor({ timeout: 60_000 });
-  await page.goto(`${server.url}#data`);
+  await identify(page, "pi");
+  await known(page, "prandtl-ishlinskii");
   await page.getByLabel(`Use of ${training}`).selectOption("validation");
   await page.getByLabel("Data files").setInputFiles([{ name: "letter.txt", mimeType: "text/plain", buffer: Buffer.from("Dear all,\nno numbers here.\n") }]);
   await page.getByText("cannot be read", { exact: true }).waitFor();
   assert.equal(await page.getByLabel("Use of letter.txt").inputValue(), "none");
-  await page.goto(`${server.url}#validate`);
-  await page.getByLabel(`${training} (identified from)`).check();
-  await page.getByText(/was identified from .*: this is no validation/).waitFor();
-  await page.goto(`${server.url}#data`);
   await page.getByRole("button", { name: training, exact: true }).click();
-  await field("Input scale", "2");
+  await page.getByText("Not proven on a record that it has not seen").waitFor();
+  await fill(page, "input_scale", "2");
+  await page.getByText(/prepared in another way now than when .* was identified/).waitFor();
   await page.goto(`${server.url}#compensate`);
   await page.getByText(/prepared in another way now than when .* was identified/).waitFor();
   assert.deepEqual(faults, []);
   await close();
 });
 
-test("without a model, Control and Export lead to Identify; Study explains the paper", { skip }, async () => {
+test("without a model, Control and Export lead to the workbench; Study explains the paper", { skip }, async () => {
   const { page, faults, close } = await at("Control", false);
   for (const view of ["control", "export"]) {
     await page.goto(`${server.url}#${view}`);
-    assert.equal(await page.locator("main").getByRole("link", { name: "Identify" }).getAttribute("href"), "#identify");
+    assert.equal(await page.locator("main").getByRole("link", { name: "Identify" }).getAttribute("href"), "#workbench");
   }
   await page.goto(`${server.url}#study`);
   assert.equal(await page.locator(".steps li").count(), 6);

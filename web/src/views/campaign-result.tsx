@@ -27,7 +27,7 @@ export function CampaignResult({ answer }: { answer: Answer }) {
       <div class="row">
         <Download files={files.filter(({ name }) => name === "campaign.html")} title="Download campaign.html" />
         <Download files={files} archive="campaign.zip" title="Download all as zip" />
-        <a href="#data">Records</a>
+        <a href="#workbench">Records</a>
         <a href="#compensate">Compensate with the model</a>
         <a href="#export">Export it</a>
       </div>
@@ -49,7 +49,7 @@ function BrokenOff({ answer: { result, files } }: { answer: Answer }) {
     <Section title="Broken off" wide>
       <Fault text={result.failed} />
       <p role="status">
-        {records.length === 1 ? "1 new record is" : `${records.length} new records are`} in the project: <a href="#data">Data</a>.
+        {records.length === 1 ? "1 new record is" : `${records.length} new records are`} in the project: <a href="#workbench">Workbench</a>.
         {" "}The next campaign with these options goes on from here.
       </p>
       <Notes title="Notes" notes={result.notes.filter((note: string) => !result.failed.includes(note))} />

@@ -56,7 +56,7 @@ export function CampaignView() {
         name: JOB,
         request: { call: "campaign", options, files: { earlier: namesOf(files), ...(reference && { reference: [REFERENCE] }) } },
         files: [...files, ...(reference ? [reference] : [])],
-        onStage: (what, figures) => live.take(what, figures),
+        onStage: ({ what, figures }) => live.take(what, figures),
       });
       await kept(workspace, answer, continues).catch((error) => workspace.failed(error));
       return answer;

@@ -43,7 +43,7 @@ export function CompensateView() {
     const model = JSON.parse(new TextDecoder().decode(await workspace.bytes(entry!.file)));
     return { model, stroke: await strokeOf(workspace, entry!.file, model) };
   });
-  if (!entry) return <Missing what="There is no model yet." view="identify" title="Identify one" />;
+  if (!entry) return <Missing what="There is no model yet." title="Identify one" />;
   if (!read.value) return <Fault text={read.error} />;
   return <Compensation key={entry.file} file={entry.file} {...read.value} />;
 }

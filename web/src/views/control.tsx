@@ -19,7 +19,7 @@ interface Compared {
 
 export function ControlView() {
   const { model } = useShared().workspace.project;
-  if (!model) return <Missing what="Controllers are tuned to a model, and there is none yet." view="identify" title="Identify" />;
+  if (!model) return <Missing what="Controllers are tuned to a model, and there is none yet." title="Identify" />;
   return <Comparison key={model} model={model} />;
 }
 

@@ -11,7 +11,7 @@ import { Download, Fault, Missing, Notes, Section, size, Stale, Table, TextFile,
 
 export function ExportView() {
   const { model } = useShared().workspace.project;
-  if (!model) return <Missing what="A model is exported, and there is none yet." view="identify" title="Identify" />;
+  if (!model) return <Missing what="A model is exported, and there is none yet." title="Identify" />;
   return <Exports key={model} model={model} />;
 }
 

@@ -50,7 +50,7 @@ export function Instrument({ drives, files, chosen }: Props) {
       <Fault text={result.error} />
       {result.value && (
         <p role="status">
-          {result.value === 1 ? "1 record is" : `${result.value} records are`} in the project: <a href="#data">Data</a>
+          {result.value === 1 ? "1 record is" : `${result.value} records are`} in the project: <a href="#workbench">Workbench</a>
         </p>
       )}
       {left && !busy && <p role="status">{worded(left, lists)}</p>}

@@ -32,7 +32,7 @@ export function LoopsView() {
   const { workspace } = useShared();
   const { records, record } = workspace.project;
   const entry = records.find((one) => one.file === record) ?? records.at(-1);
-  if (!entry) return <Missing what="Loops need a record." view="data" title="Add a record" />;
+  if (!entry) return <Missing what="Loops need a record." title="Add a record" />;
   return <LoopsOf key={entry.file} entry={entry} />;
 }
 

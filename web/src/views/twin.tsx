@@ -41,7 +41,7 @@ export function Twin({ drives, files }: Drives) {
       <Fault text={tried.error} />
       {value && (
         <p role="status">
-          {value.count} records of the twin {value.plant} are in the project: <a href="#data">Data</a>
+          {value.count} records of the twin {value.plant} are in the project: <a href="#workbench">Workbench</a>
         </p>
       )}
       {value && <Notes title="Limits reached" notes={value.reached} />}

@@ -1,0 +1,103 @@
+// The workbench: records at the left, their pictures in the middle, and at the right what is known and the next step.
+
+import { useMemo } from "preact/hooks";
+import type { RecordEntry } from "../project.ts";
+import { Fault, type Outcome, useLatest, useOutcome, useSettings, useShared } from "../ui.tsx";
+import { uncut } from "../workbench/cut.ts";
+import type { Shown } from "../workbench/figures.ts";
+import { KnownPane } from "../workbench/known.tsx";
+import { PicturePane, type PictureSettings } from "../workbench/picture.tsx";
+import { Details, Drop, Records } from "../workbench/records.tsx";
+import { type Drawn, drawnModel, type Run, validated } from "../workbench/runs.ts";
+import type { Options } from "../project.ts";
+import type { Workspace } from "../workspace.ts";
+
+/** What the workbench remembers. */
+interface Settings extends PictureSettings {
+  /** Files of the models that are drawn; the model in use without it. */
+  drawn?: string[];
+}
+
+export function WorkbenchView() {
+  const { workspace } = useShared();
+  const { records, models, model, record } = workspace.project;
+  const [settings, change] = useSettings("workbench") as [Settings, (values: Options) => void];
+  const entry = records.find((one) => one.file === record) ?? records.at(-1);
+  const used = models.find((one) => one.file === model) ?? models.at(-1);
+  const drawn = models.filter((one) => settings.drawn?.includes(one.file) || one === used);
+  if (!entry && !used) return <Drop />;
+  return (
+    <div class="bench">
+      <div class="pane left" role="region" aria-label="Records">
+        <div>
+          <Drop />
+          <Records shown={entry} />
+        </div>
+        {entry && <div class="details"><RecordDetails key={entry.file} entry={entry} /></div>}
+      </div>
+      <div class="pane" role="region" aria-label="Pictures">
+        {entry
+          ? <Pictured key={entry.file} entry={entry} models={drawnNow(workspace, drawn.map((one) => drawnModel(one, colourOf(models.indexOf(one)))))} options={settings.options ?? {}} />
+          : <p class="missing">Add a record: its pictures are drawn here.</p>}
+      </div>
+      <div class="pane" role="region" aria-label="What is known">
+        <KnownPane entry={used} drawn={drawn} draw={(files) => change({ ...settings, drawn: files })} options={settings.options ?? {}} />
+      </div>
+    </div>
+  );
+}
+
+/** The colour of a model; that of measurements, 0, is left out. */
+const colourOf = (k: number): number => 1 + (k % 6);
+
+/** What is drawn: during a search its best fit and those that are chosen, otherwise models, and chosen fits of the last search. */
+function drawnNow({ search }: Workspace, models: Drawn[]): Drawn[] {
+  const fits = (search?.drawn ?? []).flatMap((operator, k): Drawn[] => {
+    const text = search!.models.get(operator);
+    return text === undefined ? [] : [fitted(operator, operator, text, colourOf(k + 1))];
+  });
+  if (!search?.isRunning) return [...models, ...fits];
+  return search.best ? [fitted(`best so far: ${search.best.name}`, search.best.name, search.best.text, colourOf(0)), ...fits] : fits;
+}
+
+const fitted = (name: string, operator: string, text: string, colour: number): Drawn =>
+  ({ name, colour, key: text, file: { name: `${operator}.json`, text } });
+
+/** A record as it is read, and as it is used where that differs. */
+function useRecord(entry: RecordEntry): Outcome<Shown> {
+  const { workspace } = useShared();
+  const { from, to } = entry.columns;
+  const changed = from !== undefined || to !== undefined || Object.keys(entry.prepare).length > 0;
+  return useOutcome(JSON.stringify(entry), async (): Promise<Shown> => {
+    const whole = await workspace.inspected(uncut(entry));
+    const used = changed && whole.result.record ? await workspace.prepared(entry) : undefined;
+    return { file: entry.file, whole, used, start: Number(from ?? 0) };
+  });
+}
+
+function RecordDetails({ entry }: { entry: RecordEntry }) {
+  const { value, error } = useRecord(entry);
+  return (
+    <>
+      <Fault text={error} />
+      <Details entry={entry} inspection={value?.whole} prepared={value?.used} />
+    </>
+  );
+}
+
+function Pictured({ entry, models, options }: { entry: RecordEntry; models: Drawn[]; options: Options }) {
+  const { workspace } = useShared();
+  const record = useRecord(entry);
+  const isRead = record.value?.whole.result.record !== undefined && record.value.whole.result.record !== null;
+  const key = isRead ? JSON.stringify([entry, options, models]) : undefined;
+  const runs = useLatest(key, async () => ({
+    of: JSON.stringify(entry),
+    runs: await Promise.all(models.map(async (model): Promise<Run> =>
+      ({ name: model.name, colour: model.colour, answer: await validated(workspace, model, [entry], options) }))),
+  }));
+  // Runs on the record as it was before are not drawn over what it is now.
+  const drawn = useMemo(() => (runs.value?.of === JSON.stringify(entry) ? runs.value.runs : []), [runs.value, JSON.stringify(entry)]);
+  if (!record.value) return record.busy ? <p class="missing">Reading {entry.file}.</p> : null;
+  if (!isRead) return <p class="missing">Choose at the left which channel is the input, and which is the output.</p>;
+  return <PicturePane entry={entry} shown={record.value} runs={drawn} error={runs.error} />;
+}

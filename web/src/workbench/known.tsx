@@ -1,0 +1,203 @@
+// The right of the workbench: the next step, and what is known of the actuator.
+
+import { useEffect } from "preact/hooks";
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import { Outdated } from "../models.tsx";
+import { download } from "../plot/download.ts";
+import { prose, short } from "../plot/ticks.ts";
+import { isTraining, type ModelEntry, type Options, type RecordEntry, withSettings } from "../project.ts";
+import { Fault, Notes, type Outcome, Table, useOutcome, useShared, Verdict } from "../ui.tsx";
+import type { Workspace } from "../workspace.ts";
+import { Ranking } from "./ranking.tsx";
+import { drawnModel, nameOf, validated } from "./runs.ts";
+import { identifiedFrom, identify, type Search, type Trial } from "./search.ts";
+
+interface Props {
+  /** The model that is used. */
+  entry: ModelEntry | undefined;
+  /** Models that are drawn. */
+  drawn: ModelEntry[];
+  draw(files: string[]): void;
+  options: Options;
+}
+
+export function KnownPane({ entry, drawn, draw, options }: Props) {
+  const { workspace } = useShared();
+  const { records, models } = workspace.project;
+  const { search } = workspace;
+  return (
+    <>
+      {search?.isRunning && <Running search={search} />}
+      {entry && !search?.isRunning && <Model key={entry.file} entry={entry} options={options} records={records} drawn={drawn} />}
+      {!search?.isRunning && <Identify hasModel={models.length > 0} />}
+      {models.length > 1 && <Models entry={entry} drawn={drawn} draw={draw} />}
+    </>
+  );
+}
+
+/** The identification as it runs. */
+function Running({ search }: { search: Search }) {
+  return (
+    <section aria-label="The search">
+      <h2>The search</h2>
+      <p role="status">{search.best ? `Best so far: ${search.best.name}` : "Identifying."}</p>
+      {search.trials.length > 0 && <Ranking trials={search.trials} search={search} />}
+    </section>
+  );
+}
+
+/** What is identified, how, and its start. */
+function Identify({ hasModel }: { hasModel: boolean }) {
+  const { workspace, lists } = useShared();
+  const { records, settings } = workspace.project;
+  const { small, large, all } = identifiedFrom(records);
+  const names = (entries: RecordEntry[]) => entries.map((entry) => entry.file).join(", ");
+  return (
+    <section aria-label="Identification">
+      <h2>{hasModel ? "Identify again" : "Next: identify"}</h2>
+      {all.length > 0
+        ? <p>{large.length > 0 && `Large signals: ${names(large)}. `}{small.length > 0 && `Small signals: ${names(small)}.`}</p>
+        : <p class="missing">No record is marked for identification: choose its use at the left.</p>}
+      <div class="row">
+        <button type="button" class={hasModel ? "" : "main"} disabled={all.length === 0} onClick={() => void identify(workspace)}>Identify</button>
+      </div>
+      <Fault text={workspace.search?.error} />
+      <details>
+        <summary>Operators, effort, order</summary>
+        <Form
+          rows={optionsOf(lists, "identify")}
+          values={settings["identify"] ?? {}}
+          change={(next) => workspace.change((project) => withSettings(project, "identify", next))}
+          names={{ operator: [{ name: "auto", summary: "all that suit the records" }, ...lists.operators] }}
+          first={["operator", "effort", "method", "order", "creep"]}
+        />
+      </details>
+    </section>
+  );
+}
+
+/** The proof of a model on records that it was not identified from; the verdict is kept with the model. */
+function useProof(entry: ModelEntry, records: RecordEntry[], options: Options): Outcome<any> & { proof: RecordEntry[] } {
+  const { workspace } = useShared();
+  const unseen = records.filter((one) => one.use !== "none" && !isTraining(entry, one));
+  const meant = unseen.filter((one) => one.use === "validation");
+  const proof = meant.length > 0 ? meant : unseen;
+  const key = proof.length > 0 ? JSON.stringify([entry.file, proof, options]) : undefined;
+  const outcome = useOutcome(key, () => validated(workspace, drawnModel(entry, 1), proof, options));
+  const sentence = outcome.value?.result.sentence;
+  useEffect(() => {
+    if (!sentence || entry.validated === sentence) return;
+    workspace.amend((project) => ({
+      ...project, models: project.models.map((one) => (one.file === entry.file ? { ...one, validated: sentence } : one)),
+    }));
+  }, [sentence]);
+  return { ...outcome, proof };
+}
+
+const percent = (value: number): string => `${short(Number(value.toPrecision(2)))} %`;
+
+/** What is known of a model: the verdict, then the figures, then the details. */
+function Model({ entry, options, records, drawn }: { entry: ModelEntry; options: Options; records: RecordEntry[]; drawn: ModelEntry[] }) {
+  const { workspace } = useShared();
+  const read = useOutcome(entry.file, async () => JSON.parse(new TextDecoder().decode(await workspace.bytes(entry.file))));
+  const proof = useProof(entry, records, options);
+  const trials: Trial[] = read.value?.fit?.trials ?? [];
+  const parameters: { name: string; value: number; error: number }[] = read.value?.fit?.parameters ?? [];
+  const { search } = workspace;
+  const files: any[] = proof.value?.result.files ?? [];
+  const save = async () => download(entry.file, (await workspace.bytes(entry.file)) as BlobPart, "application/json");
+  return (
+    <section aria-label={`Model ${nameOf(entry)}`}>
+      <h2>{nameOf(entry)}</h2>
+      <Verdict text={entry.validated ?? entry.verdict} />
+      {proof.proof.length === 0 && <p class="help">Not proven on a record that it has not seen: add one, with the use \u201cvalidate\u201d.</p>}
+      <Fault text={read.error ?? proof.error} />
+      <Outdated entry={entry} />
+      <div class="row">
+        <a class="button main" href="#compensate">Compensate a path</a>
+        <a class="button" href="#export">Export</a>
+      </div>
+      {files.length > 0 && (
+        <dl class="errors" aria-label="Errors on records that it has not seen, of the stroke">
+          {files.map((one, k) => (
+            <div key={proof.proof[k]?.file}>
+              <dt>{proof.proof[k]?.file}</dt>
+              <dd><b>{percent(one.rms_pp_percent)}</b>{one.floor && <small> noise {percent(one.floor.rms_pp_percent)}</small>}</dd>
+            </div>
+          ))}
+        </dl>
+      )}
+      {trials.length > 1 && <Ranking trials={trials} search={search?.result === entry.file ? search : undefined} />}
+      <details>
+        <summary>Parameters and notes</summary>
+        <p>{prose(entry.summary)}</p>
+        {entry.validated && <p>When it was identified: {prose(entry.verdict)}</p>}
+        {parameters.length > 0 && (
+          <Table caption="Parameters with standard errors" head={["Parameter", "Value", "Standard error"]}
+            rows={parameters.map(({ name, value, error }) => [name, short(value), short(error)])} />
+        )}
+        <Notes title="" notes={entry.notes} />
+      </details>
+      <div class="row">
+        <button type="button" onClick={() => void save()}>Download the model</button>
+        {proof.proof.length > 0 && <Report models={drawn.includes(entry) ? drawn : [entry]} records={proof.proof} options={options} />}
+      </div>
+    </section>
+  );
+}
+
+/** The report of a model, or the page that compares several. */
+function Report({ models, records, options }: { models: ModelEntry[]; records: RecordEntry[]; options: Options }) {
+  const { workspace } = useShared();
+  const call = models.length > 1 ? "compare" : "report";
+  const make = async () => {
+    const data = await workspace.sources(records);
+    const model = models.map((one) => one.file);
+    const answer = await workspace.run({
+      name: `${call} ${model.join(", ")}`,
+      request: { call, options, records: data.records, files: { model, data: records.map((one) => one.file) } },
+      files: [...(await Promise.all(model.map((file) => workspace.file(file)))), ...data.files],
+    });
+    for (const file of answer.files) download(file.name, file.bytes as BlobPart, "text/html");
+  };
+  return (
+    <button type="button" onClick={() => make().catch((error) => workspace.failed(error))}>
+      {models.length > 1 ? "Page that compares them" : `Report of ${nameOf(models[0]!)}`}
+    </button>
+  );
+}
+
+/** The models of the project: which is used, and which are drawn. */
+function Models({ entry, drawn, draw }: Pick<Props, "entry" | "drawn" | "draw">) {
+  const { workspace } = useShared();
+  const { models } = workspace.project;
+  const toggle = (file: string, on: boolean) =>
+    draw(models.map((one) => one.file).filter((one) => (one === file ? on : drawn.some((other) => other.file === one))));
+  return (
+    <section aria-label="Models">
+      <h2>Models</h2>
+      <ul class="models">
+        {models.map((one) => (
+          <li key={one.file} class={one === entry ? "marked" : ""}>
+            <input type="checkbox" aria-label={`Draw ${one.file}`} checked={drawn.includes(one)} onChange={(event) => toggle(one.file, event.currentTarget.checked)} />
+            <button type="button" class="link" aria-pressed={one === entry} onClick={() => use(workspace, one)}>{one.file}</button>
+            <button type="button" class="quiet" aria-label={`Remove ${one.file}`} title="Remove" onClick={() => remove(workspace, one)}>{"\u00d7"}</button>
+            <small>{prose(one.validated ?? (one.verdict || one.summary))}</small>
+          </li>
+        ))}
+      </ul>
+    </section>
+  );
+}
+
+const use = (workspace: Workspace, { file }: ModelEntry) => workspace.change((project) => ({ ...project, model: file }));
+
+function remove(workspace: Workspace, { file }: ModelEntry): void {
+  workspace.change((project) => {
+    const { model: _, ...others } = project;
+    const models = project.models.filter((one) => one.file !== file);
+    const last = models.at(-1)?.file;
+    return { ...others, models, ...(last !== undefined && { model: last }) };
+  });
+}

@@ -1,0 +1,191 @@
+// The left of the workbench: the records with their use, and how the one that is shown is read.
+
+import { useRef } from "preact/hooks";
+import { taken } from "../app.tsx";
+import { example } from "../example.ts";
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import type { Answer } from "../packet.ts";
+import { short, si, unit } from "../plot/ticks.ts";
+import { filesOf, type RecordEntry, type Use } from "../project.ts";
+import { Notes, useOutcome, useShared } from "../ui.tsx";
+import { uncut } from "./cut.ts";
+
+const USES: [Use, string][] = [
+  ["training", "identify: large signal"],
+  ["small-signal", "identify: small signal"],
+  ["validation", "validate"],
+  ["none", "not used"],
+];
+
+/** Where files are dropped or chosen; large while there is no record. */
+export function Drop() {
+  const { workspace } = useShared();
+  const input = useRef<HTMLInputElement>(null);
+  const first = workspace.project.records.length === 0;
+  return (
+    <div class={first ? "drop first" : "drop"}>
+      <p>
+        {first ? "Drop measured records here: " : "Drop more here, or "}
+        {first && "CSV of any kind, MATLAB, HDF5, TDMS, NumPy, oscilloscopes. A record holds the voltage and the displacement. "}
+      </p>
+      <button type="button" class={first ? "main" : ""} onClick={() => input.current?.click()}>Choose files</button>
+      {first && <button type="button" onClick={() => void example(workspace)}>Open the example</button>}
+      <input
+        ref={input}
+        type="file"
+        multiple
+        hidden
+        aria-label="Data files"
+        onChange={(event) => {
+          const files = [...(event.currentTarget.files ?? [])];
+          event.currentTarget.value = "";
+          void taken(files, workspace);
+        }}
+      />
+      {!workspace.store.own && <Folder />}
+    </div>
+  );
+}
+
+/** Files of the project folder that are no records of the project yet. */
+function Folder() {
+  const { workspace } = useShared();
+  const { records } = workspace.project;
+  const found = useOutcome(JSON.stringify(records.map((one) => one.file)), () => workspace.store.names());
+  const known = new Set(filesOf(workspace.project));
+  const names = (found.value ?? []).filter((name) => !known.has(name) && !NO_RECORDS.test(name));
+  const add = (some: string[]) => workspace.addStored(some.map((file) => ({ file, use: "training" }))).catch((error) => workspace.failed(error));
+  return names.length === 0 ? null : (
+    <details open={records.length === 0 && names.length <= 12}>
+      <summary>{names.length} more {names.length === 1 ? "file" : "files"} in the project folder</summary>
+      <div class="row">
+        {names.map((name) => <button key={name} type="button" class="choice" onClick={() => void add([name])}>Add {name}</button>)}
+        {names.length > 1 && <button type="button" onClick={() => void add(names)}>Add all</button>}
+      </div>
+    </details>
+  );
+}
+
+/** Files with these endings are no records. */
+const NO_RECORDS = /^\.|\.(json|zip|html|md|toml|png|svg|pdf|py|m|c|h)$/i;
+
+/** The records, each with its state and use. */
+export function Records({ shown }: { shown: RecordEntry | undefined }) {
+  const { workspace } = useShared();
+  const { records } = workspace.project;
+  const remove = (file: string) =>
+    workspace.change((project) => ({ ...project, records: project.records.filter((one) => one.file !== file) }));
+  return (
+    <ul class="records" aria-label="Records and their use">
+      {records.map((entry) => (
+        <li key={entry.file} class={entry === shown ? "marked" : ""}>
+          <button type="button" class="link" aria-pressed={entry === shown}
+            onClick={() => workspace.change((project) => ({ ...project, record: entry.file }))}>
+            {entry.file}
+          </button>
+          <State entry={entry} />
+          <select aria-label={`Use of ${entry.file}`} value={entry.use}
+            onChange={(event) => workspace.tell({ ...entry, use: event.currentTarget.value as Use })}>
+            {USES.map(([use, title]) => <option key={use} value={use}>{title}</option>)}
+          </select>
+          <button type="button" class="quiet" aria-label={`Remove ${entry.file}`} title="Remove" onClick={() => remove(entry.file)}>{"\u00d7"}</button>
+        </li>
+      ))}
+    </ul>
+  );
+}
+
+/** Whether a record can be used. */
+function State({ entry }: { entry: RecordEntry }) {
+  const { workspace } = useShared();
+  const inspection = useOutcome(JSON.stringify(uncut(entry)), () => workspace.inspected(uncut(entry)));
+  const count = inspection.value?.result.problems.length ?? 0;
+  if (inspection.error) return <small class="bad">cannot be read</small>;
+  if (!inspection.value) return <small>{"\u2026"}</small>;
+  if (!inspection.value.result.record) return <small class="bad">roles not decided</small>;
+  return <small>{count === 0 ? "read" : `read; ${count} ${count === 1 ? "problem" : "problems"}`}</small>;
+}
+
+interface Channel {
+  name: string;
+  unit: string;
+  samples: number;
+  low: number;
+  high: number;
+  role: "time" | "input" | "output" | null;
+  flaw: string | null;
+}
+
+const ROLES = { time: "time_col", input: "input_col", output: "output_col" } as const;
+
+/** How the shown record is read and prepared. */
+export function Details({ entry, inspection, prepared }: { entry: RecordEntry; inspection: Answer | undefined; prepared: Answer | undefined }) {
+  const { workspace, lists } = useShared();
+  const result = inspection?.result;
+  const record = result?.record;
+  const rows = lists.columns.filter((row) => !Object.values(ROLES).includes(row.name as "time_col"));
+  return (
+    <>
+      <h2>{entry.file}</h2>
+      {record && (
+        <p>
+          {result.format}, {record.samples.toLocaleString("en")} samples, {si(record.duration, "s")}, one every{" "}
+          {si(record.ts, "s")}; input in {unit(record.units.u)}, output in {unit(record.units.y)}
+        </p>
+      )}
+      {result && <Notes title="Problems" notes={result.problems} />}
+      {result?.channels && (
+        <details open={!record}>
+          <summary>Channels</summary>
+          <Channels entry={entry} channels={result.channels} />
+        </details>
+      )}
+      <details>
+        <summary>Units, rate and part</summary>
+        <Form rows={rows} values={entry.columns} change={(values) => workspace.tell({ ...entry, columns: values })}
+          first={["input_unit", "output_unit", "input_scale", "output_scale", "from", "to"]} />
+      </details>
+      <details>
+        <summary>Preparation</summary>
+        <p class="help">Changes of the record before the identification. The file stays as it is.</p>
+        <Form rows={optionsOf(lists, "prepare")} values={entry.prepare} change={(prepare) => workspace.tell({ ...entry, prepare })}
+          first={["detrend", "outliers", "decimate", "delay"]} />
+      </details>
+      <details open={prepared !== undefined}>
+        <summary>{prepared ? "Preparation of this record" : "How it is read"}</summary>
+        <Notes title="" notes={(prepared ?? inspection)?.result.history ?? []} />
+      </details>
+    </>
+  );
+}
+
+function Channels({ entry, channels }: { entry: RecordEntry; channels: Channel[] }) {
+  const { workspace } = useShared();
+  const choose = (channel: Channel, k: number, role: string) => {
+    const columns = { ...entry.columns };
+    for (const option of Object.values(ROLES)) {
+      if (columns[option] === channel.name || columns[option] === String(k + 1)) delete columns[option];
+    }
+    const named = channels.filter((one) => one.name === channel.name).length === 1;
+    if (role) columns[ROLES[role as keyof typeof ROLES]] = named ? channel.name : String(k + 1);
+    workspace.tell({ ...entry, columns });
+  };
+  return (
+    <>
+      <p class="help">The roles are guessed from names, units and values. Choose others where they are wrong.</p>
+      <ul class="channels">
+        {channels.map((channel, k) => (
+          <li key={k}>
+            <b>{channel.name || `column ${k + 1}`}</b>
+            <select aria-label={`Role of ${channel.name}`} value={channel.role ?? ""} onChange={(event) => choose(channel, k, event.currentTarget.value)}>
+              <option value="">not used</option>
+              {Object.keys(ROLES).map((role) => <option key={role} value={role}>{role}</option>)}
+            </select>
+            <small>{short(channel.low)} to {short(channel.high)} {unit(channel.unit ?? "")}{channel.flaw && `; ${channel.flaw}`}</small>
+          </li>
+        ))}
+      </ul>
+    </>
+  );
+}

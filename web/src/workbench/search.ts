@@ -1,0 +1,101 @@
+// The identification that is under way, or that was the last: it goes on while another view is shown.
+
+import { Cancelled } from "../packet.ts";
+import type { RecordEntry } from "../project.ts";
+import type { Workspace } from "../workspace.ts";
+
+/** What is known of an operator: while it is fitted its held-out error, in the end all. */
+export interface Trial {
+  operator: string;
+  parameters?: number;
+  held_out_percent?: number | null;
+  free_run_percent?: number | null;
+  /** The larger of the two, by which operators are ranked. */
+  error_percent?: number | null;
+  verdict?: string;
+}
+
+/** An identification. */
+export interface Search {
+  isRunning: boolean;
+  error?: string;
+  trials: Trial[];
+  /** Files of the models of operators that are fitted, by operator. */
+  models: Map<string, string>;
+  /** The file of the best model so far, and what it is of. */
+  best?: { name: string; text: string };
+  /** Held-out errors or costs in the order of the fits. */
+  errors: number[];
+  costs: number[];
+  /** Operators that are drawn beside the best. */
+  drawn: string[];
+  /** The name of the model that came of it. */
+  result?: string;
+}
+
+/** The error of an operator; while it is fitted, the held-out error alone is known. */
+export const errorOf = (trial: Trial): number => trial.error_percent ?? trial.held_out_percent ?? Infinity;
+
+/** The records of an identification. */
+export const identifiedFrom = (records: RecordEntry[]) => {
+  const small = records.filter((entry) => entry.use === "small-signal");
+  const large = records.filter((entry) => entry.use === "training");
+  return { small, large, all: [...small, ...large] };
+};
+
+/** Identifies a model and adds it to the project. Cancelled, the best model until then is added. */
+export async function identify(workspace: Workspace): Promise<void> {
+  const search: Search = { isRunning: true, trials: [], models: new Map(), errors: [], costs: [], drawn: [] };
+  workspace.search = search;
+  workspace.changed();
+  try {
+    await searched(workspace, search);
+  } catch (error) {
+    if (!(error instanceof Cancelled)) search.error = error instanceof Error ? error.message : String(error);
+  } finally {
+    search.isRunning = false;
+    workspace.changed();
+  }
+}
+
+async function searched(workspace: Workspace, search: Search): Promise<void> {
+  const { small, large, all } = identifiedFrom(workspace.project.records);
+  const names = (entries: RecordEntry[]) => entries.map((entry) => entry.file);
+  const { files, records } = await workspace.sources(all);
+  const options = workspace.project.settings["identify"] ?? {};
+  const cancelled = async (error: unknown): Promise<never> => {
+    if (error instanceof Cancelled && search.best) {
+      search.result = await workspace.addModel({ name: "cancelled.json", bytes: new TextEncoder().encode(search.best.text) }, {
+        summary: "", verdict: "The search was cancelled: this is the best model until then.", notes: [], from: all,
+      });
+    }
+    throw error;
+  };
+  const answer = await workspace.run({
+    name: "identify",
+    request: { call: "identify", options, records, files: { small_signal: names(small), large_signal: names(large) } },
+    files,
+    onStage: (stage) => followed(search, stage),
+  }).catch(cancelled);
+  const [file] = answer.files;
+  if (!file) return;
+  const { model, sentence, notes, reasons, found } = answer.result;
+  search.result = await workspace.addModel({ name: `${found.operator}.json`, bytes: file.bytes }, {
+    summary: model, verdict: sentence ?? "", notes: [...(notes ?? []), ...(reasons ?? [])], from: all,
+  });
+}
+
+/** Takes up a stage of the search. */
+function followed(search: Search, { what, figures, model }: { what: string; figures: Record<string, number>; model?: string }): void {
+  const { held_out_percent: error, cost } = figures;
+  if (cost !== undefined) search.costs.push(cost);
+  if (error !== undefined) {
+    if (Number.isFinite(error)) search.errors.push(error);
+    const known = search.trials.find((one) => one.operator === what);
+    if (known) Object.assign(known, figures);
+    else search.trials.push({ operator: what, ...figures });
+    search.trials.sort((a, b) => errorOf(a) - errorOf(b));
+    if (model !== undefined) search.models.set(what, model);
+  }
+  if (model !== undefined) search.best = { name: what, text: model };
+}
