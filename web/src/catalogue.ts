@@ -48,6 +48,7 @@ export interface Lists {
     wipes_out: boolean;
     class: string;
     learned: boolean;
+    picture: string;
   }[];
   excitations: {
     name: string;

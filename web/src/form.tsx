@@ -3,6 +3,7 @@
 import { useId } from "preact/hooks";
 import { membersOf, type OptionRow } from "./lists.ts";
 import { prose, unit } from "./plot/ticks.ts";
+import { type Pickable, PickList } from "./pick.tsx";
 import type { Options } from "./project.ts";
 import { Entry, useShared } from "./ui.tsx";
 import { helpOf, spoken } from "./words.ts";
@@ -12,7 +13,7 @@ interface Props {
   values: Options;
   change(values: Options): void;
   /** Names that are offered for options of this name, in place of the members of their lists. */
-  names?: Record<string, { name: string; summary: string }[]>;
+  names?: Record<string, Pickable[]>;
   /** Options that are shown outside their groups, which are closed otherwise. */
   first?: string[];
 }
@@ -51,7 +52,7 @@ interface FieldProps {
   row: OptionRow;
   value: unknown;
   set(value: unknown): void;
-  names?: { name: string; summary: string }[] | undefined;
+  names?: Pickable[] | undefined;
 }
 
 function Field({ row, value, set, names }: FieldProps) {
@@ -90,6 +91,12 @@ function Field({ row, value, set, names }: FieldProps) {
       </div>
     );
   }
+  const picked = (Array.isArray(value) ? value : [value ?? usual]).map(String);
+  const pick = (name: string) => {
+    if (row.kind !== "texts") return set(name === usual ? undefined : name);
+    const others = (Array.isArray(value) ? value : []).filter((one) => one !== name);
+    set(picked.includes(name) ? (others.length > 0 ? others : undefined) : [...others, name]);
+  };
   const shown = Array.isArray(value) ? value.join(row.kind === "pair" ? " to " : ", ") : String(value ?? "");
   return (
     <div class="field">
@@ -109,6 +116,7 @@ function Field({ row, value, set, names }: FieldProps) {
         </datalist>
       )}
       {help}
+      {names?.some(({ picture }) => picture) && <PickList members={names} picked={picked} pick={pick} />}
     </div>
   );
 }

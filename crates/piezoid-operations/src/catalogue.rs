@@ -1,7 +1,7 @@
 //! The catalogue: all operations with their options, and all families of the library, as a document for menus, forms,
 //! lists and generated pages.
 
-use crate::Operation;
+use crate::{Operation, picture};
 use piezoid::control::{CONTROLLERS, ControllerKind, FEED_FORWARDS, FeedForwardKind, REFERENCES, Reference};
 use piezoid::excitation::{ACTUATORS, Actuator, Amplifier, DRIVERS, EXCITATIONS, Excitation};
 use piezoid::formats::{ColumnSelection, FORMATS, Format};
@@ -22,7 +22,7 @@ pub struct Catalogue {
     /// The options of data files.
     pub columns: Vec<OptionRow>,
     /// The hysteresis operators.
-    pub operators: &'static [&'static Operator],
+    pub operators: Vec<OperatorRow>,
     /// The drive signals, with their options.
     pub excitations: &'static [Excitation],
     /// The simulated actuators.
@@ -43,6 +43,16 @@ pub struct Catalogue {
     pub formats: &'static [Format],
     /// The methods that the study compares.
     pub methods: &'static [StudyMethod],
+}
+
+/// An operator, with its picture.
+#[derive(Debug, Clone, Serialize)]
+pub struct OperatorRow {
+    /// The operator.
+    #[serde(flatten)]
+    pub operator: &'static Operator,
+    /// The loop of a typical one: path data of an SVG of 96 by 64.
+    pub picture: String,
 }
 
 /// A feed-forward or a feedback.
@@ -67,7 +77,7 @@ pub fn catalogue() -> Catalogue {
     Catalogue {
         operations: Operation::all().collect(),
         columns: ColumnSelection::rows(),
-        operators: OPERATORS,
+        operators: OPERATORS.iter().map(|operator| OperatorRow { operator, picture: picture::of(operator) }).collect(),
         excitations: EXCITATIONS,
         plants: PLANTS,
         drivers: DRIVERS,

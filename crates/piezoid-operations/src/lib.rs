@@ -25,10 +25,12 @@
 mod catalogue;
 mod modules;
 mod packet;
+#[cfg(feature = "catalogue")]
+mod picture;
 mod request;
 
 #[cfg(feature = "catalogue")]
-pub use catalogue::{Catalogue, ControlRow, catalogue};
+pub use catalogue::{Catalogue, ControlRow, OperatorRow, catalogue};
 pub use packet::{answered, moves, refused};
 pub use request::{Inputs, Request};
 

@@ -3,6 +3,7 @@
 import { useState } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
+import { operatorsOf } from "../pick.tsx";
 import type { Answer, File } from "../packet.ts";
 import type { Options } from "../project.ts";
 import { Fault, Section, Stale, useKept, useSettings, useShared } from "../ui.tsx";
@@ -81,7 +82,7 @@ export function CampaignView() {
         <Section title="Measure, identify and straighten an actuator" wide
           help="A controller plays the drives of a plan in open loop and records. A model is identified, and a path is measured with the voltages of a straight line and with those of the model. The actuator moves over the whole range, once you have agreed.">
           <Form rows={rows} values={values} change={change}
-            names={{ operator: [{ name: "auto", summary: "all that suit the records" }, ...lists.operators] }}
+            names={{ operator: operatorsOf(lists) }}
             first={["host", "port", "axis", "actuator", "driver", "range", "bandwidth", "wait"]} />
           <Choices values={values} change={change} before={before} continues={continues} />
           <div class="row">

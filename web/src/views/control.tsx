@@ -5,6 +5,7 @@ import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import { ModelChoice } from "../models.tsx";
 import type { Answer } from "../packet.ts";
+import { withSchemes } from "../pick.tsx";
 import { short } from "../plot/ticks.ts";
 import { ReferenceForm, useReference } from "../reference.tsx";
 import { runsFigure, type Scheme, type Reference } from "../schemes.ts";
@@ -46,7 +47,7 @@ function Comparison({ model }: { model: string }) {
         <ModelChoice />
         <Form rows={optionsOf(lists, "control")} values={options} change={change}
           names={{
-            controller: [...feedForwards, ...both, ...pairs],
+            controller: withSchemes([...feedForwards, ...both, ...pairs]),
             reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),
           }}
           first={["plant", "controller", "reference", "amplitude", "noise"]} />

@@ -5,6 +5,7 @@ import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import { Outdated } from "../models.tsx";
 import { download } from "../plot/download.ts";
+import { operatorsOf } from "../pick.tsx";
 import { prose, short } from "../plot/ticks.ts";
 import { isTraining, type ModelEntry, type Options, type RecordEntry, withSettings } from "../project.ts";
 import { Fault, Notes, type Outcome, Table, useOutcome, useShared, Verdict } from "../ui.tsx";
@@ -69,7 +70,7 @@ function Identify({ hasModel }: { hasModel: boolean }) {
           rows={optionsOf(lists, "identify")}
           values={settings["identify"] ?? {}}
           change={(next) => workspace.change((project) => withSettings(project, "identify", next))}
-          names={{ operator: [{ name: "auto", summary: "all that suit the records" }, ...lists.operators] }}
+          names={{ operator: operatorsOf(lists) }}
           first={["operator", "effort", "method", "order", "creep"]}
         />
       </details>
