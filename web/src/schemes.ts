@@ -1,7 +1,8 @@
 // Schemes of control along a reference, as the library answers and as they are drawn.
 
 import type { Answer } from "./packet.ts";
-import { ends, type Figure, type Series } from "./plot/figure.ts";
+import { ends } from "./plot/extents.ts";
+import type { Figure, Series } from "./plot/figure.ts";
 
 /** A reference of a comparison. */
 export interface Reference {

@@ -5,13 +5,13 @@ import { useContext, useEffect, useId, useRef, useState } from "preact/hooks";
 import { zipped } from "./archive.ts";
 import type { Lists } from "./lists.ts";
 import { Cancelled, type File } from "./packet.ts";
-import type { Figure } from "./plot/figure.ts";
 import { download } from "./plot/download.ts";
-import { Plot } from "./plot/plot.ts";
 import { prose, short } from "./plot/ticks.ts";
 import { type Options, withSettings } from "./project.ts";
 import { worded } from "./words.ts";
 import type { Workspace } from "./workspace.ts";
+
+export { Chart, Overview } from "./chart.tsx";
 
 /** What every view can reach. */
 export interface Shared {
@@ -95,24 +95,6 @@ export function useWork<T>(): Outcome<T> & { start(work: () => Promise<T>): void
 }
 
 export const message = (error: unknown): string => (error instanceof Error ? error.message : String(error));
-
-/** A figure, with its caption; without it, where a heading says the same. */
-export function Chart(props: { figure: Figure; height?: number; bare?: boolean }) {
-  const host = useRef<HTMLDivElement>(null);
-  const plot = useRef<Plot | undefined>(undefined);
-  useEffect(() => {
-    plot.current = new Plot(host.current!, props.figure);
-    return () => plot.current?.close();
-  }, []);
-  useEffect(() => plot.current?.set(props.figure), [props.figure]);
-  const size = props.height ?? (props.figure.panels.length > 1 ? 420 : 300);
-  return (
-    <figure class="chart">
-      <figcaption class={props.bare ? "unseen" : ""}>{props.figure.title}</figcaption>
-      <div ref={host} style={{ "--height": `${size}px` }} />
-    </figure>
-  );
-}
 
 /** A field of text, and what is said of it to the browser. */
 interface EntryProps {

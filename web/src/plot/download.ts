@@ -1,8 +1,8 @@
 // What is handed out of a plot.
 
-import { type Axis, type Figure, place, type Series } from "./figure.ts";
+import { type Axis, type Figure, partsOf, place, type Series } from "./figure.ts";
 
-/** The samples of all series as CSV: of each series its x and its y. */
+/** The samples of all series as CSV: of each series its x and its y, of its parts one after the other. */
 export function csv(figure: Figure): string {
   const all = figure.panels.flatMap((panel) => panel.series.map((series) => ({ panel, series })));
   const { x } = figure;
@@ -13,18 +13,25 @@ export function csv(figure: Figure): string {
   const called = (axis: Axis) => (axis.unit ? `${axis.label} [${axis.unit}]` : axis.label);
   const head = all.flatMap(({ panel, series }) => [
     cell(called(x)),
-    cell(series.name ? `${series.name}: ${called(panel.y)}` : called(panel.y)),
+    cell([panel.title, series.name, called(panel.y)].filter(Boolean).join(": ")),
   ]);
   // Samples to the bit, empty at breaks; `start + k * step` without its last digits.
   const number = (value: number) => (Number.isNaN(value) ? "" : String(value));
   const across = (series: Series, k: number) =>
     number(series.x ? place(series, k) : Number(place(series, k).toPrecision(15)));
-  const longest = Math.max(0, ...all.map(({ series }) => series.y.length));
+  // The samples of each series; -1 is a break between parts.
+  const columns = all.map(({ series }) => ({
+    series,
+    samples: partsOf(series).flatMap(([from, to], k) => [...(k > 0 ? [-1] : []), ...Array.from({ length: to - from }, (_, n) => from + n)]),
+  }));
+  const longest = columns.reduce((most, { samples }) => Math.max(most, samples.length), 0);
   const rows = [head.join(",")];
-  for (let k = 0; k < longest; k++) {
-    const pair = ({ series }: { series: Series }) =>
-      k < series.y.length ? `${across(series, k)},${number(series.y[k]!)}` : ",";
-    rows.push(all.map(pair).join(","));
+  for (let row = 0; row < longest; row++) {
+    const pair = ({ series, samples }: (typeof columns)[number]) => {
+      const k = samples[row] ?? -1;
+      return k < 0 ? "," : `${across(series, k)},${number(series.y[k]!)}`;
+    };
+    rows.push(columns.map(pair).join(","));
   }
   return `${rows.join("\n")}\n`;
 }

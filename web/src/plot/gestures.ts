@@ -1,6 +1,6 @@
 // What a hand does on a canvas: wheel, drag, pinch, keys.
 
-import type { Point } from "./cursor.ts";
+import type { Point } from "./frame.ts";
 
 /** What a gesture asks for. Places are in pixels of the canvas. */
 export interface Gestured {
@@ -78,6 +78,7 @@ export function listen(canvas: HTMLCanvasElement, on: Gestured, middle: () => Po
       "=": () => on.change(0.8, place),
       "-": () => on.change(1.25, place),
       "0": () => on.all(),
+      Home: () => on.all(),
     };
     const move = moves[event.key];
     if (!move) return;

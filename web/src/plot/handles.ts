@@ -1,7 +1,7 @@
 // Points that are dragged: buttons over the canvas, so that keys and screen readers reach them.
 
-import { type Frame, pixelX, pixelY, valueX, valueY } from "./draw.ts";
 import type { Figure, Handle } from "./figure.ts";
+import { type Frame, pixelX, pixelY, valueX, valueY } from "./frame.ts";
 import { short } from "./ticks.ts";
 
 /** The handles of a plot, on its stage. */

@@ -1,20 +1,27 @@
 // A plot that answers to the hand: zoom, cursor, legend, handles, download. The same in the page and in reports.
 //
 // Wheel or pinch: zoom about the pointer. Drag: zoom to a box; with Shift, or with a finger, move. Double click or 0: all.
-// Keys on the plot: arrows move, + and - zoom, 0 shows all.
+// Keys on the plot: arrows move, + and - zoom, 0 and Home show all.
 
-import { type Point, reading } from "./cursor.ts";
+import { button, description, legend, names, sized } from "./around.ts";
+import { mark, pointed, type Reading, readingAt, readingLoop, readingThen } from "./cursor.ts";
 import { csv, download } from "./download.ts";
-import { areas, CanvasPen, draw, type Frame, SvgPen, valueX, valueY } from "./draw.ts";
-import { type Figure, type Series, type Span, spanX, spanY } from "./figure.ts";
+import { draw } from "./draw.ts";
+import type { Figure, Span } from "./figure.ts";
+import { areas, type Frame, frameAt, grid, type Point, valueX, valueY } from "./frame.ts";
 import { listen } from "./gestures.ts";
 import { Handles } from "./handles.ts";
-import { COLOURS, darkness, light, themed, themeOf } from "./theme.ts";
+import type { Link } from "./link.ts";
+import { CanvasPen, SvgPen } from "./pens.ts";
+import { spansY, spanX } from "./spans.ts";
+import { darkness, light, type Theme, themed, themeOf } from "./theme.ts";
 
-/** How a plot looks. */
+/** How a plot looks, and what it belongs to. */
 export interface Look {
   /** False if the names of the series stand elsewhere: `hide` shows and hides them. */
   legend?: boolean;
+  /** Plots that share the span of x and the cursor. Loops share the time of their samples instead. */
+  link?: Link | undefined;
 }
 
 /** Draws a figure in an element, and draws it anew when the figure, the size or the theme changes. */
@@ -34,6 +41,8 @@ export class Plot {
   #x: Span | undefined;
   #y: (Span | undefined)[] = [];
   readonly #handles = new Handles(this.#stage);
+  readonly #leave: (() => void) | undefined;
+  #theme: Theme | undefined;
   #drawing = 0;
   #near = false;
 
@@ -63,6 +72,7 @@ export class Plot {
     this.#scrolled.observe(this.#stage);
     darkness.addEventListener("change", this.#themed);
     themed.add(this.#themed);
+    this.#leave = look.link?.join({ redraw: () => this.redraw(), point: (x) => this.#follow(x) });
     this.set(figure);
   }
 
@@ -73,13 +83,15 @@ export class Plot {
     const same = before.x.label === figure.x.label && before.panels.length === figure.panels.length;
     if (!same) [this.#x, this.#y] = [undefined, []];
     this.#canvas.setAttribute("aria-label", description(figure));
-    this.#legends();
+    const shown = names(figure).size > 1 && this.#look.legend !== false;
+    this.#legend.replaceChildren(...(shown ? legend(figure, this.#hidden, () => this.redraw()) : []));
     this.#handles.set(figure.handles ?? []);
     this.redraw();
   }
 
   /** Ends the plot. */
   close(): void {
+    this.#leave?.();
     this.#resized.disconnect();
     this.#scrolled.disconnect();
     darkness.removeEventListener("change", this.#themed);
@@ -110,7 +122,7 @@ export class Plot {
     const theme = light(() => themeOf(this.#host));
     draw(pen, this.#figure, this.#frames, theme, this.#hidden);
     let x = 70;
-    for (const [name, colour] of this.#names()) {
+    for (const [name, colour] of names(this.#figure)) {
       if (this.#hidden.has(name)) continue;
       pen.rectangle(x, height + 6, 16, 4, theme.series[colour % theme.series.length]!);
       pen.text(name, x + 22, height + 12, theme.text, "left");
@@ -125,63 +137,36 @@ export class Plot {
     const { clientWidth: width, clientHeight: height } = this.#stage;
     if (!this.#near || width < 40 || height < 40) return;
     const figure = this.#figure;
-    const x = this.#x ?? spanX(figure, this.#hidden);
+    const { link } = this.#look;
+    const zoomed = link && !figure.loops ? link.span : this.#x;
+    const x = zoomed ?? spanX(figure, this.#hidden);
     const places = areas(figure, width, height);
+    const ys = spansY(figure, x, this.#hidden);
+    this.#stage.style.setProperty("--rows", String(figure.columns ? grid(figure, width).rows : 1));
     this.#frames = figure.panels.map((panel, k) => ({
       panel,
       area: places[k]!,
       x,
-      y: this.#y[k] ?? spanY(figure, panel, x, this.#hidden),
+      y: this.#y[this.#row(k)] ?? ys[k]!,
+      only: figure.loops ? link?.span : undefined,
     }));
-    const pen = new CanvasPen(sized(this.#canvas, width, height));
-    draw(pen, figure, this.#frames, themeOf(this.#host), this.#hidden);
+    this.#theme = themeOf(this.#host);
+    draw(new CanvasPen(sized(this.#canvas, width, height)), figure, this.#frames, this.#theme, this.#hidden);
     sized(this.#cursor, width, height);
     this.#handles.place(figure, this.#frames);
+    if (link?.cursor !== undefined) this.#follow(link.cursor);
   }
 
-  // The legend and the bar.
-
-  #names(): Map<string, number> {
-    const all = this.#figure.panels.flatMap((panel) => panel.series);
-    return new Map(all.filter((series) => series.name).map((series) => [series.name, series.colour ?? 0]));
-  }
-
-  #legends(): void {
-    const style = (one: Series) => (one.dash ? "dashed" : (one.style ?? "line"));
-    const styles = new Map(this.#figure.panels.flatMap((panel) => panel.series).map((one) => [one.name, style(one)]));
-    const names = this.#names();
-    const buttons = [...names].map(([name, colour]) => {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = name;
-      button.className = `series-${colour % COLOURS} ${styles.get(name)}`;
-      button.ariaPressed = String(!this.#hidden.has(name));
-      button.title = "Show or hide";
-      button.onclick = () => {
-        if (!this.#hidden.delete(name)) this.#hidden.add(name);
-        button.ariaPressed = String(!this.#hidden.has(name));
-        this.redraw();
-      };
-      return button;
-    });
-    this.#legend.replaceChildren(...(names.size > 1 && this.#look.legend !== false ? buttons : []));
-  }
+  /** The place of a panel among the spans of y; panels side by side share one. */
+  readonly #row = (k: number) => (this.#figure.columns ? 0 : k);
 
   #bar(): HTMLElement {
     const bar = document.createElement("div");
     bar.className = "bar";
-    const button = (text: string, title: string, act: () => void) => {
-      const result = document.createElement("button");
-      result.type = "button";
-      result.textContent = text;
-      result.title = title;
-      result.onclick = act;
-      return result;
-    };
     const name = (ending: string) => `${this.#figure.title.replace(/[^\p{L}\p{N}]+/gu, "-")}.${ending}`;
     bar.append(
       this.#readout,
-      button("All", "Show all (double click)", () => this.#zoom(undefined, [])),
+      button("All", "Show all (double click)", () => this.#all()),
       button("SVG", "Download the figure as SVG", () => download(name("svg"), this.svg(), "image/svg+xml")),
       button("CSV", "Download the samples as CSV", () => download(name("csv"), csv(this.#figure), "text/csv")),
     );
@@ -191,19 +176,23 @@ export class Plot {
   // Zoom and cursor.
 
   #zoom(x: Span | undefined, y: (Span | undefined)[]): void {
-    this.#x = x;
+    const { link } = this.#look;
     this.#y = y;
+    if (link && !this.#figure.loops) return link.zoom(x);
+    this.#x = x;
     this.redraw();
   }
 
-  #frameAt(y: number): number {
-    const k = this.#frames.findIndex(({ area }) => y <= area.y + area.height + 7);
-    return k < 0 ? this.#frames.length - 1 : k;
+  /** Shows all, and all times of a linked loop. */
+  #all(): void {
+    this.#zoom(undefined, []);
+    this.#look.link?.zoom(undefined);
   }
 
   /** Zooms by a factor about a point, or moves by shares of the span. */
   #change(factor: number, at: Point, move = { x: 0, y: 0 }): void {
-    const frame = this.#frames[this.#frameAt(at.y)];
+    const k = frameAt(this.#frames, at);
+    const frame = this.#frames[k];
     if (!frame) return;
     const figure = this.#figure;
     const { area } = frame;
@@ -216,9 +205,8 @@ export class Plot {
     const x = { from: valueX(figure, frame, left), to: valueX(figure, frame, right) };
     if (!(x.to - x.from > 1e-12 * Math.abs(x.to))) return;
     const y = [...this.#y];
-    const k = this.#frameAt(at.y);
-    if (figure.loops || move.y !== 0 || y[k]) {
-      y[k] = { from: valueY(frame, bottom), to: valueY(frame, top) };
+    if (figure.loops || move.y !== 0 || y[this.#row(k)]) {
+      y[this.#row(k)] = { from: valueY(frame, bottom), to: valueY(frame, top) };
     }
     this.#zoom(x, y);
   }
@@ -231,14 +219,14 @@ export class Plot {
     listen(this.#canvas, {
       change: (factor, at, move) => this.#change(factor, at, move),
       drag: (start, now, way) => {
-        const area = this.#frames[this.#frameAt(start.y)]?.area;
+        const area = this.#frames[frameAt(this.#frames, start)]?.area;
         if (area) this.#change(1, now, { x: way.x / area.width, y: this.#figure.loops ? way.y / area.height : 0 });
       },
       box: (start, now) => this.#box(start, now),
       boxed: (start, now) => this.#boxed(start, now),
       point: (at) => this.#point(at),
-      leave: () => this.#clear(),
-      all: () => this.#zoom(undefined, []),
+      leave: () => this.#left(),
+      all: () => this.#all(),
     }, middle);
   }
 
@@ -247,70 +235,65 @@ export class Plot {
     this.#readout.value = "";
   }
 
+  #left(): void {
+    this.#clear();
+    this.#look.link?.point(undefined);
+  }
+
   #box(from: Point, to: Point): void {
     const context = this.#cursor.getContext("2d");
-    const frame = this.#frames[this.#frameAt(from.y)];
-    if (!context || !frame) return;
+    const frame = this.#frames[frameAt(this.#frames, from)];
+    if (!context || !frame || !this.#theme) return;
     this.#clear();
-    const all = this.#frames.at(-1)!.area;
-    const [top, height] = this.#figure.loops ? [from.y, to.y - from.y] : [8, all.y + all.height - 8];
-    context.fillStyle = themeOf(this.#host).span;
-    context.fillRect(from.x, top, to.x - from.x, height);
+    context.fillStyle = this.#theme.span;
+    if (this.#figure.loops) return context.fillRect(from.x, from.y, to.x - from.x, to.y - from.y);
+    for (const { area } of this.#frames.filter(({ area }) => area.x === frame.area.x)) {
+      context.fillRect(from.x, area.y, to.x - from.x, area.height);
+    }
   }
 
   #boxed(from: Point, to: Point): void {
     this.#clear();
-    const k = this.#frameAt(from.y);
+    const k = frameAt(this.#frames, from);
     const frame = this.#frames[k];
     if (!frame || Math.abs(to.x - from.x) < 5) return;
     const xs = [valueX(this.#figure, frame, from.x), valueX(this.#figure, frame, to.x)].sort((a, b) => a - b);
     const y = [...this.#y];
     if (this.#figure.loops && Math.abs(to.y - from.y) >= 5) {
       const ys = [valueY(frame, from.y), valueY(frame, to.y)].sort((a, b) => a - b);
-      y[k] = { from: ys[0]!, to: ys[1]! };
+      y[this.#row(k)] = { from: ys[0]!, to: ys[1]! };
     }
     this.#zoom({ from: xs[0]!, to: xs[1]! }, y);
   }
 
   /** The cursor: what the series are there. */
   #point(at: Point): void {
-    const context = this.#cursor.getContext("2d");
-    const frame = this.#frames[this.#frameAt(at.y)];
-    if (!context || !frame) return;
-    this.#clear();
+    const frame = this.#frames[frameAt(this.#frames, at)];
+    if (!frame) return;
+    const [figure, { link }] = [this.#figure, this.#look];
     const { area } = frame;
-    if (at.x < area.x || at.x > area.x + area.width) return;
-    const { text, line, ring } = reading(this.#figure, this.#frames, frame, this.#hidden, at);
-    const [first, last] = [this.#frames[0]!.area, this.#frames.at(-1)!.area];
-    context.strokeStyle = themeOf(this.#host).line;
-    context.lineWidth = 1;
-    context.beginPath();
-    if (ring) context.arc(ring.x, ring.y, 4, 0, 2 * Math.PI);
-    if (line !== undefined) {
-      context.moveTo(line, first.y);
-      context.lineTo(line, last.y + last.height);
+    if (at.x < area.x || at.x > area.x + area.width) return this.#left();
+    if (!figure.loops) {
+      const x = pointed(figure, this.#frames, frame, this.#hidden, at);
+      return link ? link.point(x) : this.#show(readingAt(figure, this.#frames, this.#hidden, x));
     }
-    context.stroke();
-    this.#readout.value = text;
+    const reading = readingLoop(figure, frame, this.#hidden, at);
+    link?.point(reading.time);
+    if (!link || reading.time === undefined) this.#show(reading);
   }
-}
 
-/** What a screen reader says of a figure. */
-function description(figure: Figure): string {
-  const panels = figure.panels.map(({ y, series }) => {
-    const names = series.map((one) => one.name).filter(Boolean).join(", ");
-    return `${y.label} [${y.unit}]${names ? `: ${names}` : ""}`;
-  });
-  return `${figure.title}. ${panels.join("; ")} against ${figure.x.label} [${figure.x.unit}]`;
-}
+  /** Puts the cursor where that of the link is. */
+  #follow(x: number | undefined): void {
+    if (x === undefined) return this.#clear();
+    const read = this.#figure.loops ? readingThen : readingAt;
+    this.#show(read(this.#figure, this.#frames, this.#hidden, x));
+  }
 
-/** The drawing context of a canvas with this size in pixels of CSS, cleared. */
-function sized(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
-  const ratio = devicePixelRatio || 1;
-  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
-  if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
-  const context = canvas.getContext("2d")!;
-  context.setTransform(ratio, 0, 0, ratio, 0, 0);
-  context.clearRect(0, 0, width, height);
-  return context;
+  #show(reading: Reading): void {
+    const context = this.#cursor.getContext("2d");
+    if (!context || !this.#theme) return;
+    this.#clear();
+    mark(context, this.#figure, this.#frames, reading, this.#theme);
+    this.#readout.value = reading.text;
+  }
 }

@@ -1,6 +1,15 @@
 // The colours of plots, which come from the style sheet.
 
-import type { Theme } from "./draw.ts";
+/** The colours of a theme. */
+export interface Theme {
+  text: string;
+  grid: string;
+  span: string;
+  mark: string;
+  pale: string;
+  line: string;
+  series: string[];
+}
 
 /** Number of colours of series. */
 export const COLOURS = 8;

@@ -1,0 +1,55 @@
+// What stands around a plot: the names of its series above it, its buttons and the reading below it.
+
+import type { Figure, Series } from "./figure.ts";
+import { COLOURS } from "./theme.ts";
+
+const all = (figure: Figure): Series[] => figure.panels.flatMap((panel) => panel.series);
+
+/** The names of the series, and the numbers of their colours. */
+export const names = (figure: Figure): Map<string, number> =>
+  new Map(all(figure).filter((series) => series.name).map((series) => [series.name, series.colour ?? 0]));
+
+/** A button for each name, which hides and shows its series. */
+export function legend(figure: Figure, hidden: Set<string>, changed: () => void): HTMLButtonElement[] {
+  const style = (one: Series) => (one.dash ? "dashed" : (one.style ?? "line"));
+  const styles = new Map(all(figure).map((one) => [one.name, style(one)]));
+  return [...names(figure)].map(([name, colour]) => {
+    const result = button(name, "Show or hide", () => {
+      if (!hidden.delete(name)) hidden.add(name);
+      result.ariaPressed = String(!hidden.has(name));
+      changed();
+    });
+    result.className = `series-${colour % COLOURS} ${styles.get(name)}`;
+    result.ariaPressed = String(!hidden.has(name));
+    return result;
+  });
+}
+
+export function button(text: string, title: string, act: () => void): HTMLButtonElement {
+  const result = document.createElement("button");
+  result.type = "button";
+  result.textContent = text;
+  result.title = title;
+  result.onclick = act;
+  return result;
+}
+
+/** What a screen reader says of a figure. */
+export function description(figure: Figure): string {
+  const panels = figure.panels.map(({ title, y, series }) => {
+    const names = series.map((one) => one.name).filter(Boolean).join(", ");
+    return `${title ? `${title}, ` : ""}${y.label} [${y.unit}]${names ? `: ${names}` : ""}`;
+  });
+  return `${figure.title}. ${panels.join("; ")} against ${figure.x.label} [${figure.x.unit}]`;
+}
+
+/** The drawing context of a canvas with this size in pixels of CSS, cleared. */
+export function sized(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
+  const ratio = devicePixelRatio || 1;
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+  const context = canvas.getContext("2d")!;
+  context.setTransform(ratio, 0, 0, ratio, 0, 0);
+  context.clearRect(0, 0, width, height);
+  return context;
+}
