@@ -37,6 +37,9 @@ globalThis.host = (width, height, name = "plot") => {
   document.querySelector("main").append(element);
   return element;
 };
+globalThis.drawn = async (...all) => {
+  while (!all.every((plot) => plot.svg().includes("<path"))) await frame();
+};
 globalThis.frame = () => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
 `;
 
@@ -48,7 +51,8 @@ export async function plotPage(browser, options = {}) {
   });
   const page = await browser.newPage({ viewport: { width: 1280, height: 900 }, ...options });
   const faults = [];
-  page.on("console", (message) => faults.push(message.text()));
+  // Tests read what is drawn, which the browser finds slow.
+  page.on("console", (message) => message.text().includes("willReadFrequently") || faults.push(message.text()));
   page.on("pageerror", (error) => faults.push(error.message));
   const style = readFileSync(new URL("../style.css", import.meta.url), "utf8");
   await page.setContent(`<!doctype html><html lang="en"><title>Plots</title><style>${style}</style>

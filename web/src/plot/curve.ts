@@ -1,6 +1,6 @@
 // The curve of a series in a panel.
 
-import { crowd, density } from "./density.ts";
+import { APART, crowd, density } from "./density.ts";
 import { ends } from "./extents.ts";
 import { type Figure, place, type Series } from "./figure.ts";
 import { type Frame, pixelX, pixelY, valueX } from "./frame.ts";
@@ -8,8 +8,8 @@ import type { Pen } from "./pens.ts";
 import { drawn, reached } from "./spans.ts";
 import type { Theme } from "./theme.ts";
 
-/** Samples of a loop in view from which on their density is drawn: a line of as many takes longer than a frame. */
-const MANY = 200_000;
+/** Points of a loop in view from which on their density is drawn: a line of as many takes longer than a frame. */
+const MANY = 20_000;
 
 export function curve(pen: Pen, figure: Figure, frame: Frame, series: Series, theme: Theme): void {
   const { style = "line", alpha = 1 } = series;
@@ -23,8 +23,8 @@ export function curve(pen: Pen, figure: Figure, frame: Frame, series: Series, th
   const dash = series.dash ?? (style === "dashed" ? [6, 4] : undefined);
   for (const [from, to] of parts) {
     const points = cloud || style === "points";
-    const wide = figure.loops || points ? Infinity : pixelX(figure, frame, place(series, to - 1)) - pixelX(figure, frame, place(series, from));
-    const dense = to - from > 4 * Math.max(1, Math.min(frame.area.width, wide));
+    const wide = Math.abs(pixelX(figure, frame, place(series, to - 1)) - pixelX(figure, frame, place(series, from)));
+    const dense = !figure.loops && !points && to - from > 4 * Math.max(1, Math.min(frame.area.width, wide));
     const count = dense ? envelope(figure, frame, series, from, to) : all(figure, frame, series, from, to);
     if (points) {
       pen.dots(room, count, colour, cloud ? 1.4 : 3, (cloud ? 0.5 : 1) * alpha);
@@ -100,7 +100,7 @@ function all(figure: Figure, frame: Frame, series: Series, first: number, last: 
     if ((sides & now) !== 0) {
       away = true;
     } else {
-      if (!away && Math.abs(x - lastX) < 0.4 && Math.abs(y - lastY) < 0.4) continue;
+      if (!away && Math.abs(x - lastX) < APART && Math.abs(y - lastY) < APART) continue;
       if (away) {
         out[used++] = out[used++] = NaN;
         out[used++] = lastX;

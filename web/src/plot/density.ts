@@ -6,16 +6,22 @@ import type { Pen } from "./pens.ts";
 
 type Parts = [number, number][];
 
-/** About how many samples are in view, from every 64th if there are many. */
+/** Points of a line that are nearer to each other are drawn as one [pixels]. */
+export const APART = 0.4;
+
+/** About how many points a line through these samples has in view; from every 64th sample if there are many. */
 export function crowd(figure: Figure, frame: Frame, series: Series, parts: Parts): number {
   const { area } = frame;
   const every = parts.reduce((n, [from, to]) => n + to - from, 0) > 10_000 ? 64 : 1;
   let found = 0;
   for (const [from, to] of parts) {
-    for (let k = from; k < to; k += every) {
-      const x = pixelX(figure, frame, place(series, k)) - area.x;
-      const y = pixelY(frame, series.y[k]!) - area.y;
-      if (x >= 0 && y >= 0 && x <= area.width && y <= area.height) found += every;
+    for (let k = from; k + 1 < to; k += every) {
+      const x = pixelX(figure, frame, place(series, k));
+      const y = pixelY(frame, series.y[k]!);
+      if (!(x >= area.x && y >= area.y && x <= area.x + area.width && y <= area.y + area.height)) continue;
+      const across = pixelX(figure, frame, place(series, k + 1)) - x;
+      const up = pixelY(frame, series.y[k + 1]!) - y;
+      found += every * Math.min(1, Math.max(Math.abs(across), Math.abs(up)) / APART);
     }
   }
   return found;
@@ -26,7 +32,9 @@ const STEPS = 3e6;
 /** Opacity of a pixel that is passed once; the most passed one has 1. */
 const LEAST = 0.3;
 
-let counts = new Uint32Array(0);
+// Rooms that are used again.
+let room = new Uint32Array(0);
+let image: ImageData | undefined;
 
 /** Draws how often each pixel is passed, by the lines that join the samples or by the samples alone. */
 export function density(
@@ -34,19 +42,20 @@ export function density(
 ): void {
   const { area } = frame;
   const [width, height] = [Math.ceil(area.width), Math.ceil(area.height)];
-  if (counts.length < width * height) counts = new Uint32Array(width * height);
-  else counts.fill(0, 0, width * height);
+  if (room.length < width * height) room = new Uint32Array(width * height);
+  const counts = room.fill(0, 0, width * height);
   const kept = lines ? share(figure, frame, series, parts) : 1;
-  for (const [from, to] of parts) count(figure, frame, series, from, to, width, height, lines, kept);
+  for (const [from, to] of parts) count(figure, frame, series, from, to, counts, width, height, lines, kept);
   let most = 1;
   for (let k = 0; k < width * height; k++) if (counts[k]! > most) most = counts[k]!;
-  const image = new ImageData(width, height);
+  if (image?.width !== width || image.height !== height) image = new ImageData(width, height);
   const opacity = (n: number) => 255 * (LEAST + (1 - LEAST) * (most > 1 ? Math.log(n) / Math.log(most) : 1));
   const alpha = series.alpha ?? 1;
-  const table = Uint8Array.from({ length: Math.min(most, 255) + 1 }, (_, n) => (n === 0 ? 0 : alpha * opacity(n)));
+  const { data } = image;
+  const table = Uint8Array.from({ length: 256 }, (_, n) => (n > 0 ? alpha * opacity(n) : 0));
   for (let k = 0; k < width * height; k++) {
     const n = counts[k]!;
-    if (n > 0) image.data[4 * k + 3] = table[n] ?? alpha * opacity(n);
+    data[4 * k + 3] = n < 256 ? table[n]! : alpha * opacity(n);
   }
   pen.pixels({ x: Math.round(area.x), y: Math.round(area.y), width, height, image }, colour);
 }
@@ -70,46 +79,55 @@ function share(figure: Figure, frame: Frame, series: Series, parts: Parts): numb
 
 function count(
   figure: Figure, frame: Frame, { x: xs, y: ys, start = 0, step = 1 }: Series, from: number, to: number,
-  width: number, height: number, lines: boolean, kept: number,
+  counts: Uint32Array, width: number, height: number, lines: boolean, kept: number,
 ): void {
-  // Written out, and in numbers alone: a million samples are counted in each frame of the screen.
-  const [logX, logY] = [figure.x.log, frame.panel.y.log];
-  const [x0, y0] = [frame.x.from, frame.y.to];
-  const [perX, perY] = [
-    frame.area.width / (logX ? Math.log(frame.x.to / x0) : frame.x.to - x0),
-    frame.area.height / (logY ? Math.log(y0 / frame.y.from) : y0 - frame.y.from),
-  ];
+  // Written out, in numbers alone: a million samples are counted in each frame of the screen.
+  const logX = figure.x.log;
+  const logY = frame.panel.y.log;
+  const x0 = frame.x.from;
+  const y0 = frame.y.to;
+  const perX = frame.area.width / (logX ? Math.log(frame.x.to / x0) : frame.x.to - x0);
+  const perY = frame.area.height / (logY ? Math.log(y0 / frame.y.from) : y0 - frame.y.from);
   const limit = kept * 2 ** 32;
-  let [px, py] = [NaN, NaN];
+  let px = NaN;
+  let py = NaN;
   for (let k = from; k < to; k++) {
-    const [ax, ay] = [px, py];
+    const ax = px;
+    const ay = py;
     const value = xs ? xs[k]! : start + k * step;
     px = perX * (logX ? Math.log(value / x0) : value - x0);
     py = perY * (logY ? Math.log(y0 / ys[k]!) : y0 - ys[k]!);
     // Chosen as if by chance, for a fixed stride would meet the same places of every cycle.
     if (kept < 1 && Math.imul(k, 0x9e3779b1) >>> 0 > limit) continue;
-    if (lines && ax === ax && ay === ay) {
-      if ((ax < 0 && px < 0) || (ay < 0 && py < 0) || (ax > width && px > width) || (ay > height && py > height)) continue;
-      const [dx, dy] = [px - ax, py - ay];
-      const n = Math.max(Math.abs(dx), Math.abs(dy));
-      if (n > 1) {
-        // From where to where the line is in view.
-        let [first, last] = [0, 1];
-        if (dx !== 0) {
-          const [a, b] = [-ax / dx, (width - ax) / dx];
-          [first, last] = [Math.max(first, Math.min(a, b)), Math.min(last, Math.max(a, b))];
-        }
-        if (dy !== 0) {
-          const [a, b] = [-ay / dy, (height - ay) / dy];
-          [first, last] = [Math.max(first, Math.min(a, b)), Math.min(last, Math.max(a, b))];
-        }
-        const [stepX, stepY] = [dx / n, dy / n];
-        for (let i = first * n + 1; i < last * n; i++) {
-          const [u, v] = [(ax + i * stepX) | 0, (ay + i * stepY) | 0];
-          if (u >= 0 && v >= 0 && u < width && v < height) counts[v * width + u]!++;
-        }
-      }
-    }
+    const dx = px - ax;
+    const dy = py - ay;
+    const n = Math.max(Math.abs(dx), Math.abs(dy));
+    // The first sample has none before it: then n is not a number.
+    if (lines && n > 1) line(ax, ay, dx / n, dy / n, n, counts, width, height);
     if (px >= 0 && py >= 0 && px < width && py < height) counts[(py | 0) * width + (px | 0)]!++;
+  }
+}
+
+/** Counts the pixels of a line of n steps, without its ends. */
+function line(x: number, y: number, dx: number, dy: number, n: number, counts: Uint32Array, width: number, height: number): void {
+  // From which step to which it is in view.
+  const acrossA = -x / dx;
+  const acrossB = (width - x) / dx;
+  const upA = -y / dy;
+  const upB = (height - y) / dy;
+  let first = 0;
+  let last = n;
+  if (dx !== 0) {
+    first = Math.max(first, Math.min(acrossA, acrossB));
+    last = Math.min(last, Math.max(acrossA, acrossB));
+  }
+  if (dy !== 0) {
+    first = Math.max(first, Math.min(upA, upB));
+    last = Math.min(last, Math.max(upA, upB));
+  }
+  for (let i = first + 1; i < last; i++) {
+    const u = Math.floor(x + i * dx);
+    const v = Math.floor(y + i * dy);
+    if (u >= 0 && v >= 0 && u < width && v < height) counts[v * width + u]!++;
   }
 }

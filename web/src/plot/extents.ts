@@ -24,8 +24,11 @@ export function blocks(samples: Float64Array, log = false): Blocks[] {
     const n = Math.ceil(below.low.length / FAN);
     const next = { low: new Float64Array(n), high: new Float64Array(n) };
     for (let k = 0; k < n; k++) {
-      const { from, to } = scan(below, k * FAN, Math.min(below.low.length, (k + 1) * FAN), log);
-      [next.low[k], next.high[k]] = [from, to];
+      least = Infinity;
+      most = -Infinity;
+      scan(below, k * FAN, Math.min(below.low.length, (k + 1) * FAN), log);
+      next.low[k] = least;
+      next.high[k] = most;
     }
     found.push(next);
     below = next;
@@ -34,15 +37,18 @@ export function blocks(samples: Float64Array, log = false): Blocks[] {
   return found;
 }
 
-function scan({ low, high }: Blocks, from: number, to: number, log: boolean): Span {
-  let [least, most] = [Infinity, -Infinity];
+// Without objects, for each frame of the screen asks for thousands of stretches.
+let [least, most] = [Infinity, -Infinity];
+
+/** Takes up a stretch of blocks. */
+function scan({ low, high }: Blocks, from: number, to: number, log: boolean): void {
   for (let k = from; k < to; k++) {
-    const [a, b] = [low[k]!, high[k]!];
+    const a = low[k]!;
+    const b = high[k]!;
     if (log && a <= 0) continue;
     if (a < least) least = a;
     if (b > most) most = b;
   }
-  return { from: least, to: most };
 }
 
 export const joined = (a: Span, b: Span): Span => ({ from: Math.min(a.from, b.from), to: Math.max(a.to, b.to) });
@@ -52,12 +58,18 @@ export function ends(samples: Float64Array, from = 0, to = samples.length, log =
   let here: Blocks = { low: samples, high: samples };
   // Few samples are read sooner than blocks are made of all.
   const above = to - from > 8 * FAN ? blocks(samples, log) : [];
-  let found: Span = { from: Infinity, to: -Infinity };
+  least = Infinity;
+  most = -Infinity;
   for (const next of above) {
-    const [first, last] = [Math.ceil(from / FAN), Math.floor(to / FAN)];
+    const first = Math.ceil(from / FAN);
+    const last = Math.floor(to / FAN);
     if (first >= last) break;
-    found = joined(found, joined(scan(here, from, first * FAN, log), scan(here, last * FAN, to, log)));
-    [here, from, to] = [next, first, last];
+    scan(here, from, first * FAN, log);
+    scan(here, last * FAN, to, log);
+    here = next;
+    from = first;
+    to = last;
   }
-  return joined(found, scan(here, from, to, log));
+  scan(here, from, to, log);
+  return { from: least, to: most };
 }
