@@ -7,8 +7,10 @@ export interface Stage {
   total: number;
   /** What was found last, by name; null for what is no number. */
   figures: Record<string, number | null>;
-  /** The text of the file of a model that is better than those before. */
+  /** The text of the file of the model of a finished fit; in an identification, `what` is its operator. */
   model?: string;
+  /** True if this model is better than those before. */
+  best?: boolean;
 }
 
 /** Progress of long work. */

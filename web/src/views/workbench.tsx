@@ -1,15 +1,14 @@
 // The workbench: records at the left, their pictures in the middle, and at the right what is known and the next step.
 
 import { useMemo } from "preact/hooks";
-import type { RecordEntry } from "../project.ts";
+import type { Options, RecordEntry } from "../project.ts";
 import { Fault, type Outcome, useLatest, useOutcome, useSettings, useShared } from "../ui.tsx";
-import { uncut } from "../workbench/cut.ts";
 import type { Shown } from "../workbench/figures.ts";
 import { KnownPane } from "../workbench/known.tsx";
 import { PicturePane, type PictureSettings } from "../workbench/picture.tsx";
 import { Details, Drop, Records } from "../workbench/records.tsx";
 import { type Drawn, drawnModel, type Run, validated } from "../workbench/runs.ts";
-import type { Options } from "../project.ts";
+import { shownOf } from "../workbench/shown.ts";
 import type { Workspace } from "../workspace.ts";
 
 /** What the workbench remembers. */
@@ -63,16 +62,9 @@ function drawnNow({ search }: Workspace, models: Drawn[]): Drawn[] {
 const fitted = (name: string, operator: string, text: string, colour: number): Drawn =>
   ({ name, colour, key: text, file: { name: `${operator}.json`, text } });
 
-/** A record as it is read, and as it is used where that differs. */
 function useRecord(entry: RecordEntry): Outcome<Shown> {
   const { workspace } = useShared();
-  const { from, to } = entry.columns;
-  const changed = from !== undefined || to !== undefined || Object.keys(entry.prepare).length > 0;
-  return useOutcome(JSON.stringify(entry), async (): Promise<Shown> => {
-    const whole = await workspace.inspected(uncut(entry));
-    const used = changed && whole.result.record ? await workspace.prepared(entry) : undefined;
-    return { file: entry.file, whole, used, start: Number(from ?? 0) };
-  });
+  return useOutcome(JSON.stringify(entry), () => shownOf(workspace, entry));
 }
 
 function RecordDetails({ entry }: { entry: RecordEntry }) {

@@ -3,6 +3,7 @@
 import type { Answer } from "../packet.ts";
 import type { Figure, Panel, Series } from "../plot/figure.ts";
 import { short, unit } from "../plot/ticks.ts";
+import { type Cycles, cyclesOf, frequenciesOf } from "./cycles.ts";
 import { residual, type Run, samples } from "./runs.ts";
 
 /** A record as it is drawn. */
@@ -20,7 +21,7 @@ export interface Shown {
 export function used({ whole, used }: Shown) {
   const answer = used ?? whole;
   const { ts, units } = { ...whole.result.record, ...used?.result.record };
-  const slope: number = (used ?? whole).result.line?.slope ?? 0;
+  const slope: number | undefined = answer.result.shape?.line?.slope;
   return { u: answer.series.get("u")!, y: answer.series.get("y")!, ts: ts as number, units: units as { u: string; y: string }, slope };
 }
 
@@ -56,24 +57,74 @@ export function timeFigure(shown: Shown, runs: Run[]): Figure {
   };
 }
 
-/** Output against input; with a slope, less the straight line. */
-export function loopFigure(shown: Shown, runs: Run[], slope = 0): Figure {
-  const { u, y, units } = used(shown);
-  const less = (inputs: Float64Array, outputs: Float64Array) => (slope === 0 ? outputs : outputs.map((value, t) => value - slope * inputs[t]!));
+/** How a loop is drawn. */
+export interface LoopLook {
+  /** Of the straight line that is subtracted; none without it. */
+  slope?: number | undefined;
+  /** The samples that are drawn, all without it. */
+  cycles?: Cycles | undefined;
+}
+
+/** Output against input. */
+export function loopFigure(shown: Shown, runs: Run[], look: LoopLook = {}): Figure {
+  const { units } = used(shown);
+  const { slope } = look;
   return {
-    title: slope === 0 ? "Loop" : `Loop less its straight line of ${short(slope)} ${unit(units.y)}/${unit(units.u)}`,
+    title: slope === undefined ? "Loop" : `Loop less its straight line of ${short(slope)} ${unit(units.y)}/${unit(units.u)}`,
     x: { label: "Input u", unit: units.u },
-    panels: [{
-      y: { label: slope === 0 ? "Output y" : "y less the line", unit: units.y },
-      series: [
-        { name: "measured", x: u, y: less(u, y), style: runs.length > 0 ? "pale" : "line" },
-        ...runs.map((run): Series => {
-          const inputs = samples(run, "u");
-          return { name: run.name, x: inputs, y: less(inputs, samples(run, "simulated")), colour: run.colour };
-        }),
-      ],
-    }],
+    panels: [{ y: { label: slope === undefined ? "Output y" : "y less the line", unit: units.y }, series: loopSeries(shown, runs, look) }],
     loops: true,
+  };
+}
+
+/** The loops of several records, a panel for each frequency of each. */
+export function loopsFigure(all: Shown[], less: boolean): Figure | undefined {
+  const panels = all.flatMap((shown) => {
+    const answer = shown.used ?? shown.whole;
+    const slope = less ? used(shown).slope : undefined;
+    return frequenciesOf(answer).map((frequency) => ({
+      title: `${short(frequency)} Hz, ${shown.file}`,
+      y: { label: less ? "y less the line" : "Output y", unit: used(shown).units.y },
+      series: loopSeries(shown, [], { slope, cycles: cyclesOf(answer, frequency) }),
+    }));
+  });
+  if (panels.length === 0) return undefined;
+  const { u } = used(all[0]!).units;
+  return { title: "Loops by frequency", x: { label: "Input u", unit: u }, panels, loops: true, columns: Math.min(3, panels.length) };
+}
+
+function loopSeries(shown: Shown, runs: Run[], { slope, cycles }: LoopLook): Series[] {
+  const { u, y, ts } = used(shown);
+  const less = (inputs: Float64Array, outputs: Float64Array) => (slope ? outputs.map((value, t) => value - slope * inputs[t]!) : outputs);
+  const common: Partial<Series> = { at: { start: shown.start, step: ts }, ...(cycles?.parts && { parts: cycles.parts }) };
+  const minor = cycles?.minor ?? [];
+  return [
+    { name: "measured", x: u, y: less(u, y), ...common, ...(runs.length > 0 ? { style: "pale" as const } : { alpha: 0.6 }) },
+    ...(minor.length > 0 ? [{ name: "minor loops", x: u, y: less(u, y), ...common, parts: minor, colour: 6 }] : []),
+    ...runs.map((run): Series => {
+      const inputs = samples(run, "u");
+      return { name: run.name, x: inputs, y: less(inputs, samples(run, "simulated")), ...common, colour: run.colour, alpha: 0.8 };
+    }),
+  ];
+}
+
+/** Amplitudes of output, error and input by frequency. */
+export function spectrumFigure(shown: Shown, runs: Run[]): Figure | undefined {
+  const { series } = shown.used ?? shown.whole;
+  const [hz, u, y] = ["hz", "u/amplitude", "y/amplitude"].map((name) => series.get(name));
+  if (!hz || !u || !y) return undefined;
+  const { units } = used(shown);
+  const errors = runs.flatMap(({ name, colour, answer }): Series[] => {
+    const [x, error] = [answer.series.get("hz/0"), answer.series.get("error/amplitude/0")];
+    return x && error ? [{ name: `error of ${name}`, x, y: error, colour }] : [];
+  });
+  return {
+    title: `Spectrum of ${shown.file}`,
+    x: { label: "Frequency", unit: "Hz", log: true },
+    panels: [
+      { y: { label: "Output y", unit: units.y, log: true }, series: [{ name: "measured", x: hz, y, ...(errors.length > 0 && { style: "pale" as const }) }, ...errors] },
+      { y: { label: "Input u", unit: units.u, log: true }, series: [{ name: "input", x: hz, y: u, colour: 7 }] },
+    ],
   };
 }
 

@@ -4,11 +4,14 @@ import { useMemo } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Figure } from "../plot/figure.ts";
+import { Link } from "../plot/link.ts";
 import { type Options, type RecordEntry } from "../project.ts";
-import { Chart, Choice, Fault, Notes, useSettings, useShared } from "../ui.tsx";
+import { Chart, Choice, Fault, Notes, Overview, useOutcome, useSettings, useShared } from "../ui.tsx";
 import { cutHandles } from "./cut.ts";
-import { binsFigure, loopFigure, type Shown, timeFigure, used, whiteFigure } from "./figures.ts";
+import { cyclesOf } from "./cycles.ts";
+import { binsFigure, loopFigure, loopsFigure, type Shown, spectrumFigure, timeFigure, used, whiteFigure } from "./figures.ts";
 import type { Run } from "./runs.ts";
+import { shownOf } from "./shown.ts";
 
 /** The pictures, by the names of their buttons. */
 const PICTURES = ["Overview", "Time", "Loop", "Loop less its line", "Spectrum", "Error"] as const;
@@ -17,9 +20,12 @@ type Picture = (typeof PICTURES)[number];
 /** What of the pictures is remembered. */
 export interface PictureSettings {
   picture?: Picture;
+  cycles?: (typeof CYCLES)[number];
   /** Options of `validate`. */
   options?: Options;
 }
+
+const usePictures = () => useSettings("workbench") as [PictureSettings, (values: Options) => void];
 
 interface Props {
   entry: RecordEntry;
@@ -31,9 +37,11 @@ interface Props {
 
 export function PicturePane({ entry, shown, runs, error }: Props) {
   const { workspace } = useShared();
-  const [settings, change] = useSettings("workbench") as [PictureSettings, (values: Options) => void];
+  const [settings, change] = usePictures();
   const picture = settings.picture ?? "Overview";
-  const of = (name: Picture) => picture === name || (picture === "Overview" && name !== "Spectrum" && name !== "Error");
+  // One span and one cursor for all pictures of a record, also when another picture is chosen.
+  const link = useMemo(() => new Link(), [entry.file]);
+  const of = (...names: Picture[]) => names.includes(picture);
   const time = useMemo(() => timeFigure(shown, runs), [shown, runs]);
   const whole = shown.whole.result.record;
   const handled: Figure = {
@@ -41,27 +49,69 @@ export function PicturePane({ entry, shown, runs, error }: Props) {
     ...(shown.used && { span: { from: shown.start, to: Number(entry.columns["to"] ?? whole.duration) } }),
     handles: cutHandles(entry, whole.duration, (next, passing) => workspace.tell(next, passing)),
   };
-  const slope: number = used(shown).slope;
-  const loop = useMemo(() => loopFigure(shown, runs), [shown, runs]);
-  const bare = useMemo(() => (slope === 0 ? undefined : loopFigure(shown, runs, slope)), [shown, runs]);
+  const spectrum = useMemo(() => spectrumFigure(shown, runs), [shown, runs]);
   return (
     <div class="pictures">
       <Choice label="Picture" names={[...PICTURES]} chosen={picture} choose={(name) => change({ ...settings, picture: name })} />
       <Fault text={error} />
-      {of("Time") && <Chart figure={handled} height={picture === "Time" ? 640 : 330} bare />}
-      <div class={picture === "Overview" ? "pair" : ""}>
-        {of("Loop") && <Chart figure={loop} height={picture === "Loop" ? 620 : 270} />}
-        {of("Loop less its line") && bare && <Chart figure={bare} height={picture === "Overview" ? 270 : 620} />}
-      </div>
-      {picture === "Error" && <Errors shown={shown} runs={runs} />}
+      {of("Overview", "Time") && (
+        <>
+          <Chart figure={handled} height={picture === "Time" ? 600 : 320} link={link} bare />
+          <Overview figure={time} link={link} />
+        </>
+      )}
+      {of("Overview", "Loop", "Loop less its line") && <Loops picture={picture} shown={shown} runs={runs} link={link} />}
+      {of("Spectrum") && (spectrum ? <Chart figure={spectrum} height={600} bare /> : <p class="missing">A record this short has no spectrum.</p>)}
+      {of("Error") && <Errors shown={shown} runs={runs} />}
     </div>
   );
+}
+
+/** What of the samples loops are drawn from. */
+const CYCLES = ["A few cycles of each amplitude", "All samples", "All records, by frequency"] as const;
+
+/** The loop, and the loop less its straight line: both, or the one that is chosen. */
+function Loops({ picture, shown, runs, link }: Omit<Props, "entry" | "error"> & { picture: Picture; link: Link }) {
+  const [settings, change] = usePictures();
+  const alone = picture !== "Overview";
+  const cycles = (alone && settings.cycles) || CYCLES[0];
+  const answer = shown.used ?? shown.whole;
+  const [loop, bare] = useMemo(() => {
+    const { slope } = used(shown);
+    const look = { cycles: cycles === CYCLES[1] ? undefined : cyclesOf(answer) };
+    return [loopFigure(shown, runs, look), slope === undefined ? undefined : loopFigure(shown, runs, { ...look, slope })];
+  }, [shown, runs, cycles]);
+  const height = alone ? 560 : 260;
+  return (
+    <>
+      {alone && <Choice label="Cycles" names={[...CYCLES]} chosen={cycles} choose={(name) => change({ ...settings, cycles: name as (typeof CYCLES)[number] })} />}
+      {alone && cycles === CYCLES[2] ? <ByFrequency less={picture !== "Loop"} /> : (
+        <div class={alone ? "" : "pair"}>
+          {picture !== "Loop less its line" && <Chart figure={loop} height={height} link={link} />}
+          {picture !== "Loop" && bare && <Chart figure={bare} height={height} link={link} />}
+        </div>
+      )}
+    </>
+  );
+}
+
+/** The loops of all records that are used, side by side. */
+function ByFrequency({ less }: { less: boolean }) {
+  const { workspace } = useShared();
+  const used = workspace.project.records.filter((one) => one.use !== "none");
+  const all = useOutcome(JSON.stringify(used), async () => {
+    const read = await Promise.all(used.map((one) => shownOf(workspace, one).catch(() => undefined)));
+    return read.filter((one): one is Shown => one?.whole.result.record);
+  });
+  const figure = useMemo(() => all.value && loopsFigure(all.value, less), [all.value, less]);
+  if (!all.value) return <p class="missing">Reading the records.</p>;
+  return figure ? <Chart figure={figure} height={280} bare /> : <p class="missing">No record has regular cycles.</p>;
 }
 
 /** Errors by frequency and amplitude, and the tests of the residuals on demand. */
 function Errors({ shown, runs }: Pick<Props, "shown" | "runs">) {
   const { lists } = useShared();
-  const [settings, change] = useSettings("workbench") as [PictureSettings, (values: Options) => void];
+  const [settings, change] = usePictures();
   const [frequency, amplitude, white] = useMemo(() => {
     const unitOfU = used(shown).units.u;
     return [binsFigure(runs, "by_frequency", unitOfU), binsFigure(runs, "by_amplitude", unitOfU), whiteFigure(runs)];

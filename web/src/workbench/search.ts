@@ -1,5 +1,6 @@
 // The identification that is under way, or that was the last: it goes on while another view is shown.
 
+import type { Stage } from "../module.ts";
 import { Cancelled } from "../packet.ts";
 import type { RecordEntry } from "../project.ts";
 import type { Workspace } from "../workspace.ts";
@@ -86,7 +87,7 @@ async function searched(workspace: Workspace, search: Search): Promise<void> {
 }
 
 /** Takes up a stage of the search. */
-function followed(search: Search, { what, figures, model }: { what: string; figures: Record<string, number>; model?: string }): void {
+function followed(search: Search, { what, figures, model, best }: Stage & { figures: Record<string, number> }): void {
   const { held_out_percent: error, cost } = figures;
   if (cost !== undefined) search.costs.push(cost);
   if (error !== undefined) {
@@ -95,7 +96,8 @@ function followed(search: Search, { what, figures, model }: { what: string; figu
     if (known) Object.assign(known, figures);
     else search.trials.push({ operator: what, ...figures });
     search.trials.sort((a, b) => errorOf(a) - errorOf(b));
-    if (model !== undefined) search.models.set(what, model);
   }
-  if (model !== undefined) search.best = { name: what, text: model };
+  if (model === undefined) return;
+  search.models.set(what, model);
+  if (best) search.best = { name: what, text: model };
 }
