@@ -32,6 +32,16 @@ export interface ModelEntry {
   from?: RecordEntry[];
   /** The verdict of the last validation on records that it was not identified from. */
   validated?: string;
+  /** The stand-in for its actuator. */
+  standIn?: StandIn;
+}
+
+/** A second model of the records of a model, to play voltages on. */
+export interface StandIn {
+  /** Name of its file in the store. */
+  file: string;
+  /** What it consists of. */
+  sentence: string;
 }
 
 /** Everything that is saved, besides the files themselves. */
@@ -108,7 +118,7 @@ function readRecord(entry: Options, at: string): RecordEntry {
 }
 
 function readModel(entry: Options, at: string): ModelEntry {
-  const { summary, verdict, notes, from, validated } = entry;
+  const { summary, verdict, notes, from, validated, standIn } = entry;
   if (notes !== undefined && !(Array.isArray(notes) && notes.every((note) => typeof note === "string"))) {
     wrong(notes, `${at}.notes`, "a list of texts");
   }
@@ -120,8 +130,11 @@ function readModel(entry: Options, at: string): ModelEntry {
     verdict: textOf(verdict, `${at}.verdict`),
     notes: (notes as string[] | undefined) ?? [],
     ...(from !== undefined && { from: list(from, `${at}.from`, readRecord) }),
+    ...(standIn !== undefined && { standIn: readStandIn(object(standIn, `${at}.standIn`), `${at}.standIn`) }),
   };
 }
+
+const readStandIn = (one: Options, at: string): StandIn => ({ ...one, file: named(one, at), sentence: textOf(one["sentence"], `${at}.sentence`) });
 
 /** The project as text. */
 export const written = (project: Project): string => `${JSON.stringify({ piezoid: 1, ...project }, null, 1)}\n`;
@@ -151,7 +164,7 @@ export const changedSince = ({ from = [] }: ModelEntry, { records }: Project): s
 
 /** The files that a project needs. */
 export const filesOf = (project: Project): string[] =>
-  [...project.records, ...project.models].map((entry) => entry.file);
+  [...project.records, ...project.models, ...project.models.flatMap(({ standIn }) => standIn ?? [])].map((entry) => entry.file);
 
 /** Characters that a file system refuses, and those that turn the direction of text. */
 const REFUSED = /[\p{Cc}/\\<>:"|?*\u061c\u200e\u200f\u202a-\u202e\u2066-\u2069]/gu;
@@ -197,9 +210,11 @@ export class History<T> {
     this.now = next;
   }
 
-  /** Takes up what belongs to the present state and is no change of the user. */
-  amend(next: T): void {
-    this.now = next;
+  /** Takes up in all states what is no change of the user, and is not undone. */
+  amend(next: (state: T) => T): void {
+    [this.#past, this.#future] = [this.#past.map(next), this.#future.map(next)];
+    if (this.#before !== undefined) this.#before = next(this.#before);
+    this.now = next(this.now);
   }
 
   get canUndo(): boolean {

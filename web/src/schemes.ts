@@ -3,6 +3,7 @@
 import type { Answer } from "./packet.ts";
 import { ends } from "./plot/extents.ts";
 import type { Figure, Series } from "./plot/figure.ts";
+import { spokenPlant } from "./stand-in.tsx";
 
 /** A reference of a comparison. */
 export interface Reference {
@@ -44,7 +45,7 @@ export function runsFigure({ result, series }: Answer, at: number, ts: number): 
   const requested: Series[] = runs[0] ? [{ name: "requested", y: runs[0].r, step: ts, style: "pale" }] : [];
   const { unit } = result;
   return {
-    title: `${reference.name} on the plant ${result.plant}`,
+    title: `${reference.name} on ${spokenPlant(result.plant)}`,
     x: { label: "Time", unit: "s" },
     panels: [
       { y: { label: "Displacement", unit }, series: [...requested, ...line("y")] },

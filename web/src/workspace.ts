@@ -142,7 +142,7 @@ export class Workspace {
 
   /** Adds to the project what is no change of the user, and is not undone. */
   amend(next: (project: Project) => Project): void {
-    this.#history.amend(next(this.project));
+    this.#history.amend(next);
     this.#save();
     this.changed();
   }
@@ -283,7 +283,9 @@ export class Workspace {
     this.change(() => ({
       ...project,
       records: project.records.map(named),
-      models: project.models.map((entry) => ({ ...named(entry), ...(entry.from && { from: entry.from.map(named) }) })),
+      models: project.models.map((entry) => ({
+        ...named(entry), ...(entry.from && { from: entry.from.map(named) }), ...(entry.standIn && { standIn: named(entry.standIn) }),
+      })),
       ...(project.record && { record: name(project.record) as string }),
       ...(project.model && { model: name(project.model) as string }),
     }));

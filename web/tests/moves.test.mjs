@@ -38,13 +38,15 @@ test("moves are timed on the model, on a twin, and on a controller once its user
   await page.getByRole("button", { name: "Identify", exact: true }).click();
   await page.locator("tr", { has: page.getByText("good to") }).first().waitFor({ timeout: 120_000 });
   await page.getByRole("link", { name: "Compensate", exact: true }).click();
+  // The controller plays on this twin.
+  await page.getByRole("combobox", { name: /^Plant/ }).selectOption("pl140");
   const limits = page.getByRole("region", { name: "Limits and shaping" });
   await fill(limits, "driver", "pl140");
   await fill(limits, "smooth", "12ms");
 
   const moves = page.getByRole("region", { name: "Moves in time" });
   await moves.getByRole("button", { name: "a step up and down" }).click();
-  for (const [name, value] of [["tolerance", "5um"], ["plant", "pl140"], ["step", "200um"]]) await fill(moves, name, value);
+  for (const [name, value] of [["tolerance", "5um"], ["step", "200um"]]) await fill(moves, name, value);
   await moves.getByRole("button", { name: "Time the moves" }).click();
   const cells = (run) => moves.getByRole("region", { name: "Runs", exact: true }).locator("tr", { hasText: run }).locator("td");
   await cells("pl140, compensated").first().waitFor({ timeout: 60_000 });

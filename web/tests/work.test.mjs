@@ -79,6 +79,8 @@ test("a single signal follows its form, survives a reload, and says what it lack
 
 test("controllers are compared along a reference, each with its error", { skip }, async () => {
   const { page, faults, button, field, close } = await at("Control");
+  await page.getByText("r.csv is not in this project").waitFor();
+  await page.getByRole("combobox", { name: /^Plant/ }).selectOption("pl140");
   await field("Controller", "gain, feed-forward");
   await field("Reference", "sine:1");
   await button("Compare").click();
@@ -87,7 +89,7 @@ test("controllers are compared along a reference, each with its error", { skip }
   const [gain, feed] = await table.locator("tbody td").allInnerTexts();
   assert.ok(Number(feed) < Number(gain) / 2, `${feed} % with the inverse, ${gain} % without`);
   assert.equal(await table.locator("strong").innerText(), feed);
-  await page.getByRole("img", { name: /^sine 1 Hz on the plant pl140.*requested, gain, feed-forward/ }).waitFor();
+  await page.getByRole("img", { name: /^sine 1 Hz on the twin pl140.*requested, gain, feed-forward/ }).waitFor();
   assert.match((await download(page, () => button("Download control.html").click())).toString(), /<html/);
   assert.deepEqual(faults, []);
   await close();

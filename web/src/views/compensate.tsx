@@ -8,12 +8,13 @@ import type { Answer, File } from "../packet.ts";
 import { moves, pathFile } from "../path.ts";
 import type { Figure, Series } from "../plot/figure.ts";
 import { download } from "../plot/download.ts";
-import { prose, short, unit } from "../plot/ticks.ts";
-import { type Options, withSettings } from "../project.ts";
-import { runsFigure } from "../schemes.ts";
+import { short, si, unit } from "../plot/ticks.ts";
+import { type ModelEntry, type Options, withSettings } from "../project.ts";
 import { inUnit } from "../signal.tsx";
-import { Chart, Entry, Fault, Missing, Notes, Section, Stale, Table, useKept, useLatest, useOutcome, useShared, Verdict } from "../ui.tsx";
+import { usePlant, withoutPlant } from "../stand-in.tsx";
+import { Chart, Entry, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
+import { BeforeAfter } from "./before-after.tsx";
 import { Moves } from "./moves.tsx";
 
 /** What this view remembers. */
@@ -27,7 +28,6 @@ interface Settings {
   /** Options of a kind of signal. */
   signal?: Options;
   options?: Options;
-  plant?: string;
   /** Options of moves in time. */
   moves?: Options;
 }
@@ -45,7 +45,7 @@ export function CompensateView() {
   });
   if (!entry) return <Missing what="There is no model yet." title="Identify one" />;
   if (!read.value) return <Fault text={read.error} />;
-  return <Compensation key={entry.file} file={entry.file} {...read.value} />;
+  return <Compensation key={entry.file} entry={entry} {...read.value} />;
 }
 
 /** The displacements of a model at the ends of its range of voltage. */
@@ -66,9 +66,12 @@ async function strokeOf(workspace: Workspace, file: string, model: any): Promise
 /** A path at first: two moves to both sides of the middle, in shares of the height. */
 const MOVES = [0, 1, 1, -1, -1, 0.5, 0];
 
-function Compensation({ file, model, stroke }: { file: string; model: any; stroke: [number, number] }) {
+function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any; stroke: [number, number] }) {
   const { workspace, lists } = useShared();
+  const { file } = entry;
+  const plant = usePlant(entry);
   const settings = (workspace.project.settings["compensate"] ?? {}) as Settings;
+  const options = withoutPlant(settings.options ?? {});
   const change = (values: Partial<Settings>, passing = false) =>
     workspace.change((project) => withSettings(project, "compensate", { ...settings, ...values } as Options), passing);
   const rounded = (value: number) => Number(value.toPrecision(2));
@@ -82,28 +85,33 @@ function Compensation({ file, model, stroke }: { file: string; model: any; strok
   const path = useLatest(expected, async () =>
     ({ expected, file: await pathOf(workspace, settings, { points, duration, ts: model.ts, of, usual }) }));
   // Of the path that is there, which is the one before while another is made.
-  const input = path.value && JSON.stringify([file, path.value.expected, settings.options]);
+  const input = path.value && JSON.stringify([file, path.value.expected, options]);
   const result = useLatest(input, async () =>
-    ({ input, answer: await compensated(workspace, file, path.value!.file, settings.options ?? {}) }));
+    ({ input, answer: await compensated(workspace, file, path.value!.file, options) }));
   const answer = result.value?.answer;
+  const smooth = (seconds: number) => change({ options: { ...options, smooth: seconds } });
   const current = path.value?.expected === expected && result.value?.input === input;
   return (
     <>
       <Path settings={settings} change={change} points={points} duration={duration} of={of} answer={answer} lists={lists} usual={usual} />
       <Fault text={path.error ?? result.error} />
-      {answer && <Voltage answer={answer} current={current} />}
+      {result.error && <Smoothing seconds={advised(result.error)} smooth={smooth} />}
+      {answer && <Voltage answer={answer} current={current} smooth={smooth} />}
       <Section title="Limits and shaping" help="The voltage keeps the driver's limits; a path with corners is smoothed, or filtered at the resonance.">
         <Form
-          rows={optionsOf(lists, "compensate")}
-          values={settings.options ?? {}}
+          rows={optionsOf(lists, "compensate").filter(({ name }) => name !== "plant")}
+          values={options}
           change={(options) => change({ options })}
           first={["driver", "clip", "smooth", "zvd"]}
         />
       </Section>
-      {path.value && <Twin file={file} ts={model.ts} path={path.value.file} expected={path.value.expected} settings={settings} change={change} />}
       {path.value && (
-        <Moves file={file} model={model} path={path.value.file} expected={path.value.expected} shared={settings.options ?? {}}
-          values={settings.moves ?? {}} change={(moves) => change({ moves })} />
+        <>
+          <BeforeAfter entry={entry} plant={plant} path={path.value.file} expected={path.value.expected} options={options}
+            samples={answer?.series.get("requested")?.length ?? 0} refused={result.error !== undefined} />
+          <Moves file={file} model={model} plant={plant} path={path.value.file} expected={path.value.expected} shared={options}
+            values={settings.moves ?? {}} change={(moves) => change({ moves })} />
+        </>
       )}
     </>
   );
@@ -205,7 +213,14 @@ function pathFigure(answer: Answer): Figure {
   };
 }
 
-function Voltage({ answer, current }: { answer: Answer; current: boolean }) {
+/** The smoothing that an error advises [s]. */
+const advised = (error: string): number | null => Number(error.match(/\{smooth\}` = ([\d.e+-]+)/)?.[1] ?? NaN) || null;
+
+/** The smoothing that the library advises, at a press of a button. */
+const Smoothing = ({ seconds, smooth }: { seconds: number | null | undefined; smooth(seconds: number): void }) =>
+  seconds ? <div class="row"><button type="button" onClick={() => smooth(seconds)}>Smooth the path over {si(seconds, "s")}</button></div> : null;
+
+function Voltage({ answer, current, smooth }: { answer: Answer; current: boolean; smooth(seconds: number): void }) {
   const { result } = answer;
   const { usage } = result;
   const rows = Object.values(usage ?? {})
@@ -219,6 +234,7 @@ function Voltage({ answer, current }: { answer: Answer; current: boolean }) {
       )}
       <Table caption="What the voltage uses of its limits" head={["Quantity", "Value", "Limit", "Used"]} rows={rows} />
       <Notes title="Notes" notes={result.notes ?? []} />
+      <Smoothing seconds={result.smoothing?.smooth} smooth={smooth} />
       <div class="row">
         {answer.files.map((one) => (
           <button key={one.name} type="button" class="main" disabled={!current} onClick={() => download(one.name, one.bytes as BlobPart, "text/csv")}>
@@ -229,47 +245,3 @@ function Voltage({ answer, current }: { answer: Answer; current: boolean }) {
     </Section>
   );
 }
-
-/** The schemes that are compared on the twin: before and after. */
-const SCHEMES = ["gain", "feed-forward"];
-
-function Twin({ file, ts, path, expected, settings, change }: Changing & { file: string; ts: number; path: File; expected: string }) {
-  const { workspace, lists } = useShared();
-  const plant = settings.plant ?? "pl140";
-  const options = { plant, controller: SCHEMES, ...pick(settings.options ?? {}) };
-  const work = useKept<Answer>("twin of compensate", [file, expected, options]);
-  const request = { call: "control", options, files: { model: [file], reference: [path.name] } };
-  const start = () =>
-    work.start(async () => workspace.run({ name: `path on the twin ${plant}`, request, files: [await workspace.file(file), path] }));
-  const figure = useMemo(() => work.value && runsFigure(work.value, 0, ts), [work.value]);
-  const schemes: any[] = work.value?.result.schemes ?? [];
-  return (
-    <Section title="Before and after, on a twin" wide
-      help="The same path with a constant gain and with the feed-forward, on a simulated actuator that the model has not seen.">
-      <div class="row">
-        <label>
-          Twin{" "}
-          <select value={plant} onChange={(event) => change({ plant: event.currentTarget.value })}>
-            {lists.plants.map(({ name }) => <option key={name} value={name}>{name}</option>)}
-          </select>
-        </label>
-        <button type="button" class="main" disabled={work.busy} onClick={start}>Follow the path</button>
-      </div>
-      <p class="help">{prose(lists.plants.find((one) => one.name === plant)?.summary ?? "")}</p>
-      <Fault text={work.error} />
-      <Stale stale={work.stale} />
-      {work.value && <Notes title="" notes={work.value.result.notes ?? []} />}
-      {work.value && (
-        <Table caption="Errors on the twin" head={["Scheme", "Error, rms", "Largest error", "Error, rms [% of p-p of r]"]}
-          rows={schemes.map(({ scheme, tracking: [one] }) => [
-            scheme, `${short(one?.rms)} ${unit(work.value!.result.unit)}`, `${short(one?.max)} ${unit(work.value!.result.unit)}`, `${short(one?.percent_of_stroke)} %`,
-          ])} />
-      )}
-      {figure && <Chart figure={figure} height={420} />}
-    </Section>
-  );
-}
-
-/** The options that compensation and control share. */
-const pick = (options: Options): Options =>
-  Object.fromEntries(Object.entries(options).filter(([name]) => ["clip", "driver", "capacitance", "low", "high", "slew", "current"].includes(name)));

@@ -6,8 +6,10 @@ import { optionsOf } from "../lists.ts";
 import { ModelChoice } from "../models.tsx";
 import type { Answer } from "../packet.ts";
 import { withSchemes } from "../pick.tsx";
+import type { ModelEntry } from "../project.ts";
 import { short } from "../plot/ticks.ts";
 import { ReferenceForm, useReference } from "../reference.tsx";
+import { AboutPlant, type Plant, PlantChoice, spokenPlant, usePlant, withoutPlant } from "../stand-in.tsx";
 import { runsFigure, type Scheme, type Reference } from "../schemes.ts";
 import { Chart, Choice, Download, Fault, Missing, Notes, Section, Stale, Table, useKept, useModel, useSettings, useShared } from "../ui.tsx";
 
@@ -16,44 +18,52 @@ interface Compared {
   answer: Answer;
   /** Sampling period [s]. */
   ts: number;
+  /** The model that the schemes were tuned to. */
+  model: string;
 }
 
 export function ControlView() {
-  const { model } = useShared().workspace.project;
-  if (!model) return <Missing what="Controllers are tuned to a model, and there is none yet." title="Identify" />;
-  return <Comparison key={model} model={model} />;
+  const { model, models } = useShared().workspace.project;
+  const entry = models.find(({ file }) => file === model);
+  if (!entry) return <Missing what="Controllers are tuned to a model, and there is none yet." title="Identify" />;
+  return <Comparison key={entry.file} entry={entry} />;
 }
 
-function Comparison({ model }: { model: string }) {
+function Comparison({ entry }: { entry: ModelEntry }) {
   const { workspace, lists } = useShared();
-  const [options, change] = useSettings("control");
+  const { file: model } = entry;
+  const plant = usePlant(entry);
+  const [settings, change] = useSettings("control");
+  const options = withoutPlant(settings);
   const document = useModel();
   const ts: number = document.value?.ts ?? 5e-4;
   const start = { kind: "triangle", unit: document.value?.units?.y ?? "um", frequency: 5, duration: 1, ts };
   const reference = useReference("control", start);
-  const result = useKept<Compared>(`control ${model}`, [options, reference.key]);
-  const compare = async (): Promise<Compared> => {
+  const result = useKept<Compared>(`control ${model}`, [options, reference.key, plant?.key]);
+  const compare = async (plant: Plant): Promise<Compared> => {
     const files = await reference.files();
     const request = { call: "control", options, files: { model: [model], reference: files.map((file) => file.name) } };
-    const answer = await workspace.run({ name: "control", request, files: [await workspace.file(model), ...files] });
-    return { answer, ts };
+    const answer = await workspace.run({ name: "control", ...(await plant.on(request, [await workspace.file(model), ...files])) });
+    return { answer, ts, model };
   };
   const feedForwards = lists.controllers.filter(({ name }) => name === "feed-forward" || name === "learning");
   const both = lists.controllers.slice(3).filter(({ name }) => name !== "predictive");
   const pairs = both.map(({ name, summary }) => ({ name: `feed-forward+${name}`, summary: `the inverse of the model, and: ${summary}` }));
   return (
     <>
-      <Section title="Comparison" help="Schemes are tuned to the model, and drive a plant that is simulated." wide>
+      <Section title="Comparison" help="Schemes are tuned to the model, and drive a plant that is not the model." wide>
         <ModelChoice />
-        <Form rows={optionsOf(lists, "control")} values={options} change={change}
+        <PlantChoice entry={entry} />
+        <AboutPlant entry={entry} />
+        <Form rows={optionsOf(lists, "control").filter(({ name }) => name !== "plant")} values={options} change={change}
           names={{
             controller: withSchemes([...feedForwards, ...both, ...pairs]),
             reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),
           }}
-          first={["plant", "controller", "reference", "amplitude", "noise"]} />
+          first={["controller", "reference", "amplitude", "noise"]} />
         <ReferenceForm reference={reference} label="In place of the named references" none="none" />
         <div class="row">
-          <button type="button" class="main" disabled={result.busy || !document.value} onClick={() => result.start(compare)}>Compare</button>
+          <button type="button" class="main" disabled={result.busy || !document.value || !plant} onClick={() => plant && result.start(() => compare(plant))}>Compare</button>
         </div>
         <Fault text={result.error ?? document.error} />
       </Section>
@@ -62,7 +72,7 @@ function Comparison({ model }: { model: string }) {
   );
 }
 
-function Result({ answer, ts, stale }: Compared & { stale: boolean }) {
+function Result({ answer, ts, model, stale }: Compared & { stale: boolean }) {
   const { result, files } = answer;
   const [{ reference }, choose] = useSettings("control-shown");
   const references: Reference[] = result.references;
@@ -76,6 +86,7 @@ function Result({ answer, ts, stale }: Compared & { stale: boolean }) {
     <>
       <Section title="Errors" wide help="Root mean square of the error, in % of the height of the reference. The smallest of each column is bold; a dash marks a refused run.">
         <Stale stale={stale} />
+        <p>Tuned to the model {model}; played on {spokenPlant(result.plant)}{result.plant === "stand-in" ? " for its actuator" : ", which is another actuator unless the records are of it"}.</p>
         <Table caption="Errors by scheme and reference" head={["Scheme", ...references.map(({ name }) => name)]} rows={errors(schemes)} />
         <Notes title="Remarks" notes={result.remarks ?? []} />
         <div class="row"><Download files={files} title="Download control.html" /></div>

@@ -1,5 +1,5 @@
-// Moves in time: when each step of a path settles, how far it overshoots, and the fastest moves; on the model, on a twin,
-// and, with `piezoid serve`, on a controller, once its user has agreed.
+// Moves in time: when each step of a path settles, how far it overshoots, and the fastest moves; on the model, on the plant
+// that was chosen, and, with `piezoid serve`, on a controller, once its user has agreed.
 
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { CallName } from "../catalogue.ts";
@@ -10,6 +10,7 @@ import type { Figure } from "../plot/figure.ts";
 import { short, unit as unitOf } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
 import { Chart, Choice, Download, Fact, Fault, Notes, Section, Stale, Table, useKept, useShared } from "../ui.tsx";
+import { type Plant, spokenPlant, withoutPlant } from "../stand-in.tsx";
 import { worded } from "../words.ts";
 import { those, useController } from "./controller.tsx";
 
@@ -45,6 +46,8 @@ interface Props {
   /** The model, and its document. */
   file: string;
   model: any;
+  /** What the moves are played on too. */
+  plant: Plant | undefined;
   /** The path above, and what it is made of. */
   path: File;
   expected: string;
@@ -57,27 +60,31 @@ interface Props {
 /** What plays the path: the path above, or a step up and down. */
 const PATHS = ["the path above", "a step up and down"];
 
-export function Moves({ file, model, path, expected, shared, values, change }: Props) {
+export function Moves({ file, model, plant, path, expected, shared, values, change }: Props) {
   const { workspace, lists } = useShared();
   const isStep = values["along"] === PATHS[1];
   const optionsFor = (call: CallName): Options => {
-    const own = those(lists, call, { ...values, ...those(lists, "timing", shared) });
+    const own = withoutPlant(those(lists, call, { ...values, ...those(lists, "timing", shared) }));
     return isStep ? own : Object.fromEntries(Object.entries(own).filter(([name]) => name !== "step"));
   };
   const files = { model: [file], ...(!isStep && { path: [path.name] }) };
-  const start = (call: CallName, name: string) => async () =>
-    workspace.run({ name, request: { call, options: optionsFor(call), files }, files: [await workspace.file(file), ...(isStep ? [] : [path])] });
-  const request = [file, isStep || expected, optionsFor("timing")];
+  const start = (call: CallName, name: string) => async () => {
+    const request = { call, options: optionsFor(call), files };
+    const sent = [await workspace.file(file), ...(isStep ? [] : [path])];
+    return workspace.run({ name, ...(plant ? await plant.on(request, sent) : { request, files: sent }) });
+  };
+  const request = [file, isStep || expected, optionsFor("timing"), plant?.key];
   const work = useKept<Answer>("timing", request);
   const served = lists.operations.some(({ name }) => name === "moves");
   const measured = useKept<Answer>("moves", [...request, served && optionsFor("moves")]);
-  const own = ["tolerance", "plant", ...(isStep ? ["step"] : [])];
+  const own = ["tolerance", ...(isStep ? ["step"] : [])];
   const rows = optionsOf(lists, "timing").filter(({ name }) => own.includes(name));
   const shown = measured.value && !measured.stale ? measured : work;
   const busy = work.busy || measured.busy;
   return (
     <Section title="Moves in time" wide
       help="When each step settles within the tolerance, how far it overshoots, and the fastest moves. Limits and shaping are those above; the voltage is clipped to the limits.">
+      <p class="help">Played on the model{plant ? `, and on ${spokenPlant(plant.name)}, which is chosen above` : "; choose a plant above to play them there too"}.</p>
       <Choice label="Path of the moves" names={PATHS} chosen={isStep ? PATHS[1] : PATHS[0]} choose={(along) => change({ ...values, along })} />
       <Form rows={rows} values={values} change={change} first={own} />
       <div class="row">
@@ -169,7 +176,7 @@ function Result({ answer }: { answer: Answer }) {
   const runs: Run[] = result.runs;
   const unit = unitOf(result.unit);
   const steps = runs[0]?.steps ?? [];
-  // On the controller if it was measured there, or on the twin.
+  // On the controller if it was measured there, or on the plant.
   const last = runs.filter(({ name }) => name.endsWith(", compensated")).at(-1);
   const [chosen, choose] = useState(0);
   const at = Math.min(chosen, steps.length - 1);
@@ -217,7 +224,7 @@ function FastestMoves({ moves, unit }: { moves: Fastest[]; unit: string }) {
   const onPlant = moves.some(({ on_plant }) => on_plant);
   return (
     <Table caption="Fastest moves, within the limits, whose displacement is within the tolerance"
-      head={["Move", "Shape", "Move [ms]", "Settling [ms]", `Overshoot [${unit}]`, ...(onPlant ? ["On the twin [ms]"] : [])]}
+      head={["Move", "Shape", "Move [ms]", "Settling [ms]", `Overshoot [${unit}]`, ...(onPlant ? ["On the plant [ms]"] : [])]}
       rows={moves.map((move) => [
         `${move.purpose}, ${short(move.from)} to ${short(move.to)} ${unit}`, move.shape, ms(move.move_s), ms(move.settling_s),
         move.overshoot === null ? "\u2013" : short(move.overshoot), ...(onPlant ? [ms(move.on_plant?.settling_s)] : []),
