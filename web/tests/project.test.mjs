@@ -71,6 +71,22 @@ test("a damaged archive or project says what is damaged", () => {
     ['{"piezoid":1,"settings":null}', /settings is null, but must be an object/],
     ['{"piezoid":1,"records":[null]}', /records\[0\] is null/],
     ['{"piezoid":1,"models":[{"file":7}]}', /models\[0\]/],
+    ['{"piezoid":1,"models":[{"file":"a.json","standIn":"b.json"}]}', /models\[0\]\.standIn is "b\.json", but must be an object/],
+    ['{"piezoid":1,"models":[{"file":"a.json","standIn":{"file":"b.json"}}]}', /lacks its files a\.json, b\.json/],
     ['{"piezoid":1,"records":[{"file":"a.csv","columns":{},"prepare":{},"use":"none"}]}', /lacks its files a\.csv/],
   ]) assert.throws(() => of(text), why, text);
+});
+
+test("what is no change of the user stays after an undo, and is kept once", async () => {
+  const model = { file: "a.json", summary: "", verdict: "", notes: [] };
+  const workspace = new Workspace({}, stored({ "project.json": JSON.stringify({ piezoid: 1, models: [model] }) }));
+  await workspace.open();
+  workspace.change((project) => ({ ...project, settings: { compensate: { path: "sine" } } }));
+  const standIn = { file: "a-stand-in.json", sentence: "" };
+  workspace.amend((project) => ({ ...project, models: project.models.map((one) => ({ ...one, standIn })) }));
+  for (const step of ["undo", "redo"]) {
+    workspace[step]();
+    assert.deepEqual(workspace.project.models[0].standIn, standIn, step);
+    assert.equal(Object.keys(workspace.project.settings).length, step === "undo" ? 0 : 1);
+  }
 });

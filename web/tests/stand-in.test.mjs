@@ -58,7 +58,7 @@ function measured() {
   return { model: file("model.json"), records: [file("r5.csv"), file("r20.csv")] };
 }
 
-const HEADLINE = /^On (.*), the error goes from ([\d.]+) .m rms with a constant gain .* to ([\d.]+) .m with/;
+const HEADLINE = /^On (.*), the error goes from ([\d.]+)\s.m rms with a constant gain .* to ([\d.]+)\s.m with/;
 
 /** What Compensate says of the path on this plant. */
 async function played(page, plant) {
@@ -86,7 +86,7 @@ test("a path is played on the stand-in, which is made once, by itself, and kept 
   await one.getByRole("button", { name: "Make the stand-in" }).click();
   const first = await played(one, "the stand-in");
   assert.ok(first.compensated > 0 && first.compensated < first.gain / 3, first.text);
-  assert.match(first.text, /; in 8 of 10 random stand-ins [\d.]+ to [\d.]+ .m, the spread of the stand-in and no confidence interval\.$/);
+  assert.match(first.text, /; in 8 of 10 random stand-ins [\d.]+ to [\d.]+\s.m, the spread of the stand-in and no confidence interval\.$/);
   await one.getByText(/^The stand-in is the model and .* % of its difference from a model with/).waitFor();
   await one.getByRole("img", { name: /^The path on the stand-in.*requested, constant gain, compensated/ }).waitFor();
   assert.equal(of("stand-in").length, 2);
@@ -128,8 +128,8 @@ test("a path is played on the stand-in, which is made once, by itself, and kept 
 });
 
 test("without the records of a model nothing is played until they are added, or a twin is chosen", { skip, timeout: 360_000 }, async () => {
-  const { page: one, faults, of, view, close } = await page();
   const { model, records } = measured();
+  const { page: one, faults, of, view, close } = await page();
   const add = (files) => one.getByLabel("Data files").setInputFiles(files);
   await add([model]);
   await one.waitForTimeout(500);
@@ -164,8 +164,9 @@ test("without the records of a model nothing is played until they are added, or 
 });
 
 test("the smoothing that the library advises is set by a button", { skip, timeout: 120_000 }, async () => {
+  const { model } = measured();
   const { page: one, faults, view, close } = await page();
-  await one.getByLabel("Data files").setInputFiles([measured().model]);
+  await one.getByLabel("Data files").setInputFiles([model]);
   await one.waitForTimeout(500);
   await view("Compensate");
   await one.getByRole("combobox", { name: /^Path/ }).selectOption("staircase");

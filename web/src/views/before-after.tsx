@@ -87,9 +87,10 @@ function Result({ answer }: { answer: Answer }) {
   return (
     <>
       <p class={compensated.rmse < gain.rmse ? "verdict" : "verdict poor"} role="status">
-        On {spokenPlant(plant)}, the error goes from <b>{rough(gain.rmse)} {of}</b> rms with a constant gain ({rough(gain.rms_pp_percent)} % of the
-        height of the path) to <b>{rough(compensated.rmse)} {of}</b> with the compensated voltage ({rough(compensated.rms_pp_percent)} %)
-        {spread && <>; in 8 of 10 random stand-ins {near(spread[0])} to {near(spread[1])} {of}, the spread of the stand-in and no confidence interval</>}.
+        On {spokenPlant(plant)}, the error goes from <b>{rough(gain.rmse)}&nbsp;{of}</b> rms with a constant
+        gain ({rough(gain.rms_pp_percent)}&nbsp;% of the height of the path) to <b>{rough(compensated.rmse)}&nbsp;{of}</b> with the compensated
+        voltage ({rough(compensated.rms_pp_percent)}&nbsp;%){spread && <>; in 8 of 10 random stand-ins {near(spread[0])} to {near(spread[1])}&nbsp;{of}, the
+          spread of the stand-in and no confidence interval</>}.
       </p>
       <Notes title="" notes={notes} />
       <Chart figure={figure} height={440} />
