@@ -130,12 +130,13 @@ fn in_no_file() -> Error {
     Error::Content(format!("the model {why}: repeat it in the program that has this record"))
 }
 
-/// The small-signal and the large-signal sources of a model, from its files in any order and under any names.
+/// The small-signal and the large-signal sources of a model, from its files in any order and under any names. A file
+/// with an origin was derived from that one, and is used as it is.
 ///
 /// # Errors
 /// Returns an error if the model does not state how it was identified, or if one of its records was in no file, and if
-/// a file is missing or differs.
-pub(super) fn sources_of(model: &Model, files: &[DataFile]) -> Result<(Vec<Source>, Vec<Source>), Error> {
+/// a file is missing, differs, or was prepared in another way.
+pub(super) fn sources_of(model: &Model, files: &[Source]) -> Result<(Vec<Source>, Vec<Source>), Error> {
     let training = Recipe::of(model)?.files;
     let origins: Vec<&Origin> = training.iter().map(|one| &one.origin).collect();
     let (mut small, mut large) = (Vec::new(), Vec::new());
@@ -156,6 +157,7 @@ const ROUNDING: f64 = 1e-6;
 /// file is missing or differs; and if the result is another model. The errors of [`identify`](crate::identify).
 pub fn identify_again(model: &Model, files: &[DataFile], progress: &mut Progress) -> Result<Identification, Error> {
     let recipe = Recipe::of(model)?;
+    let files = &Source::all(files.to_vec(), &ColumnSelection::default());
     let mut again = recipe.options()?.run(sources_of(model, files)?, &recipe.command, progress)?;
     again.found = again.found.finished()?;
     if again.found.model != *model {
@@ -191,20 +193,31 @@ fn apart(model: &Model, other: &Model, record: &Record) -> Result<f64, Error> {
 }
 
 /// The sources of a model among these files, in the order of its origins.
-fn sources(origins: &[&Origin], files: &[DataFile]) -> Result<Vec<Source>, Error> {
-    let hashes = files.iter().map(DataFile::sha256).collect::<Result<Vec<String>, Error>>()?;
+fn sources(origins: &[&Origin], files: &[Source]) -> Result<Vec<Source>, Error> {
+    let hash = |source: &Source| match &source.origin {
+        Some(origin) => Ok(origin.sha256.clone()),
+        None => source.file.sha256(),
+    };
+    let hashes = files.iter().map(hash).collect::<Result<Vec<String>, Error>>()?;
     let found = |origin: &&Origin| {
         if origin.sha256.is_empty() {
             return Err(in_no_file());
         }
-        if let Some((file, _)) = files.iter().zip(&hashes).find(|(_, hash)| **hash == origin.sha256) {
-            let file = file.clone().named(&origin.file);
-            return Ok(Source::new(file, origin.columns.clone(), origin.preparation.clone()));
+        if let Some((source, _)) = files.iter().zip(&hashes).find(|(_, hash)| **hash == origin.sha256) {
+            let file = source.file.clone().named(&origin.file);
+            let Some(own) = &source.origin else {
+                return Ok(Source::new(file, origin.columns.clone(), origin.preparation.clone()));
+            };
+            if (&own.columns, &own.preparation) != (&origin.columns, &origin.preparation) {
+                let how = "is read or prepared in another way than when the model was identified from it";
+                return Err(Error::Content(format!("{} {how}: identify the model again", origin.file)));
+            }
+            return Ok(Source { file, ..source.clone() });
         }
         let (name, hash) = (&origin.file, &origin.sha256);
-        let named = files.iter().zip(&hashes).find(|(file, _)| short(&file.name) == name);
+        let named = files.iter().zip(&hashes).find(|(source, _)| short(&source.file.name) == name);
         Err(Error::Content(match named {
-            Some((DataFile { name, .. }, other)) => format!(
+            Some((Source { file: DataFile { name, .. }, .. }, other)) => format!(
                 "{name} is not the file that the model was identified from: its SHA-256 is {other}, but was {hash}: \
                  give the file as it was"
             ),
@@ -213,7 +226,7 @@ fn sources(origins: &[&Origin], files: &[DataFile]) -> Result<Vec<Source>, Error
     };
     let sources = origins.iter().map(found).collect::<Result<_, _>>()?;
     match files.iter().zip(&hashes).find(|(_, hash)| origins.iter().all(|origin| origin.sha256 != **hash)) {
-        Some((DataFile { name, .. }, _)) => {
+        Some((Source { file: DataFile { name, .. }, .. }, _)) => {
             let names: Vec<&str> = origins.iter().map(|origin| &*origin.file).collect();
             let known = piezoid_numerics::number::join(&names);
             let why = format!("is none of the files that the model was identified from ({known}): leave it out");
@@ -287,6 +300,22 @@ mod tests {
         assert!(changed.starts_with("lab/b.csv is not the file"), "{changed}");
         let extra = text(&[a, b, file("c.csv", 1.0)]);
         assert!(extra.starts_with("c.csv is none of the files that the model was identified from (a.csv"), "{extra}");
+    }
+
+    #[test]
+    fn a_file_that_was_derived_as_the_model_states_is_used_as_it_is() {
+        let model = identified();
+        let all = Recipe::of(&model).unwrap().files;
+        let derived = |origin: Origin| {
+            let part = Source::new(file("prepared.csv", 0.1), ColumnSelection::default(), Vec::new());
+            let b = Source::new(file("b.csv", 0.25), ColumnSelection::default(), Vec::new());
+            sources_of(&model, &[Source { origin: Some(origin), ..part }, b])
+        };
+        let (_, large) = derived(all[0].origin.clone()).unwrap();
+        assert_eq!((large[0].file.name.as_str(), large[0].columns == ColumnSelection::default()), ("a.csv", true));
+        assert_eq!(large[0].record().unwrap().len(), 1000, "not decimated again");
+        let refused = derived(Origin { preparation: Vec::new(), ..all[0].origin.clone() }).unwrap_err().to_string();
+        assert!(refused.starts_with("a.csv is read or prepared in another way"), "{refused}");
     }
 
     #[test]

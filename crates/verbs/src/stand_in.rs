@@ -5,8 +5,8 @@
 //! fits its own records better than others has learned some of their noise. The result is at least the noise, because
 //! records do not show a smaller error.
 
+use super::Source;
 use super::origin::{Recipe, sources_of};
-use super::{DataFile, Source};
 use crate::identification::{IdentifyOptions, Method, Records};
 use piezoid_control::feedback::StandIn;
 use piezoid_identification::{Effort, feedback::Structure};
@@ -18,12 +18,13 @@ use piezoid_numerics::series::mean;
 use piezoid_records::record::Record;
 use piezoid_validation::{Offset, Validate, ValidateOptions};
 
-/// The stand-in for the actuator of `model`, from the files that it was identified from, in any order.
+/// The stand-in for the actuator of `model`, from the files that it was identified from, in any order; they are read as
+/// the model states, unless they were derived from these files.
 ///
 /// # Errors
 /// Returns an error if the model does not state its files or a file is missing or differs; the errors of
 /// [`stand_in`].
-pub fn stand_in_from(model: &Model, files: &[DataFile], progress: &mut Progress) -> Result<StandIn, Error> {
+pub fn stand_in_from(model: &Model, files: &[Source], progress: &mut Progress) -> Result<StandIn, Error> {
     let (small, large) = sources_of(model, files)?;
     let read = |sources: Vec<Source>| sources.iter().map(Source::record).collect::<Result<Vec<_>, Error>>();
     let (small, large) = (read(small)?, read(large)?);
@@ -89,7 +90,7 @@ fn overfit(model: &Model) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::File;
+    use crate::{DataFile, File};
     use piezoid_models::linear::Arx;
     use piezoid_numerics::progress::Stage;
     use piezoid_numerics::system::System;
@@ -111,17 +112,20 @@ mod tests {
         [4.0, 9.0].into_iter().enumerate().map(file).collect()
     }
 
+    fn sources() -> Vec<Source> {
+        Source::all(files(), &ColumnSelection::default())
+    }
+
     fn identified(operator: &str) -> Model {
-        let sources = Source::all(files(), &ColumnSelection::default());
         let options = IdentifyOptions { operator: operator.into(), order: Some(2), ..IdentifyOptions::default() };
-        options.run((Vec::new(), sources), "", &mut Stage::ignore).unwrap().found.model
+        options.run((Vec::new(), sources()), "", &mut Stage::ignore).unwrap().found.model
     }
 
     /// With few plays the model has an error that a Preisach operator shows.
     #[test]
     fn a_stand_in_differs_from_the_model_as_much_as_the_records_do() {
         let model = identified("prandtl-ishlinskii");
-        let found = stand_in_from(&model, &files(), &mut Stage::ignore).unwrap();
+        let found = stand_in_from(&model, &sources(), &mut Stage::ignore).unwrap();
         assert_ne!(found.other().hysteresis().operator().class, Class::Plays);
         let options = ValidateOptions { offset: Offset::Free, ..ValidateOptions::default() };
         let records: Vec<Record> =
@@ -156,10 +160,10 @@ mod tests {
     #[test]
     fn a_stand_in_needs_all_records_and_stops_when_it_is_cancelled() {
         let model = identified("proportional");
-        let error = stand_in_from(&model, &files()[..1], &mut Stage::ignore).unwrap_err().to_string();
+        let error = stand_in_from(&model, &sources()[..1], &mut Stage::ignore).unwrap_err().to_string();
         assert!(error.contains("rise1.csv"), "{error}");
         let mut stop = |_: Stage| std::ops::ControlFlow::Break(());
-        let error = stand_in_from(&model, &files(), &mut stop).unwrap_err();
+        let error = stand_in_from(&model, &sources(), &mut stop).unwrap_err();
         assert!(matches!(error, Error::Cancelled { .. }), "{error}");
     }
 }

@@ -4,7 +4,8 @@ use super::lists;
 use super::prelude::*;
 use crate::values::Ended::Misused;
 use piezoid::control::SimulatedActuator;
-use piezoid_verbs::{files_of, stand_in_from};
+use piezoid::formats::ColumnSelection;
+use piezoid_verbs::{Source, files_of, stand_in_from};
 
 /// The name that stands for a stand-in.
 const RECORDS: &str = "records";
@@ -42,7 +43,7 @@ impl RecordsOfModel {
             Ok(files_of(&model).map_err(|e| failed(e.of(&path.to_string_lossy())))?.into_iter().map(place).collect())
         };
         let records = if self.records.is_empty() { named()? } else { self.records.clone() };
-        let records = files::all(&records, files::data)?;
+        let records = Source::all(files::all(&records, files::data)?, &ColumnSelection::default());
         let found = console.work(|progress| stand_in_from(&model, &records, progress))?;
         console.remarks([found.to_string()]);
         Ok(("stand-in".into(), found.into()))

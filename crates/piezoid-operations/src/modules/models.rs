@@ -176,8 +176,7 @@ fn identify(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
 }
 
 fn stand_in(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
-    let records: Vec<DataFile> = inputs.all("records")?.into_iter().map(DataFile::from).collect();
-    let found = stand_in_from(&inputs.one("model")?.model()?, &records, progress)?;
+    let found = stand_in_from(&inputs.one("model")?.model()?, &inputs.sources("records")?, progress)?;
     let result = json!({
         "sentence": found.to_string(), "operator": found.other().hysteresis().operator().name,
         "share": found.share(), "error": found.error(), "noise": found.noise(), "units": found.units(),
