@@ -45,6 +45,8 @@ test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a p
   await page.getByRole("button", { name: "Download voltage.csv" }).waitFor();
   const voltage = await download(page, () => page.getByRole("button", { name: "Download voltage.csv" }).click());
   assert.match(voltage.toString(), /u_V/);
+  // Of both records, of which the module that makes it cannot read the MATLAB file.
+  await page.getByText("On the stand-in, the error goes").waitFor({ timeout: 240_000 });
 
   await page.waitForTimeout(400);
   await page.reload();

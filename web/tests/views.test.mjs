@@ -29,6 +29,8 @@ before(async () => {
     await identify(page, operator);
     await known(page, operator);
   }
+  await page.getByRole("link", { name: "Compensate", exact: true }).click();
+  await page.getByText("On the stand-in, the error goes").waitFor({ timeout: 240_000 });
   await page.waitForTimeout(500);
   saved = context;
 });
