@@ -142,14 +142,14 @@ function Lack({ file, here, lacking }: Sources & { file: string }) {
     return (
       <p class="missing">
         A stand-in is made from the records that {file} was identified from, but {lacking.join(", ")} {lacking.length > 1 ? "are" : "is"} not in
-        this project. <a href="#data">Add {lacking.length > 1 ? "them" : "it"}</a>, or choose a twin, which is another actuator.
+        this project. <a href="#workbench">Add {lacking.length > 1 ? "them" : "it"}</a>, or choose a twin, which is another actuator.
       </p>
     );
   }
   return here.length > 0 ? null : (
     <p class="missing">
       {file} does not state which records it was identified from, so that there is no stand-in for its actuator.{" "}
-      <a href="#identify">Identify a model here</a>, or choose a twin, which is another actuator.
+      <a href="#workbench">Identify a model here</a>, or choose a twin, which is another actuator.
     </p>
   );
 }
