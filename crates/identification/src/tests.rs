@@ -193,6 +193,52 @@ fn a_cancelled_identification_ends_at_every_stage_with_the_best_model_until_then
 }
 
 #[test]
+fn each_finished_operator_hands_out_its_model_and_a_cancelled_search_ends_with_the_best_of_them() {
+    let plant = plant(5e-4, 1);
+    let (small, large_signal) = ([prbs(&plant)], large_signal(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]));
+    let names = ["bouc-wen", "dahl", "prandtl-ishlinskii"];
+    let handed_out = |last: usize| {
+        let (mut models, mut best) = (std::collections::BTreeMap::new(), None);
+        let found = identify_joint(&small, &large_signal, &named(&names.join(",")), &mut |stage| {
+            if let Some(model) = stage.model.map(|text| Model::from_json(text).unwrap()) {
+                best = if stage.best { Some(model.clone()) } else { best.take() };
+                let errors: Vec<f64> = stage
+                    .figures
+                    .iter()
+                    .filter(|(name, _)| *name == "error_percent")
+                    .map(|(_, value)| *value)
+                    .collect();
+                if stage.what == "linear block" {
+                    assert!(stage.best && stage.figures.is_empty());
+                } else {
+                    assert_eq!(model.hysteresis().operator().name, stage.what);
+                    assert_eq!(stage.figures[0].0, "held_out_percent");
+                    models.entry(stage.what.to_string()).or_insert_with(Vec::new).extend(errors);
+                }
+            }
+            if models.values().flatten().count() >= last { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        (found.unwrap(), models, best.unwrap())
+    };
+    let same = |found: &Identified, best: &Model| {
+        let parts = |model: &Model| (model.hysteresis().params(), model.linear().clone(), model.offset());
+        assert_eq!(parts(&found.model), parts(best));
+    };
+    let (whole, models, best) = handed_out(usize::MAX);
+    assert_eq!(models.keys().collect::<Vec<_>>(), names);
+    for trial in &whole.trials {
+        assert_eq!(models[trial.operator].last(), Some(&trial.error_percent), "{trial:?}");
+    }
+    same(&whole, &best);
+    // The fits in all parameters come one after the other.
+    for last in 1..=3 {
+        let (found, _, best) = handed_out(last);
+        assert!(found.cancelled.is_some());
+        same(&found, &best);
+    }
+}
+
+#[test]
 fn a_quick_search_finds_a_coarse_model_in_the_ends_of_long_records() {
     let plant = plant(5e-4, 1);
     let large_signal = large_signal(&plant, 8.0, &[(3.0, 0.0), (7.0, 0.0), (17.0, 0.0)]);

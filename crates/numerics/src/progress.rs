@@ -15,9 +15,12 @@ pub struct Stage<'a> {
     /// The latest results by name, such as the errors of an operator or the cost of a search; often empty.
     #[serde(serialize_with = "by_name")]
     pub figures: &'a [(&'a str, f64)],
-    /// The text of the file of a model, when one is found that is better than those before.
+    /// The text of the file of a model, when a fit is finished. In an identification `what` is its operator then.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub model: Option<&'a str>,
+    /// True if this model is better than those before: a task that is cancelled ends with the last one of these.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub best: bool,
 }
 
 /// A callback for progress; [`ControlFlow::Break`] cancels the task.
@@ -26,7 +29,7 @@ pub type Progress<'a> = dyn FnMut(Stage) -> ControlFlow<()> + 'a;
 impl<'a> Stage<'a> {
     /// A stage that has found nothing yet.
     pub const fn new(what: &'a str, done: usize, total: usize) -> Self {
-        Stage { what, done, total, figures: &[], model: None }
+        Stage { what, done, total, figures: &[], model: None, best: false }
     }
 
     /// A callback that ignores progress.

@@ -57,7 +57,8 @@ fn within_this_process<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 
 /// Does `work` without the interpreter's lock. `progress`, if given, is called with the kind of work, the number of
 /// steps done, and the total; its method `found`, if it has one, with the kind of work, the figures that were found by
-/// name, and a better model or None. An exception that it raises stops the work, as Ctrl-C does.
+/// name, the model of a finished fit or None, and whether it is the best so far. An exception that it raises stops the
+/// work, as Ctrl-C does.
 pub(crate) fn watched<T: Send>(
     py: Python<'_>,
     progress: Option<Py<PyAny>>,
@@ -92,7 +93,7 @@ pub(crate) fn watched_until<T: Send>(
                 let Some(results) = results.as_ref().filter(|_| found(&stage)) else { return Ok(()) };
                 let figures = stage.figures.iter().copied().collect::<HashMap<_, _>>();
                 let model = stage.model.map(piezoid::Model::from_json).transpose().map_err(raised)?;
-                results.call1(py, (stage.what, figures, model.map(Model::from))).map(drop)
+                results.call1(py, (stage.what, figures, model.map(Model::from), stage.best)).map(drop)
             });
             match message {
                 Ok(()) => ControlFlow::Continue(()),

@@ -19,7 +19,7 @@ static LEFT: AtomicBool = AtomicBool::new(false);
 
 /// Answers one request. On stdin are its length (8 bytes, little-endian) and the request; when stdin ends, nobody waits
 /// for the answer any more, and the process ends. On stdout are lines `{"what": ..., "done": ..., "total": ...,
-/// "figures": {...}, "model": "..."}`, an empty line, and the packed answer.
+/// "figures": {...}, "model": "...", "best": true}`, an empty line, and the packed answer.
 ///
 /// # Errors
 /// Returns the error of stdin or stdout.

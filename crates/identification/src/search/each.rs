@@ -68,10 +68,13 @@ impl Search<'_> {
         };
         let mut finished = Vec::new();
         let report = |k: usize, result: Option<&(Result<Candidate, Error>, f64)>| {
-            if let Some((candidate, seconds)) = result {
-                finished.push((rows[k], candidate.clone(), *seconds));
-            }
-            reporter.report(Stage::new(rows[k].name, k, rows.len()))
+            let Some((candidate, seconds)) = result else {
+                return reporter.report(Stage::new(rows[k].name, k, rows.len()));
+            };
+            finished.push((rows[k], candidate.clone(), *seconds));
+            let Ok(Candidate { fitted, .. }) = candidate else { return Ok(()) };
+            let result = trial_of(rows[k], fitted, &mut runs.to_vec(), design.range);
+            reporter.tried_apart(&Trial::of(result, fitted.clone()), k, runs)
         };
         *cancelled = side_by_side(rows.to_vec(), fit, report).err();
         finished

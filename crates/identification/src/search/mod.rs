@@ -235,33 +235,58 @@ impl Reporter<'_> {
         }
     }
 
-    /// Keeps a candidate as the best so far, and reports its model.
+    /// Keeps a candidate as the best so far, and reports its model. Before the operators are compared, this is of no
+    /// operator that is tried.
     ///
     /// # Errors
     /// [`Error::Cancelled`]; an error if the candidate is no model.
     fn keep(&mut self, candidate: Candidate, runs: &[TrainingRecord]) -> Result<(), Error> {
-        let runs = &mut runs.to_vec();
-        candidate.fitted.apply_to(runs, self.range);
-        let offset = fit::offset(&candidate.fitted, runs, &mut Vec::new(), &self.units.y);
-        let model = candidate.fitted.estimate.model(offset)?.with_units(self.units.clone()).to_json();
+        let (runs, operator) = (&mut runs.to_vec(), candidate.operator);
+        let model = self.model(&candidate.fitted, runs)?;
+        let (last, done) = self.last.clone();
+        let tried = last != LINEAR_BLOCK;
+        let figures = tried.then(|| operators::trial_of(operator, &candidate.fitted, runs, self.range).figures());
         self.best = Some(candidate);
-        let (what, done) = self.last.clone();
-        self.report(Stage { model: Some(&model), ..Stage::new(&what, done, 0) })
+        let (what, figures) = if tried { (operator.name, figures.as_ref()) } else { (LINEAR_BLOCK, None) };
+        let figures = figures.map_or(&[][..], |figures| figures);
+        self.report(Stage { figures, model: Some(&model), best: true, ..Stage::new(what, done, 0) })
     }
 
-    /// The same for a fit with this operator, if its held-out error is less than that of the best.
-    fn keep_better(
+    /// Reports a finished fit with its model, and keeps it if its held-out error is less than that of the best.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn tried(
         &mut self,
-        operator: &'static Operator,
-        fitted: Option<&Fitted>,
+        (operator, fitted): (&'static Operator, &Fitted),
+        figures: &[(&str, f64)],
+        done: usize,
         runs: &[TrainingRecord],
     ) -> Result<(), Error> {
-        match (fitted, &self.best) {
-            (Some(fitted), Some(best)) if fitted.held_out.rms_pp() < best.error() => {
-                self.keep(Candidate { operator, ..best.with_fit(fitted.clone()) }, runs)
-            }
-            _ => Ok(()),
-        }
+        // A fit that is no model cannot be the best.
+        let model = self.model(fitted, &mut runs.to_vec()).ok();
+        let before = self.best.as_ref().filter(|best| model.is_some() && fitted.held_out.rms_pp() < best.error());
+        let better = before.map(|before| Candidate { operator, ..before.with_fit(fitted.clone()) });
+        let best = better.is_some();
+        self.best = better.or(self.best.take());
+        self.report(Stage { figures, model: model.as_deref(), best, ..Stage::new(operator.name, done, 0) })
+    }
+
+    /// The same for a fit in other samples or of other work than those before: it is never kept.
+    ///
+    /// # Errors
+    /// [`Error::Cancelled`].
+    fn tried_apart(&mut self, trial: &Trial, done: usize, runs: &[TrainingRecord]) -> Result<(), Error> {
+        let Some(fitted) = &trial.fitted else { return Ok(()) };
+        let (figures, model) = (&trial.result.figures(), self.model(fitted, &mut runs.to_vec()).ok());
+        self.report(Stage { figures, model: model.as_deref(), ..Stage::new(trial.result.operator, done, 0) })
+    }
+
+    /// The text of the file of a fit's model; these records start as in the fit then.
+    fn model(&self, fitted: &Fitted, runs: &mut [TrainingRecord]) -> Result<String, Error> {
+        fitted.apply_to(runs, self.range);
+        let offset = fit::offset(fitted, runs, &mut Vec::new(), &self.units.y);
+        Ok(fitted.estimate.model(offset)?.with_units(self.units.clone()).to_json())
     }
 
     /// A callback for the steps of a fit in the stage `what`, after `done` others.

@@ -52,9 +52,16 @@ pub(super) fn compare_closest(candidate: &Candidate, search: &mut Search) -> Res
     let operator = candidate.operator;
     let reach = reachable(settings, operator, &candidate.fitted, runs);
     let Some(previous) = trials.iter().position(|trial| trial.result.is_selected()) else { return Ok(None) };
-    let watch = &mut reporter.last_stage(operator.name);
-    if !refit_closest(trials, previous, &candidate.fitted, &design, reach, runs, watch)? {
+    let last = reporter.total - 1;
+    let closest = {
+        let watch = &mut reporter.last_stage(operator.name);
+        refit_closest(trials, previous, &candidate.fitted, &design, reach, runs, watch)?
+    };
+    if closest.is_empty() {
         return Ok(None);
+    }
+    for k in closest {
+        reporter.tried_apart(&trials[k], last, runs)?;
     }
     let result = trial_of(operator, &candidate.fitted, runs, design.range);
     trials[previous] = Trial::of(result, candidate.fitted.clone());
@@ -100,8 +107,11 @@ pub(super) fn compare_on_all_samples(candidate: &Candidate, search: &mut Search)
         }
         Ok(Trial::of(trial_of(operators[k], &fit, &mut all, design.range), fit))
     };
-    let mut watch = reporter.last_stage(candidate.operator.name);
-    let fits = side_by_side(finalists.clone(), fit, |k, _| watch(k))?;
+    let last = reporter.total - 1;
+    let fits = {
+        let mut watch = reporter.last_stage(candidate.operator.name);
+        side_by_side(finalists.clone(), fit, |k, _| watch(k))?
+    };
     // The errors of the others are those in parts: they are not candidates any more.
     trials.iter_mut().for_each(|trial| trial.fitted = None);
     for (k, trial) in finalists.into_iter().zip(fits) {
@@ -110,6 +120,7 @@ pub(super) fn compare_on_all_samples(candidate: &Candidate, search: &mut Search)
             Err(_) => {}
             Ok(trial) => trials[k] = trial,
         }
+        reporter.tried_apart(&trials[k], last, whole)?;
     }
     let (selected, fitted) = select(trials)?;
     search.runs = whole.to_vec();
@@ -153,11 +164,11 @@ fn with_block_held(
 ) -> Result<Held, Error> {
     let own = |row: &'static Operator, watch: StepCallback| with_own_shape(row, design, blocks, runs, watch);
     let mut report = |phase: usize, k: usize, fits: Option<&Shapes>| {
-        let best = fits.and_then(|fits| fits.as_ref().ok()?.first());
-        let figures: Vec<_> = best.map(|fit| ("held_out_percent", 100.0 * fit.held_out.rms_pp())).into_iter().collect();
-        let done = 1 + phase * operators.len() + k;
-        reporter.report(Stage { figures: &figures, ..Stage::new(operators[k].name, done, 0) })?;
-        reporter.keep_better(operators[k], best, runs)
+        let (row, done) = (operators[k], 1 + phase * operators.len() + k);
+        match fits.and_then(|fits| fits.as_ref().ok()?.first()) {
+            None => reporter.report(Stage::new(row.name, done, 0)),
+            Some(fit) => reporter.tried((row, fit), &[("held_out_percent", 100.0 * fit.held_out.rms_pp())], done, runs),
+        }
     };
     let paired = |fits: Vec<Shapes>| -> Held { operators.iter().copied().zip(fits).collect() };
     let held = paired(side_by_side(operators.to_vec(), own, |k, fits| report(0, k, fits))?);
@@ -202,12 +213,14 @@ fn with_all_parameters(
             }
         };
         let report = |k: usize, trial: Option<&Result<Trial, Error>>| {
-            let trial = trial.and_then(|trial| trial.as_ref().ok());
-            let figures = trial.map(|trial| trial.result.figures());
-            let (row, figures) = (rows[k].1, figures.as_ref().map_or(&[][..], |figures| figures));
-            let done = 1 + 2 * of_all + trials.len() + k;
-            reporter.report(Stage { figures, ..Stage::new(row.name, done, 0) })?;
-            reporter.keep_better(row, trial.and_then(|trial| trial.fitted.as_ref()), runs)
+            let (row, done) = (rows[k].1, 1 + 2 * of_all + trials.len() + k);
+            match trial.and_then(|trial| trial.as_ref().ok()) {
+                None => reporter.report(Stage::new(row.name, done, 0)),
+                Some(Trial { result, fitted: Some(fit) }) => reporter.tried((row, fit), &result.figures(), done, runs),
+                Some(Trial { result, fitted: None }) => {
+                    reporter.report(Stage { figures: &result.figures(), ..Stage::new(row.name, done, 0) })
+                }
+            }
         };
         let fits: Vec<Trial> = side_by_side(round, finish, report)?.into_iter().collect::<Result<_, Error>>()?;
         let reached = rows.iter().zip(&fits).filter_map(|((_, row), trial)| Some((row, trial.fitted.as_ref()?)));
@@ -231,7 +244,7 @@ fn least(held: &[(&'static Operator, Shapes)]) -> f64 {
 }
 
 /// Fits the operators that were close to the `selected` one again, with the other parts of its present fit: what they
-/// lacked may have hidden how the operators differ. Returns true if there was another to fit.
+/// lacked may have hidden how the operators differ. Returns the numbers of these.
 fn refit_closest(
     trials: &mut [Trial],
     selected: usize,
@@ -240,7 +253,7 @@ fn refit_closest(
     reach: f64,
     runs: &[TrainingRecord],
     watch: StepCallback,
-) -> Result<bool, Error> {
+) -> Result<Vec<usize>, Error> {
     let most = POLICY.close_operator_ratio * trials[selected].result.error();
     let Estimate { driver, seeks_lag, lags, linear, .. } = &fitted.estimate;
     let closest = (0..trials.len()).filter(|k| *k != selected && trials[*k].result.error() <= most);
@@ -256,14 +269,14 @@ fn refit_closest(
         Ok((k, Trial::of(trial_of(row, &fit, &mut runs, design.range), fit)))
     };
     let fits: Vec<_> = side_by_side(closest, fit, |_, _| watch(0))?.into_iter().flatten().collect();
-    let is_any = !fits.is_empty();
+    let fitted = fits.iter().map(|(k, _)| *k).collect();
     for (k, trial) in fits {
         // A fit of the comparison stays if this one ended because it cannot win.
         if trial.result.error() < trials[k].result.error() {
             trials[k] = trial;
         }
     }
-    Ok(is_any)
+    Ok(fitted)
 }
 
 /// The fits of an operator with its own shape, the best first: of one that selects terms there are two.
@@ -414,7 +427,9 @@ mod tests {
         let before = trials[2].result.held_out_percent / 100.0;
         let after = with_mode.held_out.rms_pp();
         assert!(is_worth_repeating((before, after)) && !is_worth_repeating((before, before)));
-        assert!(refit_closest(&mut trials, 2, &with_mode, &design, f64::INFINITY, &runs, &mut |_| Ok(())).unwrap());
+        assert!(
+            refit_closest(&mut trials, 2, &with_mode, &design, f64::INFINITY, &runs, &mut |_| Ok(())).unwrap() == [0]
+        );
         assert!(trials[0].result.held_out_percent < 0.1 * stop, "{} {stop}", trials[0].result.held_out_percent);
         assert_eq!(trials[0].fitted.as_ref().unwrap().estimate.linear.a().len(), 2);
         assert_eq!(trials[1].result.held_out_percent, none);

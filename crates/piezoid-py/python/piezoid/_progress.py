@@ -55,10 +55,10 @@ class _Results:
     def __call__(self, what: str, done: int, total: int) -> None:
         self.watch(what, done, total)
 
-    def found(self, what: str, figures: dict[str, float], core: Any) -> None:
+    def found(self, what: str, figures: dict[str, float], core: Any, best: bool) -> None:
         from .model import Model
 
-        self.watch.found(what, figures, None if core is None else Model._of(core))
+        self.watch.found(what, figures, None if core is None else Model._of(core), best)
 
 
 class _Bars:

@@ -51,8 +51,8 @@ def identify(
     target: the export target (`pz.targets`) that the model is for: only operators that it serves are tried
     progress: True shows a tqdm bar; your own bar is updated; a function is called as f(what, done, total). An exception
     that it raises stops the work, as Ctrl-C does: the best model until then is the attribute `model` of the exception.
-    `pz.plot.search` draws the search; any object with a method found(what, figures, model) gets what is found, and
-    `model` if it is better than those before
+    `pz.plot.search` draws the search; any object with a method found(what, figures, model, best) gets what is found:
+    the operator, its errors, its model once its fit is finished (None until then), and if that is the best so far
 
     Options:
 

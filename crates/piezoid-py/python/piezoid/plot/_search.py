@@ -27,12 +27,12 @@ class Search:
     def __call__(self, what: str, done: int, total: int) -> None:
         """The library calls this with each step, which the figure does not show."""
 
-    def found(self, what: str, figures: dict[str, float], model: Model | None) -> None:
-        """Redraws. The library calls this with the operator, its errors, and a better model or None."""
+    def found(self, what: str, figures: dict[str, float], model: Model | None, best: bool) -> None:
+        """Redraws. The library calls this with the operator, its errors, its model or None, and if that is the best."""
         error = figures.get("error_percent", figures.get("held_out_percent"))
         if error is not None and np.isfinite(error):
             self.errors[what] = error
-        if model is not None:
+        if best:
             self.model = model
         self._draw()
         canvas = self.axes[0].figure.canvas
