@@ -1,8 +1,11 @@
 //! The result of an inspection: defects, and the samples that may be fitted.
 
-use super::Detector;
+use super::{Consequence, Detector};
 use piezoid_numerics::error::Error;
 use std::ops::Range;
+
+/// The smallest share of valid samples of a record that is used.
+const MIN_USABLE_SHARE: f64 = 1.0 / 3.0;
 
 /// What a detector found.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,12 +50,22 @@ impl Inspection {
     }
 
     /// Returns an error if nothing can be identified from the record. [`Error::Unidentifiable`] with the first fatal
-    /// finding, or if no sample is usable.
+    /// finding, or if fewer than a third of the samples are usable: the rest may not show what the record is for.
     pub fn require_usable(&self) -> Result<(), Error> {
         let because = match self.findings.iter().find(|f| f.detector.consequence.is_fatal()) {
             Some(finding) => finding.text.clone(),
-            None if !self.usable.contains(&true) => "no sample of the record is valid: measure again".into(),
-            None => return Ok(()),
+            None => match self.usable.iter().filter(|usable| **usable).count() {
+                0 => "no sample of the record is valid: measure again".into(),
+                valid if valid as f64 >= MIN_USABLE_SHARE * self.usable.len() as f64 => return Ok(()),
+                valid => {
+                    let masked = self.findings.iter().filter(|f| f.detector.consequence == Consequence::Masked);
+                    let why: Vec<&str> = masked.map(|finding| finding.text.as_str()).collect();
+                    let (all, why) = (self.usable.len(), why.join("; "));
+                    format!(
+                        "only {valid} of {all} samples of the record are valid: {why}: cut the record or measure again"
+                    )
+                }
+            },
         };
         Err(Error::Unidentifiable { what: "a model".into(), because })
     }
