@@ -50,6 +50,13 @@ pub fn explained(x: &[f64], y: &[f64]) -> f64 {
     crossed * crossed / (scatter(x) * scatter(y))
 }
 
+/// The line of least squares of `y` over `x`: its slope, and its value at 0; `None` if `x` is constant.
+pub fn line(x: &[f64], y: &[f64]) -> Option<(f64, f64)> {
+    let (mx, my, along) = (mean(x), mean(y), scatter(x));
+    let crossed: f64 = x.iter().zip(y).map(|(x, y)| (x - mx) * (y - my)).sum();
+    (along > 0.0).then(|| (crossed / along, my - crossed / along * mx))
+}
+
 /// The quantile of `x` at `share`; 0 if `x` is empty.
 pub fn quantile(mut x: Vec<f64>, share: f64) -> f64 {
     let k = (share * x.len() as f64) as usize;

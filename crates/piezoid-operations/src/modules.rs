@@ -10,6 +10,8 @@ mod instruments;
 mod models;
 #[cfg(feature = "reports")]
 mod reports;
+#[cfg(any(feature = "files", feature = "models"))]
+mod shape;
 
 use crate::{Inputs, Operation, Role};
 use piezoid::Error;

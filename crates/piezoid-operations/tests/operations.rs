@@ -31,16 +31,44 @@ fn measured(name: &str, hz: f64) -> File {
 }
 
 #[test]
+fn a_record_comes_with_its_cycles_its_line_and_its_spectra() {
+    let files = [measured("a.csv", 4.0)];
+    for call in ["inspect", "prepare"] {
+        let answer = answer(json!({"call": call, "files": {"data": ["a.csv"]}}), &files);
+        let series = |name: &str| &answer.series.iter().find(|(known, _)| known == name).unwrap().1;
+        let shape = &answer.result["shape"];
+        let groups = shape["cycles"]["groups"].as_array().unwrap();
+        assert_eq!((groups.len(), &groups[0]["count"], &shape["cycles"]["minor"]), (1, &json!(3), &json!([])));
+        assert_eq!(groups[0]["cycles"], json!([[188, 438], [438, 688], [688, 938]]));
+        assert!((groups[0]["frequency"].as_f64().unwrap() - 4.0).abs() < 0.01);
+        assert!((groups[0]["amplitude"].as_f64().unwrap() - 20.0).abs() < 0.01);
+        // The line leaves less of y than any other: its remainder is about 0, and does not go with u.
+        let [slope, offset] = ["slope", "offset"].map(|name| shape["line"][name].as_f64().unwrap());
+        let left: Vec<f64> = series("u").iter().zip(series("y")).map(|(u, y)| y - offset - slope * u).collect();
+        let moment: f64 = left.iter().zip(series("u")).map(|(left, u)| left * u).sum();
+        assert!(left.iter().sum::<f64>().abs() < 1e-6 && moment.abs() < 1e-6, "{moment}");
+        let (hz, u, y) = (series("hz"), series("u/amplitude"), series("y/amplitude"));
+        let top = (0..hz.len()).max_by(|p, q| y[*p].total_cmp(&y[*q])).unwrap();
+        assert_eq!((hz.len(), hz[top], hz[499]), (500, 4.0, 500.0));
+        assert!((u[top] - 20.0).abs() < 0.1 && (y[top] / u[top] / slope - 1.0).abs() < 0.05, "{} {}", u[top], y[top]);
+    }
+}
+
+#[test]
 fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
     let files = [measured("a.csv", 4.0), measured("b.csv", 7.0)];
     let request =
         json!({"call": "identify", "options": {"operator": "pi", "order": 2}, "files": {"large_signal": ["a.csv"]}});
-    let mut stages = 0;
+    let (mut stages, mut models) = (0, Vec::new());
     let identified = run(&Request::of(request.clone()).unwrap(), &files, &mut |stage: Stage| {
         stages += usize::from(stage.done <= stage.total);
+        models.extend(stage.model.filter(|_| stage.what == "prandtl-ishlinskii").map(str::to_string));
         ControlFlow::Continue(())
     });
     let identified = identified.unwrap();
+    // The page draws them like models of files.
+    let trial = [files[0].clone(), File::new("trial.json", models.pop().unwrap())];
+    answer(json!({"call": "validate", "files": {"model": ["trial.json"], "data": ["a.csv"]}}), &trial);
     assert!(stages > 0 && identified.result["sentence"].as_str().unwrap().starts_with("good to "));
     let model = as_file("model.json", identified);
     let stopped = run(&Request::of(request).unwrap(), &files, &mut |_: Stage| ControlFlow::Break(()));
@@ -51,7 +79,8 @@ fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
     let validated =
         answer(json!({"call": "validate", "files": {"model": ["model.json"], "data": ["b.csv", "a.csv"]}}), &files);
     let names: Vec<&str> = validated.series.iter().map(|(name, _)| &**name).collect();
-    assert_eq!(names, ["u/0", "y/0", "simulated/0", "u/1", "y/1", "simulated/1"]);
+    let each = ["u", "y", "simulated", "hz", "u/amplitude", "y/amplitude", "error/amplitude"];
+    assert_eq!(names, [0, 1].map(|k| each.map(|name| format!("{name}/{k}"))).concat());
     assert_eq!(validated.result["files"][0]["ts"], 1e-3);
     let nrmse = validated.result["files"][1]["nrmse_percent"].as_f64().unwrap();
     assert!(nrmse < 2.0, "{nrmse} % on the record of the identification");

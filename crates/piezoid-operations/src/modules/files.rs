@@ -1,10 +1,11 @@
 //! What comes before a model: drives, and records from files of all formats.
 
+use super::shape::{shape, spectra};
 use super::{NAME, named, one, optional};
 use crate::{Inputs, Operation, Output};
 use piezoid::excitation::Excitation;
 use piezoid::formats::{ColumnSelection, Table};
-use piezoid::{Error, PrepareOptions};
+use piezoid::{Error, PrepareOptions, Record};
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::spectrum;
 use piezoid_verbs::{ExciteOptions, File, PlanOptions, Source, Step};
@@ -48,10 +49,11 @@ pub(super) const OPERATIONS: &[Operation] = &[
 fn inspect(inputs: &Inputs) -> Result<Output, Error> {
     let (file, columns) = (inputs.data("data")?, inputs.columns()?);
     let (table, format) = file.table()?;
-    let (result, record) = piezoid_verbs::inspect(&table, &file.name, format.name, &columns);
+    let (mut result, record) = piezoid_verbs::inspect(&table, &file.name, format.name, &columns);
     let Ok(record) = record else { return Ok(Output { result, ..Output::default() }) };
+    result["shape"] = shape(&record);
     let profile = File::new("profile.toml", table.profile(&columns).to_toml());
-    Ok(Output { result, series: named([("u", record.u()), ("y", record.y())]), files: vec![profile] })
+    Ok(Output { result, series: drawn(&record), files: vec![profile] })
 }
 
 fn prepare(inputs: &Inputs) -> Result<Output, Error> {
@@ -62,7 +64,14 @@ fn prepare(inputs: &Inputs) -> Result<Output, Error> {
     let table = Table::read(name, &written.bytes)?;
     let (mut result, _) = piezoid_verbs::inspect(&table, name, "csv", &ColumnSelection::default());
     result["origin"] = json!(origin);
-    Ok(Output { result, series: named([("u", outcome.u()), ("y", outcome.y())]), files: vec![written] })
+    result["shape"] = shape(&outcome);
+    Ok(Output { result, series: drawn(&outcome), files: vec![written] })
+}
+
+/// The samples of a record and its spectra.
+fn drawn(record: &Record) -> Vec<(String, Vec<f64>)> {
+    let spectra = spectra(record, None).into_iter().map(|(name, values)| (name.to_string(), values));
+    named([("u", record.u()), ("y", record.y())]).into_iter().chain(spectra).collect()
 }
 
 options! {

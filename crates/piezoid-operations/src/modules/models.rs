@@ -1,5 +1,6 @@
 //! Models, their validation and their inverses.
 
+use super::shape::{shape, spectra};
 use super::{DATA, MODEL, NAME, STAND_IN, named, one, optional, several, simulated, some_simulated};
 use crate::packet::Marks;
 use crate::{Inputs, Operation, Output};
@@ -198,6 +199,9 @@ fn validate(inputs: &Inputs) -> Result<Output, Error> {
         result["files"][k]["units"] = json!(record.units());
         let all = [("u", record.u()), ("y", record.y()), ("simulated", &compared.validation.simulated)];
         series.extend(all.map(|(name, samples)| (format!("{name}/{k}"), samples.to_vec())));
+        result["files"][k]["shape"] = shape(record);
+        let spectra = spectra(record, Some(&compared.validation.simulated));
+        series.extend(spectra.into_iter().map(|(name, values)| (format!("{name}/{k}"), values)));
     }
     Ok(Output { result, series, files: Vec::new() })
 }

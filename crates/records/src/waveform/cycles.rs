@@ -44,12 +44,16 @@ pub fn cycles(u: &[f64], ts: f64) -> Vec<Cycle> {
         .step_by(2)
         .map(|w| Cycle::of(u, [w[0], w[1], w[2]], ts))
         .collect();
+    if are_regular(&found, REGULAR) { found } else { Vec::new() }
+}
+
+/// True if these are the cycles of a regular input; `most` is the limit for the amplitudes.
+pub(super) fn are_regular(cycles: &[Cycle], most: f64) -> bool {
     let median = |of: fn(&Cycle) -> f64| {
         let bend = |w: &[Cycle]| log(of(&w[0]) * of(&w[2]) / of(&w[1]).powi(2)).abs();
-        quantile(found.windows(3).map(bend).collect(), 0.5)
+        quantile(cycles.windows(3).map(bend).collect(), 0.5)
     };
-    let regular = median(|c| c.hz) < REGULAR && median(|c| c.amplitude) < REGULAR;
-    if regular { found } else { Vec::new() }
+    median(|c| c.hz) < REGULAR && median(|c| c.amplitude) < most
 }
 
 /// The reversals of `x`: the samples of its extremes between movements of more than a `share` of its range. For a held

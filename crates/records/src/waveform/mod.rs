@@ -2,17 +2,20 @@
 
 pub mod band;
 mod cycles;
+mod groups;
 mod motion;
+mod nested;
 mod rate;
 mod repetition;
 mod spectrum;
 
 pub use band::band;
 pub use cycles::{Cycle, CycleSearch, MIN_REVERSAL_SHARE, Turn, cycles, reversals};
+pub use groups::{CycleGroup, CycleGroups};
 pub use motion::{in_motion, inputs_before};
 pub use rate::cycle_rate;
 pub use repetition::period;
-pub use spectrum::spectrum;
+pub use spectrum::{spectrum, thinned};
 
 use piezoid_numerics::series::ends;
 

@@ -1,6 +1,8 @@
 //! The amplitude spectrum of a signal, for figures.
 
+use libm::pow;
 use piezoid_numerics::fourier::amplitudes;
+use piezoid_numerics::series::largest;
 
 /// Frequencies [Hz] above 0, and the amplitudes there, in the unit of `x`, without its mean; `ts` is the sampling
 /// period [s]. Half a bin beside the frequency of a sine, the amplitude is 9 % lower (Harris 1978). Empty for fewer
@@ -12,6 +14,41 @@ pub fn spectrum(x: &[f64], ts: f64) -> (Vec<f64>, Vec<f64>) {
     let amplitude = amplitudes(x).split_off(1);
     let hz = (1..=amplitude.len()).map(|k| k as f64 / (x.len() as f64 * ts)).collect();
     (hz, amplitude)
+}
+
+/// A spectrum in at most so many points for a logarithmic axis: in each of its bands of frequencies the largest
+/// amplitude, at its frequency, and in `others` the largest amplitudes there.
+pub fn thinned(hz: &[f64], amplitude: &[f64], others: &[&[f64]], most: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+    let n = hz.len();
+    // The lines of low frequency stay single until a band holds more than one.
+    let single = single_lines(n, most);
+    let bands = most.saturating_sub(single).max(1);
+    let limit = |k: usize| match n <= most {
+        true => k,
+        false if k <= single => k,
+        false => (single as f64 * pow(n as f64 / single as f64, (k - single) as f64 / bands as f64)) as usize,
+    };
+    let count = if n <= most { n } else { single + bands };
+    let mut found = (Vec::with_capacity(count), vec![Vec::with_capacity(count); 1 + others.len()]);
+    for k in 0..count {
+        let band = limit(k).min(n)..if k + 1 == count { n } else { limit(k + 1).min(n) };
+        let Some(top) = band.clone().max_by(|p, q| amplitude[*p].total_cmp(&amplitude[*q])) else { continue };
+        found.0.push(hz[top]);
+        found.1[0].push(amplitude[top]);
+        for (thin, other) in found.1[1..].iter_mut().zip(others) {
+            thin.push(largest(&other[band.clone()]));
+        }
+    }
+    found
+}
+
+/// The number of first lines that are as far apart as the bands after them, for `n` lines in `most` points.
+fn single_lines(n: usize, most: usize) -> usize {
+    let is_apart = |single: &usize| {
+        let ratio = pow(n as f64 / *single as f64, 1.0 / (most - single) as f64);
+        *single as f64 * (ratio - 1.0) >= 1.0
+    };
+    (1..most).find(is_apart).unwrap_or(1)
 }
 
 #[cfg(test)]
@@ -52,6 +89,26 @@ mod tests {
             let plain = 2.0 * part(f64::cos).hypot(part(f64::sin)) / whole;
             assert!((amplitude[k - 1] - plain).abs() < 1e-12 * 23.0, "{k}: {} {plain}", amplitude[k - 1]);
         }
+    }
+
+    #[test]
+    fn a_thinned_spectrum_keeps_its_lines_and_the_low_frequencies() {
+        let n = 100_000;
+        let lines = [3, 70, 5000, 99_998];
+        let x: Vec<f64> = (0..2 * n)
+            .map(|t| lines.iter().map(|k| (TAU * *k as f64 * t as f64 / (2 * n) as f64).sin()).sum())
+            .collect();
+        let (hz, amplitude) = spectrum(&x, 1.0);
+        let (thin, amplitudes) = thinned(&hz, &amplitude, &[&amplitude, &hz], 500);
+        assert!(thin.len() <= 500 && thin.is_sorted() && amplitudes.iter().all(|a| a.len() == thin.len()));
+        assert_eq!(thin[..40], hz[..40]);
+        for k in lines {
+            let at = thin.iter().position(|f| *f == hz[k - 1]).unwrap();
+            assert!((amplitudes[0][at] - 1.0).abs() < 1e-9 && amplitudes[1][at] == amplitudes[0][at]);
+        }
+        assert_eq!(amplitudes[2].last(), hz.last());
+        assert_eq!(thinned(&hz[..500], &amplitude[..500], &[], 500), (hz[..500].into(), vec![amplitude[..500].into()]));
+        assert_eq!(thinned(&[], &[], &[], 500), (Vec::new(), vec![Vec::new()]));
     }
 
     #[test]
