@@ -174,7 +174,7 @@ export async function taken(files: File[], workspace: Workspace, asProject = fal
       workspace.failed(new Error(`${file.name}: ${message(error)}`));
     }
   }
-  await workspace.addRecords(records, { look: true });
+  await workspace.addRecords(records, { look: true, asRig: true });
 }
 
 async function takeModel(name: string, bytes: Uint8Array, workspace: Workspace): Promise<void> {

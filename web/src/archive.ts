@@ -7,7 +7,7 @@ import type { File } from "./packet.ts";
 /** Most bytes that an archive may hold, unpacked: as much as `piezoid serve` takes in one file. */
 const LIMIT = 512 * 2 ** 20;
 
-/** All in one file. */
+/** All in one file: the project, its files and the profiles of its rigs. */
 export function packedProject(project: Project, files: File[]): Uint8Array {
   const all = Object.fromEntries(files.map((file) => [file.name, file.bytes]));
   return zipSync({ ...all, [PROJECT]: strToU8(written(project)) }, { level: 6, mtime: "1980-01-01" });

@@ -18,6 +18,16 @@ export interface RecordEntry {
   use: Use;
 }
 
+/** How the files of one rig are read: those that look alike. */
+export interface Rig {
+  /** Name of its profile, without the ending. */
+  name: string;
+  /** What its files have in common, as the library says. */
+  layout: string;
+  /** Which columns, units and scales. */
+  columns: Options;
+}
+
 /** An identified model. */
 export interface ModelEntry {
   /** Name of its file in the store. */
@@ -48,6 +58,8 @@ export interface StandIn {
 export interface Project {
   records: RecordEntry[];
   models: ModelEntry[];
+  /** At most one of a layout. */
+  rigs: Rig[];
   /** File of the record that is looked at. */
   record?: string;
   /** File of the model that is used. */
@@ -56,7 +68,7 @@ export interface Project {
   settings: Record<string, Options>;
 }
 
-export const EMPTY: Project = { records: [], models: [], settings: {} };
+export const EMPTY: Project = { records: [], models: [], rigs: [], settings: {} };
 
 /** Name of the project itself among its files. */
 export const PROJECT = "project.json";
@@ -76,6 +88,7 @@ export function read(text: string): Project {
     ...others,
     records: list(whole["records"], "records", readRecord),
     models: list(whole["models"], "models", readModel),
+    rigs: list(whole["rigs"], "rigs", readRig),
     settings: settings as Project["settings"],
   };
 }
@@ -115,6 +128,21 @@ function readRecord(entry: Options, at: string): RecordEntry {
   const { columns, prepare, use } = entry;
   if (!uses.includes(use)) wrong(use, `${at}.use`, `one of ${uses.join(", ")}`);
   return { ...entry, file: named(entry, at), columns: object(columns, `${at}.columns`), prepare: object(prepare, `${at}.prepare`), use: use as Use };
+}
+
+function readRig(entry: Options, at: string): Rig {
+  const { name, layout, columns } = entry;
+  if (typeof name !== "string" || fileName(`${name}.toml`) !== `${name}.toml`) wrong(name, `${at}.name`, "a name that a file can have");
+  if (typeof layout !== "string" || !isLayout(layout)) wrong(layout, `${at}.layout`, "the layout of a file");
+  return { ...entry, name, layout, columns: object(columns, `${at}.columns`) };
+}
+
+function isLayout(text: string): boolean {
+  try {
+    return Array.isArray(JSON.parse(text));
+  } catch {
+    return false;
+  }
 }
 
 function readModel(entry: Options, at: string): ModelEntry {

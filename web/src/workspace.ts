@@ -1,5 +1,6 @@
 // What all views share: the project with its history and files, the library, and the work under way.
 
+import { look as lookOf, profilesOf } from "./alike.ts";
 import { packedProject, unpackedProject } from "./archive.ts";
 import type { Library } from "./library.ts";
 import type { Stage } from "./module.ts";
@@ -67,6 +68,9 @@ export class Workspace {
   #untold = "";
   #conflict = false;
   #saving: ReturnType<typeof setTimeout> | undefined;
+  /** The rigs whose profiles are stored, and the profiles that were stored here, by name. */
+  #rigs = "[]";
+  #profiles = new Map<string, string>();
 
   constructor(library: Library, store: Store) {
     this.library = library;
@@ -106,6 +110,7 @@ export class Workspace {
       try {
         this.#history = new History(read(text));
         this.#name = name;
+        this.#rigs = JSON.stringify(this.project.rigs);
         break;
       } catch (error) {
         whys.push(`${name} cannot be read: ${(error as Error).message}`);
@@ -165,6 +170,22 @@ export class Workspace {
     this.#saving = undefined;
     if (!this.#isOpen || this.unreadable) return;
     await this.store.write(this.#name, new TextEncoder().encode(written(this.project)));
+    if (!this.store.own) await this.#storeProfiles();
+  }
+
+  /** Stores the profiles of rigs that have changed beside the project, and removes those of rigs that are gone. */
+  async #storeProfiles(): Promise<void> {
+    const rigs = JSON.stringify(this.project.rigs);
+    if (rigs === this.#rigs) return;
+    const profiles = new Map((await profilesOf(this)).map(({ name, bytes }) => [name, bytes]));
+    const stored = new Set(await this.store.names());
+    for (const name of [...this.#profiles.keys()].filter((name) => !profiles.has(name) && stored.has(name))) await this.store.remove(name);
+    for (const [name, bytes] of profiles) {
+      const text = new TextDecoder().decode(bytes);
+      if (!stored.has(name) || text !== new TextDecoder().decode(await this.store.read(name))) await this.store.write(name, bytes);
+      this.#profiles.set(name, text);
+    }
+    this.#rigs = rigs;
   }
 
   /** True while the page says that another tab or program has written another version of the project. */
@@ -233,7 +254,7 @@ export class Workspace {
   }
 
   /** Adds records in one step; with `look`, the last becomes the one that is looked at. What cannot be kept is reported. */
-  async addRecords(files: { file: File; use: RecordEntry["use"] }[], { look = false, passing = false } = {}): Promise<void> {
+  async addRecords(files: { file: File; use: RecordEntry["use"] }[], { look = false, passing = false, asRig = false } = {}): Promise<void> {
     const kept: Pick<RecordEntry, "file" | "use">[] = [];
     for (const { file, use } of files) {
       try {
@@ -242,13 +263,17 @@ export class Workspace {
         this.failed(new Error(`${file.name}: ${error instanceof Error ? error.message : String(error)}`));
       }
     }
-    await this.addStored(kept, { look, passing });
+    await this.addStored(kept, { look, passing, asRig });
   }
 
-  /** The same for files that are in the store already. */
-  async addStored(stored: Pick<RecordEntry, "file" | "use">[], { look = true, passing = false } = {}): Promise<void> {
+  /** The same for files that are in the store already. With `asRig`, those that look like the files of a rig are read
+   * like them. */
+  async addStored(stored: Pick<RecordEntry, "file" | "use">[], { look = true, passing = false, asRig = false } = {}): Promise<void> {
     const entries: RecordEntry[] = [];
-    for (const { file, use } of stored) entries.push(await this.#usable({ file, columns: {}, prepare: {}, use }));
+    for (const { file, use } of stored) {
+      const entry = await this.#usable({ file, columns: {}, prepare: {}, use });
+      entries.push(asRig ? await this.#asRig(entry) : entry);
+    }
     const last = entries.at(-1);
     if (!last) return;
     const looked = look ? { record: last.file } : {};
@@ -260,6 +285,14 @@ export class Workspace {
     return this.inspected(entry).then(() => entry, () => ({ ...entry, use: "none" as const }));
   }
 
+  /** The entry, read as the files that look alike. */
+  async #asRig(entry: RecordEntry): Promise<RecordEntry> {
+    if (this.project.rigs.length === 0) return entry;
+    const layout = (await lookOf(this, entry))?.layout;
+    const rig = this.project.rigs.find((one) => one.layout === layout);
+    return rig ? { ...entry, columns: rig.columns } : entry;
+  }
+
   /** Adds a model, which becomes the one that is used. */
   async addModel(file: File, facts: Omit<ModelEntry, "file">): Promise<string> {
     const name = await this.keep(file);
@@ -268,9 +301,10 @@ export class Workspace {
     return name;
   }
 
-  /** The project in one file. */
+  /** The project in one file, with the profiles of its rigs. */
   async packed(): Promise<Uint8Array> {
-    return packedProject(this.project, await Promise.all(filesOf(this.project).map((name) => this.file(name))));
+    const files = await Promise.all(filesOf(this.project).map((name) => this.file(name)));
+    return packedProject(this.project, [...files, ...(await profilesOf(this))]);
   }
 
   /** Takes up a project from one file; the present one can be gone back to. */

@@ -18,6 +18,11 @@ pub(crate) struct Columns {
 }
 
 impl Columns {
+    /// True if a profile says how files are read.
+    pub(crate) fn has_profile(&self) -> bool {
+        self.profile.is_some()
+    }
+
     /// What flags and profile say together.
     pub(crate) fn read(&self) -> Result<ColumnSelection> {
         let selection = self.selection.0.clone();

@@ -9,7 +9,8 @@ use serde_json::{Value, json};
 use std::ops::Range;
 
 impl DataFile {
-    /// What this file holds as a document: `format`; `channels`, each with `name`, `unit`, `samples`, `low`, `high` and
+    /// What this file holds as a document: `format`; `layout`, the same text for files that look alike (see
+    /// [`Table::layout`]); `channels`, each with `name`, `unit`, `samples`, `low`, `high` and
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
     /// `history`, the steps from the channels to the record; `problems`, which are reasons why there is no record, and
     /// suspected defects of the record; `defects`, these with the spans of time [s] that they concern, the first
@@ -41,9 +42,11 @@ impl DataFile {
     ) -> Result<(Value, Result<Measured<'_>, Error>), Error> {
         match self.opened(columns, held)? {
             Opened::Held(table, format) => {
-                let (channels, read) = (table.described(columns), table.record(columns));
+                let (channels, read, layout) =
+                    (table.described(columns), table.record(columns), table.layout(format.name));
                 drop(table);
-                Ok((inspection(channels, &read, &self.name, format.name), read.map(Measured::Held)))
+                let document = inspection(channels, &read, &self.name, format.name);
+                Ok((with_layout(document, &layout), read.map(Measured::Held)))
             }
             Opened::Long(record) => {
                 let mut found = InSections::default();
@@ -53,7 +56,7 @@ impl DataFile {
                 let described = json!({"ts": ts, "samples": samples, "duration": duration, "units": record.units()});
                 let contents = Ok((described, ts, record.history().to_vec(), found.findings()));
                 let document = document(record.channels().to_vec(), contents, &self.name, record.format());
-                Ok((document, Ok(Measured::Long(record))))
+                Ok((with_layout(document, record.layout()), Ok(Measured::Long(record))))
             }
         }
     }
@@ -70,7 +73,13 @@ pub enum Measured<'a> {
 /// What a table with this name and format holds, as [`File::inspect`] gives it.
 pub fn inspect(table: &Table, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
     let read = table.record(columns);
-    (inspection(table.described(columns), &read, name, format), read)
+    let document = inspection(table.described(columns), &read, name, format);
+    (with_layout(document, &table.layout(format)), read)
+}
+
+fn with_layout(mut document: Value, layout: &str) -> Value {
+    document["layout"] = layout.into();
+    document
 }
 
 /// The document of a file with these channels, and the record that was read from it.

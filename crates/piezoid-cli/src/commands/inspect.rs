@@ -48,6 +48,9 @@ impl Run for Inspect {
             }
             all.push(inspection);
         }
+        if is_free && self.output.is_none() && !self.columns.has_profile() {
+            console.print(&alike(&all, console))?;
+        }
         let mut results = Results::default();
         if let (Some(path), Some(first)) = (&self.output, data.first()) {
             let profile = profile.map_or_else(|| first.profile(&columns), Ok).map_err(failed)?.to_toml();
@@ -56,6 +59,32 @@ impl Run for Inspect {
         }
         results.json(self.json.as_deref(), &Value::Array(all)).write(console)
     }
+}
+
+/// For each layout that several files have, one line: a profile reads them all.
+fn alike(all: &[Value], console: &Console) -> String {
+    let mut layouts: Vec<&Value> = Vec::new();
+    let mut sentences = String::new();
+    for inspection in all {
+        let layout = &inspection["layout"];
+        if layouts.contains(&layout) {
+            continue;
+        }
+        layouts.push(layout);
+        let names = || all.iter().filter(|other| other["layout"] == *layout).filter_map(|other| other["file"].as_str());
+        let (count, first) = (names().count(), names().next().unwrap_or_default());
+        if count > 1 {
+            let which = if count == all.len() {
+                String::new()
+            } else {
+                format!(" ({})", names().collect::<Vec<_>>().join(", "))
+            };
+            let flags = if inspection["record"].is_null() { " FLAGS" } else { "" };
+            let profile = format!("one profile reads them: piezoid inspect {first}{flags} -o rig.toml");
+            sentences += &console.paragraph(&format!("{count} files{which} look alike: {profile}"), "");
+        }
+    }
+    sentences
 }
 
 /// What a file holds, as text for the terminal.

@@ -46,6 +46,7 @@ pub struct LongRecord<'a> {
     factor: f64,
     history: Vec<String>,
     channels: Vec<Value>,
+    layout: String,
     profile: ColumnSelection,
     format: &'static Format,
     /// Number of samples up to which its sections are held.
@@ -97,7 +98,7 @@ impl<'a> LongRecord<'a> {
             return head.end().map(|table| Some(Opened::Held(table, format)));
         }
         let (history, channels) = (head.table.history(selection), head.table.described(selection));
-        let profile = head.table.profile(selection);
+        let (profile, layout) = (head.table.profile(selection), head.table.layout(format.name));
         let Some(found) = Found::in_text(head, &text, &[Role::Input, Role::Output], selection, piece.1)? else {
             return Ok(None);
         };
@@ -113,7 +114,8 @@ impl<'a> LongRecord<'a> {
         };
         let channels = channels.into_iter().zip(&found.columns).map(described).collect();
         let found = Arc::new(found);
-        let record = LongRecord { open, found, units, factor: 1.0, history, channels, profile, format, held, piece };
+        let record =
+            LongRecord { open, found, units, factor: 1.0, history, channels, layout, profile, format, held, piece };
         Ok(Some(Opened::Long(Box::new(record))))
     }
 
@@ -214,6 +216,11 @@ impl<'a> LongRecord<'a> {
     /// The columns of its file: see [`Table::described`].
     pub fn channels(&self) -> &[Value] {
         &self.channels
+    }
+
+    /// What files like its own have in common: see [`Table::layout`].
+    pub fn layout(&self) -> &str {
+        &self.layout
     }
 
     /// The selection that reads it: see [`Table::profile`].

@@ -21,6 +21,7 @@ mod hdf5;
 mod history;
 #[cfg(feature = "foreign")]
 mod igor;
+mod layout;
 mod long;
 #[cfg(feature = "foreign")]
 mod matlab;
