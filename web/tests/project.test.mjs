@@ -73,6 +73,9 @@ test("a damaged archive or project says what is damaged", () => {
     ['{"piezoid":1,"models":[{"file":7}]}', /models\[0\]/],
     ['{"piezoid":1,"models":[{"file":"a.json","standIn":"b.json"}]}', /models\[0\]\.standIn is "b\.json", but must be an object/],
     ['{"piezoid":1,"models":[{"file":"a.json","standIn":{"file":"b.json"}}]}', /lacks its files a\.json, b\.json/],
+    ['{"piezoid":1,"rigs":[{"name":"../a","layout":"[]"}]}', /rigs\[0\]\.name is "\.\.\/a", but must be a name that a file can have/],
+    ['{"piezoid":1,"rigs":[{"name":"a","layout":"csv"}]}', /rigs\[0\]\.layout is "csv"/],
+    ['{"piezoid":1,"rigs":[{"name":"a","layout":"[]","columns":7}]}', /rigs\[0\]\.columns is 7, but must be an object/],
     ['{"piezoid":1,"records":[{"file":"a.csv","columns":{},"prepare":{},"use":"none"}]}', /lacks its files a\.csv/],
   ]) assert.throws(() => of(text), why, text);
 });

@@ -117,6 +117,20 @@ def test_a_model_draws_its_parts(found: pz.Model) -> None:
     plt.close("all")
 
 
+def test_a_profile_of_the_page_reads_the_files_of_a_rig(tmp_path: Path) -> None:
+    text = 'time_col = "x-axis"\ninput_col = "1"\noutput_col = "2"\ninput_scale = "20"\noutput_scale = "5um/V"\n'
+    (tmp_path / "bench.toml").write_text(text)
+    for k in (1, 2):
+        rows = "".join(f"{t * 1e-3:.3f},{0.1 * t % 1:.2f},{0.5 * t % 1 + k}\n" for t in range(100 * k))
+        (tmp_path / f"scope_{k}.csv").write_text(f"x-axis,1,2\nsecond,Volt,Volt\n{rows}")
+    inspections = [pz.inspect(tmp_path / f"scope_{k}.csv") for k in (1, 2)]
+    assert [inspection.record for inspection in inspections] == [None, None]
+    assert inspections[0].figures["layout"] == inspections[1].figures["layout"]
+    one, two = (pz.read(tmp_path / f"scope_{k}.csv", profile=tmp_path / "bench.toml") for k in (1, 2))
+    assert (len(one), len(two), two.units) == (100, 200, ("V", "um"))
+    assert one.u[1] == 2.0 and two.y[1] == 12.5
+
+
 def test_a_source_is_inspected_and_its_profile_reads_it_again(tmp_path: Path) -> None:
     t = np.arange(400)
     scope = {"CH1": 0.1 * np.sin(0.1 * t), "CH2": np.cos(0.1 * t)}
