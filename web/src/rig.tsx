@@ -41,7 +41,7 @@ export function RigLine({ entry }: { entry: RecordEntry }) {
           <>
             <label for={id}>Read as rig</label>
             <Entry id={id} value={rig.name} size={14} entered={(text) => void rename(text).catch((error) => workspace.failed(error))} />
-            <span>like {members.length === 0 ? "no other file" : members.length === 1 ? "one other file" : `${members.length} other files`}, and files that are added later</span>
+            <span>like {members.length === 0 ? "no other file" : members.length === 1 ? "one other file" : `${members.length} other files`}; files that are added later are read so too</span>
             <button type="button" onClick={() => read({})}>Read it on its own</button>
             {profile && <button type="button" onClick={() => download(profileName(rig), profile, "application/toml")}>Download {profileName(rig)}</button>}
           </>
@@ -73,8 +73,8 @@ function offerOf({ offer, rig, isRig }: Kin, entry: RecordEntry): string {
   return `Read ${which} alike in the same way${rig && !isRig ? `: change the rig ${rig.name}` : ""}`;
 }
 
-/** What is said of columns, in the order of the library: input col 1, output scale 5um/V. */
+/** What is said of columns, in the order of the library. */
 function spokenColumns(columns: RecordEntry["columns"], order: string[]): string {
   const said = Object.entries(ofRig(columns)).sort(([a], [b]) => order.indexOf(a) - order.indexOf(b));
-  return said.length === 0 ? "As names and units say" : said.map(([name, value]) => `${spoken(name)} ${String(value)}`).join("; ");
+  return said.length === 0 ? "As names and units say" : said.map(([name, value]) => `${spoken(name)}: ${String(value)}`).join("; ");
 }

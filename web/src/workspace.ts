@@ -1,6 +1,6 @@
 // What all views share: the project with its history and files, the library, and the work under way.
 
-import { look as lookOf, profilesOf } from "./alike.ts";
+import { look as lookOf, profileName, profilesOf } from "./alike.ts";
 import { packedProject, unpackedProject } from "./archive.ts";
 import type { Library } from "./library.ts";
 import type { Stage } from "./module.ts";
@@ -68,9 +68,10 @@ export class Workspace {
   #untold = "";
   #conflict = false;
   #saving: ReturnType<typeof setTimeout> | undefined;
-  /** The rigs whose profiles are stored, and the profiles that were stored here, by name. */
+  /** The rigs whose profiles are stored. */
   #rigs = "[]";
-  #profiles = new Map<string, string>();
+  /** The profiles of this project among the stored files, by name; true if they have been stored since it was opened. */
+  #profiles = new Map<string, boolean>();
 
   constructor(library: Library, store: Store) {
     this.library = library;
@@ -110,7 +111,9 @@ export class Workspace {
       try {
         this.#history = new History(read(text));
         this.#name = name;
-        this.#rigs = JSON.stringify(this.project.rigs);
+        const { rigs } = this.project;
+        rigs.forEach((rig) => this.#profiles.set(profileName(rig), false));
+        if (rigs.every((rig) => names.includes(profileName(rig)))) this.#rigs = JSON.stringify(rigs);
         break;
       } catch (error) {
         whys.push(`${name} cannot be read: ${(error as Error).message}`);
@@ -177,13 +180,22 @@ export class Workspace {
   async #storeProfiles(): Promise<void> {
     const rigs = JSON.stringify(this.project.rigs);
     if (rigs === this.#rigs) return;
-    const profiles = new Map((await profilesOf(this)).map(({ name, bytes }) => [name, bytes]));
+    const profiles = await profilesOf(this);
     const stored = new Set(await this.store.names());
-    for (const name of [...this.#profiles.keys()].filter((name) => !profiles.has(name) && stored.has(name))) await this.store.remove(name);
-    for (const [name, bytes] of profiles) {
-      const text = new TextDecoder().decode(bytes);
-      if (!stored.has(name) || text !== new TextDecoder().decode(await this.store.read(name))) await this.store.write(name, bytes);
-      this.#profiles.set(name, text);
+    for (const [name, isNew] of this.#profiles) {
+      if (!isNew || profiles.some((one) => one.name === name)) continue;
+      // One that was changed elsewhere meanwhile stays.
+      if (stored.has(name)) await this.store.remove(name).catch(() => {});
+      this.#profiles.delete(name);
+    }
+    for (const { name, bytes } of profiles) {
+      const isSame = stored.has(name) && equal(await this.store.read(name), bytes);
+      if (stored.has(name) && !isSame && !this.#profiles.has(name)) {
+        this.failed(new Error(`${name} is another file of this folder, and stays as it is: give the rig another name to store its profile`));
+        continue;
+      }
+      if (!isSame) await this.store.write(name, bytes);
+      this.#profiles.set(name, this.#profiles.get(name) === true || !isSame);
     }
     this.#rigs = rigs;
   }

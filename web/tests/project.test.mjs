@@ -52,6 +52,23 @@ test("a project that cannot be read stays, and the one beside it is used", async
   assert.deepEqual(store.written, ["project-2.json"]);
 });
 
+test("the profile of a rig is stored beside the project, but not over another file", async () => {
+  const record = { file: "a.csv", columns: {}, prepare: {}, use: "training" };
+  const project = JSON.stringify({ piezoid: 1, records: [record], models: [], settings: {} });
+  const store = stored({ "project.json": project, "a.csv": "", "bench.toml": "mine" });
+  const files = [{ name: "profile.toml", bytes: bytes('input_col = "1"\n') }];
+  const workspace = new Workspace({ call: async () => ({ result: { layout: '["csv"]' }, series: new Map(), files }) }, store);
+  await workspace.open();
+  const named = (name) => workspace.change((now) => ({ ...now, rigs: [{ name, layout: '["csv"]', columns: { input_col: "1" } }] }));
+  named("bench");
+  await workspace.flush();
+  assert.deepEqual(store.written, ["project.json"]);
+  assert.match(workspace.fault, /^bench\.toml is another file of this folder/);
+  named("rig");
+  await workspace.flush();
+  assert.deepEqual(store.written.slice(1), ["project.json", "rig.toml"]);
+});
+
 test("an archive that unpacks to gigabytes is refused before it is unpacked", () => {
   const archive = zipSync({ "a.csv": new Uint8Array(100) });
   const view = new DataView(archive.buffer, archive.byteOffset);

@@ -36,7 +36,7 @@ function scope(k) {
   return { name: `scope_${k}.csv`, mimeType: "text/csv", buffer: Buffer.from(`x-axis,1,2\nsecond,Volt,Volt\n${rows.join("\n")}\n`) };
 }
 
-test("what is said of one file of a scope is said of all, saved, and read by the command line", { skip, timeout: 180_000 }, async () => {
+test("what is said of one file of a scope is said of all, saved, and read by the command line", { skip, timeout: 300_000 }, async () => {
   const { page, faults, context } = await opened(browser, url);
   const button = (name) => page.getByRole("button", { name, exact: true });
   const column = page.getByRole("region", { name: "Records and their use" }).locator("tbody tr td:nth-child(2)");
@@ -106,12 +106,12 @@ test("what is said of one file of a scope is said of all, saved, and read by the
   await context.close();
 });
 
-test("a rig is kept with the project; a file that was added undecided is read as one that is decided", { skip, timeout: 120_000 }, async () => {
+test("a rig is kept with the project; a file that was added undecided is read as one that is decided", { skip, timeout: 240_000 }, async () => {
   const { page, faults, context } = await opened(browser, url);
   const button = (name) => page.getByRole("button", { name, exact: true });
   await page.getByLabel("Read as rig", { exact: true }).waitFor();
   await page.getByText("How files of the rig are read").click();
-  await page.getByText("Role input 1; Role output 2; Input scale 20; Output scale 60um/V").waitFor();
+  await page.getByText("Role input: 1; Role output: 2; Input scale: 20; Output scale: 60um/V").waitFor();
   await button("Forget the rig bender bench").click();
   await page.getByLabel("Data files").setInputFiles([scope(7), scope(8)]);
   await button("Read this file and 1 other as scope_6.csv is read").click();

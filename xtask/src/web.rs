@@ -26,7 +26,7 @@ pub(super) const COMMITTED: [&str; 5] = [
 ];
 
 /// Tests that need no module, and those of the modules as they are handed out.
-const SERVED: [&str; 6] = ["campaign", "download", "project", "serve", "server", "words"];
+const SERVED: [&str; 7] = ["campaign", "download", "project", "rig", "serve", "server", "words"];
 const HANDED_OUT: [&str; 1] = ["sizes"];
 
 /// Builds everything, and tests it.
