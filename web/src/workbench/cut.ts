@@ -1,13 +1,8 @@
 // The part of a record that is used, which two handles bound.
 
+import { whole } from "../alike.ts";
 import type { Handle } from "../plot/figure.ts";
 import type { RecordEntry } from "../project.ts";
-
-/** The record without its cut. */
-export function uncut(entry: RecordEntry): RecordEntry {
-  const { from: _f, to: _t, ...columns } = entry.columns;
-  return { ...entry, columns };
-}
 
 /** The handles of a record of a duration [s]. */
 export function cutHandles(entry: RecordEntry, duration: number, tell: (entry: RecordEntry, passing: boolean) => void): Handle[] {
@@ -15,7 +10,7 @@ export function cutHandles(entry: RecordEntry, duration: number, tell: (entry: R
   const moved = (end: "from" | "to") => (x: number, _: number, done: boolean) => {
     const at = Number(Math.max(0, Math.min(duration, x)).toPrecision(6));
     const [from, to] = end === "from" ? [Math.min(at, last), last] : [first, Math.max(at, first)];
-    const { columns, ...others } = uncut(entry);
+    const { columns, ...others } = whole(entry);
     tell({ ...others, columns: { ...columns, ...(from > 0 && { from }), ...(to < duration && { to }) } }, !done);
   };
   return [

@@ -1,6 +1,7 @@
 // The left of the workbench: the records with their use, and how the one that is shown is read.
 
 import { useRef } from "preact/hooks";
+import { whole } from "../alike.ts";
 import { taken } from "../app.tsx";
 import { example } from "../example.ts";
 import { Form } from "../form.tsx";
@@ -8,8 +9,8 @@ import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
 import { short, si, unit } from "../plot/ticks.ts";
 import { filesOf, type RecordEntry, type Use } from "../project.ts";
+import { RigLine } from "../rig.tsx";
 import { Notes, useOutcome, useShared } from "../ui.tsx";
-import { uncut } from "./cut.ts";
 
 const USES: [Use, string][] = [
   ["training", "identify: large signal"],
@@ -55,7 +56,7 @@ function Folder() {
   const found = useOutcome(JSON.stringify(records.map((one) => one.file)), () => workspace.store.names());
   const known = new Set(filesOf(workspace.project));
   const names = (found.value ?? []).filter((name) => !known.has(name) && !NO_RECORDS.test(name));
-  const add = (some: string[]) => workspace.addStored(some.map((file) => ({ file, use: "training" }))).catch((error) => workspace.failed(error));
+  const add = (some: string[]) => workspace.addStored(some.map((file) => ({ file, use: "training" })), { asRig: true }).catch((error) => workspace.failed(error));
   return names.length === 0 ? null : (
     <details open={records.length === 0 && names.length <= 12}>
       <summary>{names.length} more {names.length === 1 ? "file" : "files"} in the project folder</summary>
@@ -99,7 +100,7 @@ export function Records({ shown }: { shown: RecordEntry | undefined }) {
 /** Whether a record can be used. */
 function State({ entry }: { entry: RecordEntry }) {
   const { workspace } = useShared();
-  const inspection = useOutcome(JSON.stringify(uncut(entry)), () => workspace.inspected(uncut(entry)));
+  const inspection = useOutcome(JSON.stringify(whole(entry)), () => workspace.inspected(whole(entry)));
   const count = inspection.value?.result.problems.length ?? 0;
   if (inspection.error) return <small class="bad">cannot be read</small>;
   if (!inspection.value) return <small>{"\u2026"}</small>;
@@ -135,6 +136,7 @@ export function Details({ entry, inspection, prepared }: { entry: RecordEntry; i
         </p>
       )}
       {result && <Notes title="Problems" notes={result.problems} />}
+      <RigLine entry={entry} />
       {result?.channels && (
         <details open={!record}>
           <summary>Channels</summary>
