@@ -10,8 +10,8 @@ before(async () => void (browser = skip ? undefined : await launched()));
 after(() => browser?.close());
 
 /** A record of 1 s in time, its error, its loop and a strip, all linked; axes of the loop from -40 to 40. */
-async function opened(use) {
-  const { page, faults } = await plotPage(browser, { viewport: { width: 1280, height: 1500 } });
+async function opened(use, options) {
+  const { page, faults } = await plotPage(browser, { viewport: { width: 1280, height: 1500 }, ...options });
   await page.evaluate(async () => {
     globalThis.data = record(10_000, 5);
     globalThis.link = new plots.Link();
@@ -46,7 +46,7 @@ const marked = (page, name) => page.evaluate((name) => {
   const canvas = document.querySelector(`#${name} canvas.cursor`);
   const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
   const [xs, ys] = [[], []];
-  for (let k = 3; k < data.length; k += 4) if (data[k] > 60) (xs.push(((k - 3) / 4) % canvas.width), ys.push(Math.floor((k - 3) / 4 / canvas.width)));
+  for (let k = 0; k < data.length / 4; k++) if (data[4 * k + 3] > 60) (xs.push(k % canvas.width), ys.push(Math.floor(k / canvas.width)));
   if (xs.length === 0) return undefined;
   const [left, right, top, low] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
   return { x: (left + right + 1) / 2, y: (top + low + 1) / 2, width: right - left + 1, height: low - top + 1, canvas: canvas.width };
@@ -124,7 +124,8 @@ test("the nearest sample of a loop is the one that a search of all finds", { ski
       await point(page, "loop", x, y);
       const [found, best] = await page.evaluate(([x, y]) => {
         const { width, height } = document.querySelector("#loop canvas");
-        const away = (k) => Math.hypot(70 + ((width - 82) * (data.u[k] + 40)) / 80 - x, 8 + (height - 48) * (1 - (data.y[k] + 40) / 80) - y);
+        const [across, up] = [(u) => 70 + ((width - 82) * (u + 40)) / 80, (y) => 8 + (height - 48) * (1 - (y + 40) / 80)];
+        const away = (k) => Math.hypot(across(data.u[k]) - x, up(data.y[k]) - y);
         let best = 0;
         for (let k = 0; k < data.n; k++) if (away(k) < away(best)) best = k;
         const found = link.cursor === undefined ? undefined : Math.round(link.cursor / data.step);
@@ -160,6 +161,15 @@ test("the strip shows the span in the whole record, and changes it", { skip }, (
     await page.keyboard.press("Home");
     assert.equal(await page.evaluate(() => link.span), undefined);
   }));
+
+test("a finger that taps puts the cursor, which stays", { skip }, () =>
+  opened(async (page) => {
+    const box = await page.locator("#time .stage").boundingBox();
+    await page.touchscreen.tap(box.x + 500, box.y + 60);
+    assert.ok(Math.abs((await marked(page, "error")).x - 500) <= 1);
+    assert.ok(await marked(page, "loop"));
+    assert.equal(await page.evaluate(() => link.span), undefined);
+  }, { hasTouch: true }));
 
 test("a plot that is closed has left its link", { skip }, () =>
   opened(async (page) => {

@@ -86,7 +86,10 @@ test("a line of alpha is translucent on the screen and as SVG", { skip }, () =>
       return data.reduce((most, value, k) => k % 4 === 3 && data[k - 1] - data[k - 3] > 60 ? Math.max(most, value) : most, 0);
     });
     const translucent = await strongest();
-    await page.evaluate(() => plot.set({ ...figure, panels: [{ ...figure.panels[0], series: [{ ...figure.panels[0].series[0], alpha: 1 }] }] }));
+    await page.evaluate(() => {
+      const [panel] = figure.panels;
+      plot.set({ ...figure, panels: [{ ...panel, series: [{ ...panel.series[0], alpha: 1 }] }] });
+    });
     const full = await strongest();
     assert.ok(translucent < 0.6 * full, `${translucent} of ${full}`);
   }));
@@ -103,7 +106,8 @@ test("very many samples of a loop are drawn as a density, few as a line", { skip
       const axis = { label: "", unit: "", span: { from: 0, to: 10 } };
       plot.set({ title: "", x: axis, loops: true, panels: [{ y: axis, series: [series] }] });
       await frame();
-      const at = (x, y) => [...document.querySelector("#plot canvas").getContext("2d").getImageData(Math.floor(70 + 71.8 * x), Math.floor(8 + 35.2 * y), 1, 1).data];
+      const context = document.querySelector("#plot canvas").getContext("2d");
+      const at = (x, y) => [...context.getImageData(Math.floor(70 + 71.8 * x), Math.floor(8 + 35.2 * y), 1, 1).data];
       return [at(2, 2), at(5, 5), at(8.3, 8.3)];
     });
     assert.ok(rare[0][3] > 70 && rare[1][3] === 255 && rare[2][3] === 0, JSON.stringify(rare));

@@ -30,7 +30,7 @@ export function crowd(figure: Figure, frame: Frame, series: Series, parts: Parts
 /** Pixels that are counted of the lines between samples, at most: beyond, of some of the lines. */
 const STEPS = 3e6;
 /** Opacity of a pixel that is passed once; the most passed one has 1. */
-const LEAST = 0.3;
+const LEAST = 0.35;
 
 // Rooms that are used again.
 let room = new Uint32Array(0);
@@ -50,12 +50,11 @@ export function density(
   for (let k = 0; k < width * height; k++) if (counts[k]! > most) most = counts[k]!;
   if (image?.width !== width || image.height !== height) image = new ImageData(width, height);
   const opacity = (n: number) => 255 * (LEAST + (1 - LEAST) * (most > 1 ? Math.log(n) / Math.log(most) : 1));
-  const alpha = series.alpha ?? 1;
   const { data } = image;
-  const table = Uint8Array.from({ length: 256 }, (_, n) => (n > 0 ? alpha * opacity(n) : 0));
+  const table = Uint8Array.from({ length: 256 }, (_, n) => (n > 0 ? opacity(n) : 0));
   for (let k = 0; k < width * height; k++) {
     const n = counts[k]!;
-    data[4 * k + 3] = n < 256 ? table[n]! : alpha * opacity(n);
+    data[4 * k + 3] = n < 256 ? table[n]! : opacity(n);
   }
   pen.pixels({ x: Math.round(area.x), y: Math.round(area.y), width, height, image }, colour);
 }

@@ -28,7 +28,7 @@ export interface Series {
    * clouds. `marks`: joined points. `band`: the area down to `lower`. `density`: how often each pixel is passed; lines
    * and clouds of loops become this where very many samples are in view. */
   style?: "line" | "pale" | "points" | "dots" | "marks" | "dashed" | "band" | "density";
-  /** Opacity, 1 without it. */
+  /** Opacity of lines and points, 1 without it. */
   alpha?: number;
   /** Lengths of dashes and gaps [pixels]. */
   dash?: number[];

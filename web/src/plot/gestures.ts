@@ -12,13 +12,16 @@ export interface Gestured {
   box(start: Point, now: Point): void;
   /** A box was drawn. */
   boxed(start: Point, now: Point): void;
-  /** Pointed at, without a button. */
+  /** Pointed at, without a button, or tapped. */
   point(at: Point): void;
   /** No longer pointed at. */
   leave(): void;
   /** All is to be shown. */
   all(): void;
 }
+
+/** How far a finger moves at most that taps [pixels]. */
+const TAP = 5;
 
 /** Tells what is done on this canvas; keys act about `middle`. */
 export function listen(canvas: HTMLCanvasElement, on: Gestured, middle: () => Point | undefined): void {
@@ -55,7 +58,11 @@ export function listen(canvas: HTMLCanvasElement, on: Gestured, middle: () => Po
     }
   });
   canvas.addEventListener("pointerup", (event) => {
-    if (start && held.size === 1 && event.pointerType !== "touch" && !event.shiftKey) on.boxed(start, at(event));
+    if (start && held.size === 1) {
+      const now = at(event);
+      if (event.pointerType !== "touch") event.shiftKey || on.boxed(start, now);
+      else if (Math.hypot(now.x - start.x, now.y - start.y) < TAP) on.point(now);
+    }
     held.delete(event.pointerId);
     if (held.size === 0) start = undefined;
   });
@@ -64,7 +71,8 @@ export function listen(canvas: HTMLCanvasElement, on: Gestured, middle: () => Po
     start = undefined;
     on.leave();
   });
-  canvas.addEventListener("pointerleave", () => held.size === 0 && on.leave());
+  // A finger that is lifted has left; what it pointed at stays.
+  canvas.addEventListener("pointerleave", (event) => held.size === 0 && event.pointerType !== "touch" && on.leave());
   canvas.addEventListener("dblclick", () => on.all());
   canvas.addEventListener("keydown", (event) => {
     const place = middle();

@@ -134,27 +134,29 @@ export class Plot {
   readonly #themed = () => this.redraw();
 
   #draw(): void {
+    if (!this.#near || !this.#place()) return;
     const { clientWidth: width, clientHeight: height } = this.#stage;
-    if (!this.#near || width < 40 || height < 40) return;
-    const figure = this.#figure;
+    const [figure, frames] = [this.#figure, this.#frames];
+    this.#theme = themeOf(this.#host);
+    draw(new CanvasPen(sized(this.#canvas, width, height)), figure, frames, this.#theme, this.#hidden);
+    sized(this.#cursor, width, height);
+    this.#handles.place(figure, frames);
     const { link } = this.#look;
-    const zoomed = link && !figure.loops ? link.span : this.#x;
-    const x = zoomed ?? spanX(figure, this.#hidden);
+    if (link?.cursor !== undefined) this.#follow(link.cursor);
+  }
+
+  /** Finds the places of the panels and the spans of their axes; false if there is no room. */
+  #place(): boolean {
+    const { clientWidth: width, clientHeight: height } = this.#stage;
+    if (width < 40 || height < 40) return false;
+    const [figure, { link }] = [this.#figure, this.#look];
+    const x = (link && !figure.loops ? link.span : this.#x) ?? spanX(figure, this.#hidden);
+    const only = figure.loops ? link?.span : undefined;
     const places = areas(figure, width, height);
     const ys = spansY(figure, x, this.#hidden);
-    this.#stage.style.setProperty("--rows", String(figure.columns ? grid(figure, width).rows : 1));
-    this.#frames = figure.panels.map((panel, k) => ({
-      panel,
-      area: places[k]!,
-      x,
-      y: this.#y[this.#row(k)] ?? ys[k]!,
-      only: figure.loops ? link?.span : undefined,
-    }));
-    this.#theme = themeOf(this.#host);
-    draw(new CanvasPen(sized(this.#canvas, width, height)), figure, this.#frames, this.#theme, this.#hidden);
-    sized(this.#cursor, width, height);
-    this.#handles.place(figure, this.#frames);
-    if (link?.cursor !== undefined) this.#follow(link.cursor);
+    this.#frames = figure.panels.map((panel, k) => ({ panel, area: places[k]!, x, y: this.#y[this.#row(k)] ?? ys[k]!, only }));
+    if (figure.columns) this.#stage.style.setProperty("--rows", String(grid(figure, width).rows));
+    return true;
   }
 
   /** The place of a panel among the spans of y; panels side by side share one. */
@@ -191,6 +193,8 @@ export class Plot {
 
   /** Zooms by a factor about a point, or moves by shares of the span. */
   #change(factor: number, at: Point, move = { x: 0, y: 0 }): void {
+    // Several changes may come before the next drawing.
+    if (this.#drawing) this.#place();
     const k = frameAt(this.#frames, at);
     const frame = this.#frames[k];
     if (!frame) return;
