@@ -12,6 +12,10 @@ const CYCLES = Number(process.argv[3] ?? 100);
 
 const made = await page.evaluate(async ([n, cycles]) => {
   const all = record(n, cycles);
+  const counts = new Uint32Array(2 ** 16);
+  const begin = performance.now();
+  for (let k = 0; k < n; k++) counts[((all.u[k] + 40) * 3) * 256 + (all.y[k] + 50) * 2 | 0]++;
+  globalThis.bare = performance.now() - begin;
   globalThis.link = new plots.Link();
   globalThis.end = n * all.step;
   document.querySelector("h1").remove();
@@ -23,6 +27,8 @@ const made = await page.evaluate(async ([n, cycles]) => {
   await frame();
   return performance.now() - start;
 }, [SAMPLES, CYCLES]);
+// What the machine gives at the moment.
+console.log(`a bare loop that counts the samples by pixels: ${(await page.evaluate(() => bare)).toFixed(1)} ms`);
 console.log(`${SAMPLES} samples, ${CYCLES} cycles: drawn at first after ${made.toFixed(0)} ms`);
 
 const stat = (path) => {

@@ -1,5 +1,6 @@
 // What stands around a plot: the names of its series above it, its buttons and the reading below it.
 
+import { csv, download } from "./download.ts";
 import type { Figure, Series } from "./figure.ts";
 import { COLOURS } from "./theme.ts";
 
@@ -25,7 +26,20 @@ export function legend(figure: Figure, hidden: Set<string>, changed: () => void)
   });
 }
 
-export function button(text: string, title: string, act: () => void): HTMLButtonElement {
+/** Buttons that show all, and give a figure as files. */
+export function bar(figure: () => Figure, svg: () => string, all: () => void): HTMLElement {
+  const name = (ending: string) => `${figure().title.replace(/[^\p{L}\p{N}]+/gu, "-")}.${ending}`;
+  const result = document.createElement("div");
+  result.className = "bar";
+  result.append(
+    button("All", "Show all (double click)", all),
+    button("SVG", "Download the figure as SVG", () => download(name("svg"), svg(), "image/svg+xml")),
+    button("CSV", "Download the samples as CSV", () => download(name("csv"), csv(figure()), "text/csv")),
+  );
+  return result;
+}
+
+function button(text: string, title: string, act: () => void): HTMLButtonElement {
   const result = document.createElement("button");
   result.type = "button";
   result.textContent = text;

@@ -3,9 +3,8 @@
 // Wheel or pinch: zoom about the pointer. Drag: zoom to a box; with Shift, or with a finger, move. Double click or 0: all.
 // Keys on the plot: arrows move, + and - zoom, 0 and Home show all.
 
-import { button, description, legend, names, sized } from "./around.ts";
+import { bar, description, legend, names, sized } from "./around.ts";
 import { mark, pointed, type Reading, readingAt, readingLoop, readingThen } from "./cursor.ts";
-import { csv, download } from "./download.ts";
 import { draw } from "./draw.ts";
 import type { Figure, Span } from "./figure.ts";
 import { areas, type Frame, frameAt, grid, type Point, valueX, valueY } from "./frame.ts";
@@ -59,7 +58,9 @@ export class Plot {
     this.#cursor.className = "cursor";
     this.#cursor.setAttribute("aria-hidden", "true");
     this.#stage.append(this.#canvas, this.#cursor);
-    host.replaceChildren(this.#legend, this.#stage, this.#bar());
+    const buttons = bar(() => this.#figure, () => this.svg(), () => this.#all());
+    buttons.prepend(this.#readout);
+    host.replaceChildren(this.#legend, this.#stage, buttons);
     this.#listen();
     this.#resized = new ResizeObserver(() => this.redraw());
     this.#resized.observe(this.#stage);
@@ -155,25 +156,12 @@ export class Plot {
     const places = areas(figure, width, height);
     const ys = spansY(figure, x, this.#hidden);
     this.#frames = figure.panels.map((panel, k) => ({ panel, area: places[k]!, x, y: this.#y[this.#row(k)] ?? ys[k]!, only }));
-    if (figure.columns) this.#stage.style.setProperty("--rows", String(grid(figure, width).rows));
+    this.#stage.style.setProperty("--rows", String(figure.columns ? grid(figure, width).rows : 1));
     return true;
   }
 
   /** The place of a panel among the spans of y; panels side by side share one. */
   readonly #row = (k: number) => (this.#figure.columns ? 0 : k);
-
-  #bar(): HTMLElement {
-    const bar = document.createElement("div");
-    bar.className = "bar";
-    const name = (ending: string) => `${this.#figure.title.replace(/[^\p{L}\p{N}]+/gu, "-")}.${ending}`;
-    bar.append(
-      this.#readout,
-      button("All", "Show all (double click)", () => this.#all()),
-      button("SVG", "Download the figure as SVG", () => download(name("svg"), this.svg(), "image/svg+xml")),
-      button("CSV", "Download the samples as CSV", () => download(name("csv"), csv(this.#figure), "text/csv")),
-    );
-    return bar;
-  }
 
   // Zoom and cursor.
 
