@@ -162,6 +162,27 @@ test("the strip shows the span in the whole record, and changes it", { skip }, (
     assert.equal(await page.evaluate(() => link.span), undefined);
   }));
 
+test("a density that follows the shown time is the one that is counted anew", { skip }, () =>
+  opened(async (page) => {
+    const [followed, anew, other] = await page.evaluate(async () => {
+      const many = record(400_000, 400);
+      const figure = (y) => ({ ...loopFigure(many, { style: "density", y, at: { start: 0, step: 1 / 400_000 } }), title: "Density" });
+      const one = new plots.Plot(host("100%", 300, "one"), figure(many.y), { link });
+      await drawn(one);
+      for (const [from, to] of [[0.1, 0.9], [0.15, 0.8], [0.12, 0.83], [0.3, 0.9], [0.305, 0.88]]) {
+        link.zoom({ from, to });
+        await frame();
+      }
+      const two = new plots.Plot(host("100%", 300, "two"), figure(many.y.slice()), { link });
+      await drawn(two);
+      const result = [one.svg(), two.svg()];
+      link.zoom({ from: 0.3, to: 0.5 });
+      await frame();
+      return [...result, one.svg()].map((text) => text.match(/href="([^"]*)/)[1]);
+    });
+    assert.ok(followed === anew && followed !== other);
+  }));
+
 test("a finger that taps puts the cursor, which stays", { skip }, () =>
   opened(async (page) => {
     const box = await page.locator("#time .stage").boundingBox();
