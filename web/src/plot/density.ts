@@ -9,10 +9,10 @@ type Parts = [number, number][];
 /** Points of a line that are nearer to each other are drawn as one [pixels]. */
 export const APART = 0.4;
 
-/** About how many points a line through these samples has in view; from every 64th sample if there are many. */
+/** About how many points a line through these samples has in view, from some thousand of them. */
 export function crowd(figure: Figure, frame: Frame, series: Series, parts: Parts): number {
   const { area } = frame;
-  const every = parts.reduce((n, [from, to]) => n + to - from, 0) > 10_000 ? 64 : 1;
+  const every = Math.max(1, Math.floor(parts.reduce((n, [from, to]) => n + to - from, 0) / 4000));
   let found = 0;
   for (const [from, to] of parts) {
     for (let k = from; k + 1 < to; k += every) {
