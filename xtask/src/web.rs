@@ -26,8 +26,7 @@ pub(super) const COMMITTED: [&str; 5] = [
 ];
 
 /// Tests that need no module, and those of the modules as they are handed out.
-const SERVED: [&str; 9] =
-    ["campaign", "download", "linked", "plot", "project", "rig", "serve", "server", "words"];
+const SERVED: [&str; 9] = ["campaign", "download", "linked", "plot", "project", "rig", "serve", "server", "words"];
 const HANDED_OUT: [&str; 1] = ["sizes"];
 
 /// Builds everything, and tests it.

@@ -2,7 +2,6 @@
 
 use piezoid::hysteresis::Operator;
 use piezoid_numerics::series::ends;
-use piezoid_numerics::system::System;
 use std::fmt::Write;
 
 /// Sampling period [s], and samples from one turn to the next.
