@@ -7,12 +7,12 @@ import type { Lists } from "./lists.ts";
 import { download } from "./plot/download.ts";
 import { themeChanged } from "./plot/theme.ts";
 import { message, SharedContext } from "./ui.tsx";
+import { BranchesView } from "./views/branches.tsx";
 import { CampaignView } from "./views/campaign.tsx";
 import { CompensateView } from "./views/compensate.tsx";
 import { ControlView } from "./views/control.tsx";
 import { ExperimentView } from "./views/experiment.tsx";
 import { ExportView } from "./views/export.tsx";
-import { LoopsView } from "./views/loops.tsx";
 import { StudyView } from "./views/study.tsx";
 import { WorkbenchView } from "./views/workbench.tsx";
 import type { Workspace } from "./workspace.ts";
@@ -22,7 +22,7 @@ const VIEWS: { name: string; title: string; show(): JSX.Element; served?: true }
   { name: "workbench", title: "Workbench", show: () => <WorkbenchView /> },
   { name: "experiment", title: "Experiment", show: () => <ExperimentView /> },
   { name: "campaign", title: "Campaign", show: () => <CampaignView />, served: true },
-  { name: "loops", title: "Loops", show: () => <LoopsView /> },
+  { name: "branches", title: "Branches", show: () => <BranchesView /> },
   { name: "compensate", title: "Compensate", show: () => <CompensateView /> },
   { name: "control", title: "Control", show: () => <ControlView /> },
   { name: "export", title: "Export", show: () => <ExportView /> },
@@ -94,7 +94,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
           </SharedContext.Provider>
         ) : <p class="missing">Loading the lists of the library.</p>}
       </main>
-      <Jobs workspace={workspace} shown={view.served ? view.name : ""} />
+      <Jobs workspace={workspace} shown={view.name === "workbench" ? "identify" : view.served ? view.name : ""} />
     </div>
   );
 }
@@ -138,7 +138,7 @@ function Header({ workspace, served }: { workspace: Workspace; served: boolean }
   );
 }
 
-/** Work under way; a view of instruments shows its own, of its name, itself. */
+/** Work under way, except what the view shows itself. */
 function Jobs({ workspace, shown }: { workspace: Workspace; shown: string }) {
   return (
     <div class="jobs" role="status" aria-live="polite">

@@ -61,7 +61,7 @@ test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a p
 test("the separating line is dragged, the branches follow, and undo takes it back", { skip }, async () => {
   const { page, faults, context } = await opened(browser, server.url);
   await choose(page, [file("loop.csv", csv(measured(5)))]);
-  await view(page, "Loops");
+  await view(page, "Branches");
   const distance = page.getByRole("row", { name: /Distance of the points/ }).getByRole("cell");
   const before = await distance.textContent();
   const handle = page.getByRole("slider", { name: "Separating line at the highest input" });

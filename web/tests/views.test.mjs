@@ -10,7 +10,7 @@ import { identify, known } from "./steps.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const PICTURES = new URL("../dist/pictures/", import.meta.url).pathname;
-const VIEWS = ["Workbench", "Experiment", "Loops", "Compensate", "Control", "Export", "Study"];
+const VIEWS = ["Workbench", "Experiment", "Branches", "Compensate", "Control", "Export", "Study"];
 let server, browser, saved;
 
 before(async () => {

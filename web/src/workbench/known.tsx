@@ -39,10 +39,18 @@ export function KnownPane({ entry, drawn, draw, options }: Props) {
 
 /** The identification as it runs. */
 function Running({ search }: { search: Search }) {
+  const job = useShared().workspace.jobs.find(({ name }) => name === "identify");
   return (
     <section aria-label="The search">
       <h2>The search</h2>
       <p role="status">{search.best ? `Best so far: ${search.best.name}` : "Identifying."}</p>
+      {job && (
+        <div class="row">
+          <progress aria-label="identify" max={job.total || 1} value={job.total ? job.done : undefined} />
+          <button type="button" onClick={() => job.cancel()}>Cancel</button>
+        </div>
+      )}
+      <p class="help" aria-hidden="true">{job?.what}</p>
       {search.trials.length > 0 && <Ranking trials={search.trials} search={search} />}
     </section>
   );

@@ -1,4 +1,4 @@
-// Loops: the displacement, or the hidden variable, against the voltage; the separating line of the paper, and the
+// Branches: the displacement, or the hidden variable, against the voltage; the separating line of the paper, and the
 // branches that follow from it.
 
 import { useMemo } from "preact/hooks";
@@ -28,12 +28,12 @@ interface Settings {
   options?: Options;
 }
 
-export function LoopsView() {
+export function BranchesView() {
   const { workspace } = useShared();
   const { records, record } = workspace.project;
   const entry = records.find((one) => one.file === record) ?? records.at(-1);
-  if (!entry) return <Missing what="Loops need a record." title="Add a record" />;
-  return <LoopsOf key={entry.file} entry={entry} />;
+  if (!entry) return <Missing what="Branches need a record." title="Add a record" />;
+  return <BranchesOf key={entry.file} entry={entry} />;
 }
 
 /** The call for the loop of a record. */
@@ -48,7 +48,7 @@ async function loopOf(workspace: Workspace, entry: RecordEntry, model: string | 
   };
 }
 
-function LoopsOf({ entry }: { entry: RecordEntry }) {
+function BranchesOf({ entry }: { entry: RecordEntry }) {
   const { workspace, lists } = useShared();
   const { records, models, model } = workspace.project;
   const settings = (workspace.project.settings["loops"] ?? {}) as Settings;
