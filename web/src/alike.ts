@@ -34,15 +34,15 @@ const known = new WeakMap<Workspace, Map<string, Promise<Look | undefined>>>();
 export function look(workspace: Workspace, entry: RecordEntry): Promise<Look | undefined> {
   const all = known.get(workspace) ?? new Map<string, Promise<Look | undefined>>();
   known.set(workspace, all);
-  const asked = all.get(key(entry)) ?? workspace.inspected(whole(entry)).then(
+  const inspection = all.get(key(entry)) ?? workspace.inspected(whole(entry)).then(
     ({ result, files }) => {
       const profile = files.find(({ name }) => name === "profile.toml");
       return { layout: String(result.layout), ...(profile && { profile: new TextDecoder().decode(profile.bytes) }) };
     },
     () => void all.delete(key(entry)),
   );
-  all.set(key(entry), asked);
-  return asked;
+  all.set(key(entry), inspection);
+  return inspection;
 }
 
 /** True if two files that look alike are read in the same way. */
@@ -123,9 +123,9 @@ export function described(project: Project, { layout, offer }: Pick<Kin, "layout
 /** The name of the profile of a rig among the files of the project. */
 export const profileName = ({ name }: Pick<Rig, "name">): string => `${name}.toml`;
 
-/** A name for a rig, one like the wanted that no other rig and no file has. */
-export function rigName(wanted: string, project: Project, files: string[]): string {
-  const plain = fileName(wanted.trim().replace(/\.toml$/i, ""));
+/** A name for a rig, one like the proposed that no other rig and no file has. */
+export function rigName(proposed: string, project: Project, files: string[]): string {
+  const plain = fileName(proposed.trim().replace(/\.toml$/i, ""));
   const taken = new Set([PROJECT, ...files, ...filesOf(project), ...project.rigs.map(profileName)].map((name) => name.toLowerCase()));
   return free(profileName({ name: plain }), (name) => taken.has(name.toLowerCase())).replace(/\.toml$/, "");
 }

@@ -19,15 +19,15 @@ export function RigLine({ entry }: { entry: RecordEntry }) {
   const { rig, isRig, members, offer } = kin;
   const offered = async () => {
     const names = await workspace.store.names();
-    const wanted = common([offer!.from, ...offer!.to].map(({ file }) => file)) || String(JSON.parse(kin.layout)[0]);
-    workspace.change((project) => described(project, kin, rigName(wanted, project, names)));
+    const proposed = common([offer!.from, ...offer!.to].map(({ file }) => file)) || String(JSON.parse(kin.layout)[0]);
+    workspace.change((project) => described(project, kin, rigName(proposed, project, names)));
   };
-  const rename = async (wanted: string) => {
-    if (wanted.trim() === "" || wanted.trim() === rig!.name) return workspace.changed();
+  const rename = async (proposed: string) => {
+    if (proposed.trim() === "" || proposed.trim() === rig!.name) return workspace.changed();
     const names = (await workspace.store.names()).filter((name) => name !== profileName(rig!));
     workspace.change((project) => {
       const others = project.rigs.filter((one) => one.layout !== rig!.layout);
-      const name = rigName(wanted, { ...project, rigs: others }, names);
+      const name = rigName(proposed, { ...project, rigs: others }, names);
       return { ...project, rigs: project.rigs.map((one) => (one.layout === rig!.layout ? { ...one, name } : one)) };
     });
   };
@@ -75,6 +75,6 @@ function offerOf({ offer, rig, isRig }: Kin, entry: RecordEntry): string {
 
 /** What is said of columns, in the order of the library. */
 function spokenColumns(columns: RecordEntry["columns"], order: string[]): string {
-  const said = Object.entries(ofRig(columns)).sort(([a], [b]) => order.indexOf(a) - order.indexOf(b));
-  return said.length === 0 ? "As names and units say" : said.map(([name, value]) => `${spoken(name)}: ${String(value)}`).join("; ");
+  const named = Object.entries(ofRig(columns)).sort(([a], [b]) => order.indexOf(a) - order.indexOf(b));
+  return named.length === 0 ? "As names and units say" : named.map(([name, value]) => `${spoken(name)}: ${String(value)}`).join("; ");
 }

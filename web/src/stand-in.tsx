@@ -72,13 +72,13 @@ async function make(workspace: Workspace, entry: ModelEntry): Promise<void> {
   const { files, records } = entry.from
     ? await workspace.sources(from)
     : { files: await Promise.all(from.map(({ file }) => workspace.file(file))), records: {} };
-  const { result, files: [made] } = await workspace.run({
+  const { result, files: [model] } = await workspace.run({
     name: workOf(entry),
     request: { call: "stand-in", records, files: { model: [entry.file], records: files.map(({ name }) => name) } },
     files: [await workspace.file(entry.file), ...files],
     beside: true,
   });
-  const file = await workspace.keep({ name: `${entry.file.replace(/\.json$/, "")}-stand-in.json`, bytes: made!.bytes });
+  const file = await workspace.keep({ name: `${entry.file.replace(/\.json$/, "")}-stand-in.json`, bytes: model!.bytes });
   const standIn: StandIn = { file, sentence: result.sentence };
   workspace.amend((project) => ({
     ...project, models: project.models.map((one) => (one.file === entry.file ? { ...one, standIn } : one)),
@@ -128,7 +128,7 @@ export function PlantChoice({ entry }: { entry: ModelEntry }) {
       {!twin && <Fault text={work.error ?? sources.error} />}
       {!twin && work.busy && (
         <p role="status">
-          The stand-in is made: a second model of another class is identified from the same records, once for this model. Cancel is at the lower right.
+          The stand-in is being identified: a second model of another class, from the same records, once for this model. Cancel is at the lower right.
         </p>
       )}
       {!twin && !entry.standIn && sources.value && <Lack file={entry.file} {...sources.value} />}
@@ -141,7 +141,7 @@ function Lack({ file, here, lacking }: Sources & { file: string }) {
   if (lacking.length > 0) {
     return (
       <p class="missing">
-        A stand-in is made from the records that {file} was identified from, but {lacking.join(", ")} {lacking.length > 1 ? "are" : "is"} not in
+        A stand-in comes from the records that {file} was identified from, but {lacking.join(", ")} {lacking.length > 1 ? "are" : "is"} not in
         this project. <a href="#workbench">Add {lacking.length > 1 ? "them" : "it"}</a>, or choose a twin, which is another actuator.
       </p>
     );
@@ -154,7 +154,7 @@ function Lack({ file, here, lacking }: Sources & { file: string }) {
   );
 }
 
-/** What the stand-in is, if it is the plant: its sentence, and what it tells. */
+/** What the stand-in is, if it is the plant: its sentence, and what it shows. */
 export function AboutPlant({ entry }: { entry: ModelEntry }) {
   const { workspace } = useShared();
   const work = useKept<void>(workOf(entry), entry.file);
@@ -163,9 +163,9 @@ export function AboutPlant({ entry }: { entry: ModelEntry }) {
     <>
       <p>{prose(entry.standIn.sentence)}.</p>
       <details>
-        <summary>What a stand-in tells, and what it does not</summary>
+        <summary>What a stand-in shows, and what it does not</summary>
         <p>
-          A model is proven on records; what its voltage is worth shows on the actuator only. The stand-in is made from the same records, by a second
+          A model is proven on records; what its voltage is worth shows on the actuator only. The stand-in comes from the same records, by a second
           model whose operator is of another class. Where the records leave something open, both models differ: on other amplitudes, at other rates,
           in minor loops. They differ by as much as the model is wrong on the records.
         </p>

@@ -189,7 +189,7 @@ test("a model remembers its records; what cannot be read is not used", { skip },
   await page.getByText("cannot be read", { exact: true }).waitFor();
   assert.equal(await page.getByLabel("Use of letter.txt").inputValue(), "none");
   await page.getByRole("button", { name: training, exact: true }).click();
-  await page.getByText("Not proven on a record that it has not seen").waitFor();
+  await page.getByText("Not validated on another record").waitFor();
   await fill(page, "input_scale", "2");
   await page.getByText(/prepared in another way now than when .* was identified/).waitFor();
   await page.goto(`${server.url}#compensate`);

@@ -93,7 +93,7 @@ function counted(
 
 /** The share of lines that are counted. */
 function share(figure: Figure, frame: Frame, series: Series, parts: Parts): number {
-  let [steps, seen] = [0, 0];
+  let [steps, judged] = [0, 0];
   const most = frame.area.width + frame.area.height;
   const n = parts.reduce((sum, [from, to]) => sum + to - from, 0);
   const every = Math.max(1, Math.floor(n / 1000));
@@ -102,10 +102,10 @@ function share(figure: Figure, frame: Frame, series: Series, parts: Parts): numb
       const across = pixelX(figure, frame, place(series, k + 1)) - pixelX(figure, frame, place(series, k));
       const up = pixelY(frame, series.y[k + 1]!) - pixelY(frame, series.y[k]!);
       steps += Math.min(most, Math.max(1, Math.abs(across), Math.abs(up))) || 1;
-      seen++;
+      judged++;
     }
   }
-  return Math.min(1, (STEPS * Math.max(1, seen)) / (steps * n || 1));
+  return Math.min(1, (STEPS * Math.max(1, judged)) / (steps * n || 1));
 }
 
 /** Counts the samples of a span, each with the line from the one before, unless it is the first of its part. */

@@ -82,9 +82,9 @@ export class Strip {
     const all = this.#whole.to - this.#whole.from;
     this.#window.style.left = `${(100 * (from - this.#whole.from)) / all}%`;
     this.#window.style.width = `${(100 * (to - from)) / all}%`;
-    const said = { valuemin: this.#whole.from, valuemax: this.#whole.to, valuenow: (from + to) / 2,
+    const values = { valuemin: this.#whole.from, valuemax: this.#whole.to, valuenow: (from + to) / 2,
       valuetext: `${short(from)} to ${short(to)} ${unit(this.#figure.x.unit)}` };
-    for (const [name, value] of Object.entries(said)) this.#window.setAttribute(`aria-${name}`, String(value));
+    for (const [name, value] of Object.entries(values)) this.#window.setAttribute(`aria-${name}`, String(value));
   }
 
   /** Shows a span, moved into the record; all if it is as long as the record. */

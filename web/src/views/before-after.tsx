@@ -34,7 +34,7 @@ interface Props {
   expected: string;
   samples: number;
   options: Options;
-  /** True if the voltage for the path is refused, which is told above. */
+  /** True if the voltage for the path is refused, which is stated above. */
   refused: boolean;
 }
 
@@ -52,19 +52,19 @@ export function BeforeAfter({ entry, plant, path, expected, samples, options, re
     });
   };
   const now = useLatest(plant && !isLong ? key : undefined, () => play(plant!, true));
-  const asked = useKept<Answer>("before and after", key);
-  const outcome = isLong ? asked : now;
+  const started = useKept<Answer>("before and after", key);
+  const outcome = isLong ? started : now;
   const answer = plant && !refused ? outcome.value : undefined;
   return (
     <Section title="Before and after" wide help="The path with a constant gain, and with the compensated voltage, on an actuator that is not the model.">
       <PlantChoice entry={entry} />
       {plant && isLong && (
         <div class="row">
-          <button type="button" class="main" disabled={asked.busy} onClick={() => asked.start(() => play(plant, false))}>Follow the path</button>
+          <button type="button" class="main" disabled={started.busy} onClick={() => started.start(() => play(plant, false))}>Follow the path</button>
         </div>
       )}
       {plant && !refused && <Fault text={outcome.error} />}
-      {isLong && <Stale stale={asked.stale} />}
+      {isLong && <Stale stale={started.stale} />}
       {answer && <Result answer={answer} />}
       <AboutPlant entry={entry} />
     </Section>

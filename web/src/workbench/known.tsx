@@ -120,7 +120,7 @@ function Model({ entry, options, records, drawn }: { entry: ModelEntry; options:
     <section aria-label={`Model ${nameOf(entry)}`}>
       <h2>{nameOf(entry)}</h2>
       <Verdict text={entry.validated ?? entry.verdict} />
-      {proof.proof.length === 0 && <p class="help">Not proven on a record that it has not seen: add one, with the use \u201cvalidate\u201d.</p>}
+      {proof.proof.length === 0 && <p class="help">Not validated on another record: add one, with the use \u201cvalidate\u201d.</p>}
       <Fault text={read.error ?? proof.error} />
       <Outdated entry={entry} />
       <div class="row">
@@ -128,7 +128,7 @@ function Model({ entry, options, records, drawn }: { entry: ModelEntry; options:
         <a class="button" href="#export">Export</a>
       </div>
       {files.length > 0 && (
-        <dl class="errors" aria-label="Errors on records that it has not seen, of the stroke">
+        <dl class="errors" aria-label="Errors on other records, of the stroke">
           {files.map((one, k) => (
             <div key={proof.proof[k]?.file}>
               <dt>{proof.proof[k]?.file}</dt>

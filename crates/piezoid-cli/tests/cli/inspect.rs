@@ -58,14 +58,14 @@ fn files_that_look_alike_need_one_profile() {
     for name in ["a.csv", "b.csv", "c.csv"] {
         bench.write(name, scope(&bench));
     }
-    let told = |line: &str| bench.run(line).ok().out.split_whitespace().collect::<Vec<_>>().join(" ");
-    let undecided = told("inspect a.csv b.csv c.csv");
+    let printed = |line: &str| bench.run(line).ok().out.split_whitespace().collect::<Vec<_>>().join(" ");
+    let undecided = printed("inspect a.csv b.csv c.csv");
     assert!(undecided.ends_with("3 files look alike: one profile reads them: piezoid inspect a.csv FLAGS -o rig.toml"));
-    let mixed = told("inspect a.csv sine5.csv b.csv");
+    let mixed = printed("inspect a.csv sine5.csv b.csv");
     assert!(mixed.contains("2 files (a.csv, b.csv) look alike: "), "{mixed}");
-    assert!(!told("inspect a.csv sine5.csv").contains("alike"));
+    assert!(!printed("inspect a.csv sine5.csv").contains("alike"));
     bench.run("inspect a.csv --input-col CH1 --output-col CH2 -o rig.toml").ok();
-    assert!(!told("inspect a.csv b.csv --profile rig.toml").contains("alike"));
+    assert!(!printed("inspect a.csv b.csv --profile rig.toml").contains("alike"));
     // What is said of all is asked for once.
     let refused = bench.refused("validate a.csv b.csv c.csv --model model.json");
     assert_eq!(refused.err.matches("--input-col").count(), 1, "{refused:?}");
