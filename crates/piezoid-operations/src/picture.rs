@@ -1,7 +1,7 @@
-//! Pictures of operators: the loop that a typical one draws.
+//! Pictures of operators: the loop that a typical one draws, less most of its straight line so that it is open.
 
 use piezoid::hysteresis::Operator;
-use piezoid_numerics::series::ends;
+use piezoid_numerics::series::{ends, range};
 use std::fmt::Write;
 
 /// Sampling period [s], and samples from one turn to the next.
@@ -14,18 +14,23 @@ const TURNS: [f64; 10] = [0.0, 30.0, -30.0, 30.0, -30.0, 30.0, -4.0, 16.0, -16.0
 /// The turn from which on the loop is drawn.
 const DRAWN: usize = 3;
 
+/// Share of the straight line that is subtracted.
+const LESS: f64 = 0.7;
+
 /// Width and height of the picture.
 const SIZE: (f64, f64) = (96.0, 64.0);
 
 /// The path data of an SVG of 96 by 64: the loop of the typical operator, major, then minor.
 pub(crate) fn of(operator: &Operator) -> String {
     let (u, y) = path(operator);
+    let slope = LESS * range(&y) / range(&u);
+    let bare: Vec<f64> = u.iter().zip(&y).map(|(u, y)| y - slope * u).collect();
     let scaled = |samples: &[f64], size: f64| -> Vec<f64> {
         let (low, high) = ends(samples.iter().copied());
         samples.iter().map(|value| 2.0 + (size - 4.0) * (value - low) / (high - low)).collect()
     };
     let mut data = String::new();
-    for (k, (x, y)) in scaled(&u, SIZE.0).iter().zip(scaled(&y, SIZE.1)).enumerate() {
+    for (k, (x, y)) in scaled(&u, SIZE.0).iter().zip(scaled(&bare, SIZE.1)).enumerate() {
         let _ = write!(data, "{}{x:.0} {:.1}", if k == 0 { 'M' } else { 'L' }, SIZE.1 - y);
     }
     data
@@ -47,7 +52,6 @@ fn path(operator: &Operator) -> (Vec<f64>, Vec<f64>) {
 mod tests {
     use super::*;
     use piezoid::hysteresis::OPERATORS;
-    use piezoid_numerics::series::range;
 
     #[test]
     fn every_operator_draws_a_loop_of_its_own() {

@@ -83,7 +83,7 @@ export function loopsFigure(all: Shown[], less: boolean): Figure | undefined {
     const answer = shown.used ?? shown.whole;
     const slope = less ? used(shown).slope : undefined;
     return frequenciesOf(answer).map((frequency) => ({
-      title: `${short(frequency)} Hz, ${shown.file}`,
+      title: `${short(Number(frequency.toPrecision(2)))} Hz, ${shown.file}`,
       y: { label: less ? "y less the line" : "Output y", unit: used(shown).units.y },
       series: loopSeries(shown, [], { slope, cycles: cyclesOf(answer, frequency) }),
     }));
@@ -122,7 +122,7 @@ export function spectrumFigure(shown: Shown, runs: Run[]): Figure | undefined {
     title: `Spectrum of ${shown.file}`,
     x: { label: "Frequency", unit: "Hz", log: true },
     panels: [
-      { y: { label: "Output y", unit: units.y, log: true }, series: [{ name: "measured", x: hz, y, ...(errors.length > 0 && { style: "pale" as const }) }, ...errors] },
+      { y: { label: "Output y", unit: units.y, log: true }, series: [{ name: "measured", x: hz, y }, ...errors] },
       { y: { label: "Input u", unit: units.u, log: true }, series: [{ name: "input", x: hz, y: u, colour: 7 }] },
     ],
   };
