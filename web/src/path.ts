@@ -14,11 +14,11 @@ export function moves(points: number[], duration: number): Options {
 export async function pathFile(workspace: Workspace, signal: Options, ts: number, unit: string): Promise<File> {
   const request = { call: "excite", options: { ...signal, ts, unit } };
   const answer = await workspace.run({ name: "path", request, files: [], quiet: true });
-  return { name: "path.csv", bytes: answer.files[0]!.bytes };
+  return csv("path.csv", unit, ts, answer.series.get("u")!);
 }
 
 /** A path as a file that the library reads to the bit. */
 export function csv(name: string, unit: string, ts: number, path: Float64Array): File {
   const rows = Array.from(path, (value, k) => `${k * ts},${value}`);
-  return { name, bytes: new TextEncoder().encode(`t_s,y_${unit}\n${rows.join("\n")}\n`) };
+  return { name, bytes: new TextEncoder().encode(`t_s,r_${unit}\n${rows.join("\n")}\n`) };
 }

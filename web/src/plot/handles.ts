@@ -40,6 +40,8 @@ export class Handles {
       const button = this.#buttons[k];
       if (!frame || !button) return;
       const { area } = frame;
+      // What is out of the span that is shown is not at its edge.
+      button.hidden = handle.moves === "x" && (handle.x < frame.x.from || handle.x > frame.x.to);
       const clamp = (value: number, low: number, size: number) => Math.max(low, Math.min(low + size, value));
       button.style.left = `${clamp(pixelX(figure, frame, handle.x), area.x, area.width)}px`;
       const y = handle.moves === "x" ? area.y + area.height / 2 : pixelY(frame, handle.y);

@@ -96,7 +96,10 @@ function Result({ answer }: { answer: Answer }) {
       <Chart figure={figure} height={440} />
       <Table caption="Errors on the plant" head={["Voltage", "Error, rms", "Largest error", "Error, rms [% of the height]"]}
         rows={[row("constant gain", gain), row("compensated", compensated)]} />
-      <p class="help">Errors are against the path after smoothing and shaping, without their mean: it depends on the zero of the sensor and on the past.</p>
+      <p class="help">
+        Errors count in the shaded part only: before it, the past of the actuator shows. They are against the path after smoothing and shaping, without
+        their mean, which depends on the zero of the sensor and on the past. The constant gain has the delay of the model taken out.
+      </p>
     </>
   );
 }

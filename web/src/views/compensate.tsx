@@ -12,7 +12,7 @@ import { short, si, unit } from "../plot/ticks.ts";
 import { type ModelEntry, type Options, withSettings } from "../project.ts";
 import { inUnit } from "../signal.tsx";
 import { usePlant, withoutPlant } from "../stand-in.tsx";
-import { Chart, Entry, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared, Verdict } from "../ui.tsx";
+import { Chart, Entry, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
 import { BeforeAfter } from "./before-after.tsx";
 import { Moves } from "./moves.tsx";
@@ -83,7 +83,7 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
   const usual = { amplitude: height, offset: centre, frequency: 4 / duration };
   const expected = JSON.stringify([settings.path, points, duration, settings.signal, model.ts]);
   const path = useLatest(expected, async () =>
-    ({ expected, file: await pathOf(workspace, settings, { points, duration, ts: model.ts, of, usual }) }));
+    ({ expected, file: await pathOf(workspace, settings, lists, { points, duration, ts: model.ts, of, usual }) }));
   // Of the path that is there, which is the one before while another is made.
   const input = path.value && JSON.stringify([file, path.value.expected, options]);
   const result = useLatest(input, async () =>
@@ -126,15 +126,22 @@ const compensated = async (workspace: Workspace, file: string, path: File, optio
     quiet: true,
   });
 
+/** The options that a kind of signal has: those of another kind that was chosen before are kept, but not sent. */
+function ofKind(path: string, signal: Options, lists: Lists): Options {
+  const known = lists.excitations.find((one) => one.name === path)?.options ?? [];
+  return Object.fromEntries(Object.entries(signal).filter(([name]) => known.some((row) => row.name === name)));
+}
+
 /** The file of the chosen path. */
 async function pathOf(
   workspace: Workspace,
   { path = "drawn", signal = {} }: Settings,
+  lists: Lists,
   { points, duration, ts, of, usual }: { points: number[]; duration: number; ts: number; of: string; usual: Record<string, number> },
 ): Promise<File> {
   const record = workspace.project.records.find((one) => one.file === path);
   if (record) return { ...(await workspace.ready(record)), name: "path.csv" };
-  return pathFile(workspace, path === "drawn" ? moves(points, duration) : { kind: path, duration, ...usual, ...signal }, ts, of);
+  return pathFile(workspace, path === "drawn" ? moves(points, duration) : { kind: path, duration, ...usual, ...ofKind(path, signal, lists) }, ts, of);
 }
 
 interface Changing {
@@ -220,6 +227,14 @@ const advised = (error: string): number | null => Number(error.match(/\{smooth\}
 const Smoothing = ({ seconds, smooth }: { seconds: number | null | undefined; smooth(seconds: number): void }) =>
   seconds ? <div class="row"><button type="button" onClick={() => smooth(seconds)}>Smooth the path over {si(seconds, "s")}</button></div> : null;
 
+/** What the voltage begins from. */
+const Start = ({ u, of }: { u: Float64Array; of: string }) => (
+  <p>
+    It begins at {short(u[0] ?? 0)} {of} and ends at {short(u.at(-1) ?? 0)} {of}, for an actuator that has rested at its beginning. Go there slowly and
+    wait before it is played; on a path that repeats, the first period is worse than the next ones.
+  </p>
+);
+
 function Voltage({ answer, current, smooth }: { answer: Answer; current: boolean; smooth(seconds: number): void }) {
   const { result } = answer;
   const { usage } = result;
@@ -228,11 +243,11 @@ function Voltage({ answer, current, smooth }: { answer: Answer; current: boolean
     .map((one: any) => [one.quantity, `${short(one.value)} ${one.unit}`, one.limit === null ? "none" : `${short(one.limit)} ${one.unit}`, one.share === null ? "" : `${short(100 * one.share)} %`]);
   return (
     <Section title="Voltage">
-      <Verdict text={result.sentence} />
       {result.expected_rms !== null && result.expected_rms !== undefined && (
-        <p>Expected error on the actuator: {short(result.expected_rms)} {unit(result.units.y)} rms.</p>
+        <p>Expected error on the actuator: {short(Number(result.expected_rms.toPrecision(2)))} {unit(result.units.y)} rms, by the records of the identification.</p>
       )}
       <Table caption="What the voltage uses of its limits" head={["Quantity", "Value", "Limit", "Used"]} rows={rows} />
+      <Start u={answer.series.get("u")!} of={unit(result.units.u)} />
       <Notes title="Notes" notes={result.notes ?? []} />
       <Smoothing seconds={result.smoothing?.smooth} smooth={smooth} />
       <div class="row">

@@ -85,11 +85,15 @@ function Pictured({ entry, models, options }: { entry: RecordEntry; models: Draw
   const runs = useLatest(key, async () => ({
     of: JSON.stringify(entry),
     runs: await Promise.all(models.map(async (model): Promise<Run> =>
-      ({ name: model.name, colour: model.colour, answer: await validated(workspace, model, [entry], options) }))),
+      ({ name: model.name, colour: model.colour, key: model.key, answer: await validated(workspace, model, [entry], options) }))),
   }));
   // Runs on the record as it was before are not drawn over what it is now.
-  const drawn = useMemo(() => (runs.value?.of === JSON.stringify(entry) ? runs.value.runs : []), [runs.value, JSON.stringify(entry)]);
+  const drawn = useMemo(() => {
+    if (runs.value?.of !== JSON.stringify(entry)) return [];
+    // During a search the fit before stays until the next one is simulated.
+    return workspace.search?.isRunning ? runs.value.runs : runs.value.runs.filter(({ key }) => models.some((model) => model.key === key));
+  }, [runs.value, key, workspace.search?.isRunning]);
   if (!record.value) return record.busy ? <p class="missing">Reading {entry.file}.</p> : null;
-  if (!isRead) return <p class="missing">Choose at the left which channel is the input, and which is the output.</p>;
-  return <PicturePane entry={entry} shown={record.value} runs={drawn} error={runs.error} />;
+  if (!isRead) return <p class="missing">Choose under Channels which one is the input, and which is the output.</p>;
+  return <PicturePane entry={entry} shown={record.value} runs={drawn} busy={runs.busy} error={runs.error} />;
 }

@@ -12,7 +12,7 @@ import { Fault, Notes, type Outcome, Table, useOutcome, useShared, Verdict } fro
 import type { Workspace } from "../workspace.ts";
 import { Ranking } from "./ranking.tsx";
 import { drawnModel, nameOf, validated } from "./runs.ts";
-import { identifiedFrom, identify, type Search, type Trial } from "./search.ts";
+import { identifiedFrom, identify, recordsOf, type Search, type Trial } from "./search.ts";
 
 interface Props {
   /** The model that is used. */
@@ -43,7 +43,7 @@ function Running({ search }: { search: Search }) {
   return (
     <section aria-label="The search">
       <h2>The search</h2>
-      <p role="status">{search.best ? `Best so far: ${search.best.name}` : "Identifying."}</p>
+      <p role="status">{search.best ? `Drawn: the best fit so far, ${search.best.name}.` : "The linear block comes first."}</p>
       {job && (
         <div class="row">
           <progress aria-label="identify" max={job.total || 1} value={job.total ? job.done : undefined} />
@@ -71,7 +71,7 @@ function Identify({ hasModel }: { hasModel: boolean }) {
       <div class="row">
         <button type="button" class={hasModel ? "" : "main"} disabled={all.length === 0} onClick={() => void identify(workspace)}>Identify</button>
       </div>
-      <Fault text={workspace.search?.error} />
+      {workspace.search?.of === recordsOf(workspace) && <Fault text={workspace.search.error} />}
       <details>
         <summary>Operators, effort, order</summary>
         <Form

@@ -5,7 +5,7 @@ import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Figure } from "../plot/figure.ts";
 import { Link } from "../plot/link.ts";
-import { type Options, type RecordEntry } from "../project.ts";
+import { type Options, type RecordEntry, withSettings } from "../project.ts";
 import { Chart, Choice, Fault, Notes, Overview, useOutcome, useSettings, useShared } from "../ui.tsx";
 import { cutHandles } from "./cut.ts";
 import { cyclesOf } from "./cycles.ts";
@@ -25,17 +25,24 @@ export interface PictureSettings {
   options?: Options;
 }
 
-const usePictures = () => useSettings("workbench") as [PictureSettings, (values: Options) => void];
+/** What is shown is no change that Undo takes back. */
+function usePictures(): [PictureSettings, (values: Options) => void] {
+  const { workspace } = useShared();
+  const [settings] = useSettings("workbench");
+  return [settings as PictureSettings, (values) => workspace.amend((project) => withSettings(project, "workbench", values))];
+}
 
 interface Props {
   entry: RecordEntry;
   shown: Shown;
   runs: Run[];
+  /** Models are being simulated. */
+  busy: boolean;
   /** Why a model is not drawn. */
   error?: string | undefined;
 }
 
-export function PicturePane({ entry, shown, runs, error }: Props) {
+export function PicturePane({ entry, shown, runs, busy, error }: Props) {
   const { workspace } = useShared();
   const [settings, change] = usePictures();
   const picture = settings.picture ?? "Overview";
@@ -62,7 +69,7 @@ export function PicturePane({ entry, shown, runs, error }: Props) {
       )}
       {of("Overview", "Loop", "Loop less its line") && <Loops picture={picture} shown={shown} runs={runs} link={link} />}
       {of("Spectrum") && (spectrum ? <Chart figure={spectrum} height={600} bare /> : <p class="missing">A record this short has no spectrum.</p>)}
-      {of("Error") && <Errors shown={shown} runs={runs} />}
+      {of("Error") && <Errors shown={shown} runs={runs} busy={busy} />}
     </div>
   );
 }
@@ -71,7 +78,7 @@ export function PicturePane({ entry, shown, runs, error }: Props) {
 const CYCLES = ["A few cycles of each amplitude", "All samples", "All records, by frequency"] as const;
 
 /** The loop, and the loop less its straight line: both, or the one that is chosen. */
-function Loops({ picture, shown, runs, link }: Omit<Props, "entry" | "error"> & { picture: Picture; link: Link }) {
+function Loops({ picture, shown, runs, link }: Pick<Props, "shown" | "runs"> & { picture: Picture; link: Link }) {
   const [settings, change] = usePictures();
   const alone = picture !== "Overview";
   const cycles = (alone && settings.cycles) || CYCLES[0];
@@ -109,14 +116,14 @@ function ByFrequency({ less }: { less: boolean }) {
 }
 
 /** Errors by frequency and amplitude, and the tests of the residuals on demand. */
-function Errors({ shown, runs }: Pick<Props, "shown" | "runs">) {
+function Errors({ shown, runs, busy }: Pick<Props, "shown" | "runs" | "busy">) {
   const { lists } = useShared();
   const [settings, change] = usePictures();
   const [frequency, amplitude, white] = useMemo(() => {
     const unitOfU = used(shown).units.u;
     return [binsFigure(runs, "by_frequency", unitOfU), binsFigure(runs, "by_amplitude", unitOfU), whiteFigure(runs)];
   }, [shown, runs]);
-  if (runs.length === 0) return <p class="missing">Errors are those of a model: identify one, or draw one that is there.</p>;
+  if (runs.length === 0) return busy ? <p class="missing">Simulating the model.</p> : <p class="missing">Errors are those of a model: identify one, or draw one that is there.</p>;
   return (
     <>
       <div class="pair">

@@ -82,7 +82,7 @@ export function Records({ shown }: { shown: RecordEntry | undefined }) {
       {records.map((entry) => (
         <li key={entry.file} class={entry === shown ? "marked" : ""}>
           <button type="button" class="link" aria-pressed={entry === shown}
-            onClick={() => workspace.change((project) => ({ ...project, record: entry.file }))}>
+            onClick={() => workspace.amend((project) => ({ ...project, record: entry.file }))}>
             {entry.file}
           </button>
           <State entry={entry} />
@@ -164,6 +164,8 @@ export function Details({ entry, inspection, prepared }: { entry: RecordEntry; i
 
 function Channels({ entry, channels }: { entry: RecordEntry; channels: Channel[] }) {
   const { workspace } = useShared();
+  const lacking = (["input", "output"] as const).filter((role) => !channels.some((channel) => channel.role === role));
+  const left = channels.filter(({ role, flaw }) => !role && !flaw);
   const choose = (channel: Channel, k: number, role: string) => {
     const columns = { ...entry.columns };
     for (const option of Object.values(ROLES)) {
@@ -175,7 +177,12 @@ function Channels({ entry, channels }: { entry: RecordEntry; channels: Channel[]
   };
   return (
     <>
-      <p class="help">The roles are guessed from names, units and values. Choose others where they are wrong.</p>
+      {lacking.length > 0
+        ? <p>Which channel is the {lacking.join(", and which the ")}?</p>
+        : <p class="help">The roles are guessed from names, units and values. Choose others where they are wrong.</p>}
+      {lacking.length === 1 && left.length === 1 && (
+        <button type="button" class="main" onClick={() => choose(left[0]!, channels.indexOf(left[0]!), lacking[0]!)}>Use {left[0]!.name || "the other column"} as the {lacking[0]}</button>
+      )}
       <ul class="channels">
         {channels.map((channel, k) => (
           <li key={k}>

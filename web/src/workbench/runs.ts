@@ -10,6 +10,8 @@ export interface Run {
   name: string;
   /** Number of its colour. */
   colour: number;
+  /** That of the model. */
+  key: string;
   answer: Answer;
 }
 

@@ -30,6 +30,8 @@ export interface Search {
   costs: number[];
   /** Operators that are drawn beside the best. */
   drawn: string[];
+  /** The records that it is of: an error is of no interest after they have changed. */
+  of: string;
   /** The name of the model that came of it. */
   result?: string;
 }
@@ -44,9 +46,12 @@ export const identifiedFrom = (records: RecordEntry[]) => {
   return { small, large, all: [...small, ...large] };
 };
 
+/** The records of an identification, as they are read and prepared. */
+export const recordsOf = ({ project }: Workspace): string => JSON.stringify(identifiedFrom(project.records).all);
+
 /** Identifies a model and adds it to the project. Cancelled, the best model until then is added. */
 export async function identify(workspace: Workspace): Promise<void> {
-  const search: Search = { isRunning: true, trials: [], models: new Map(), errors: [], costs: [], drawn: [] };
+  const search: Search = { of: recordsOf(workspace), isRunning: true, trials: [], models: new Map(), errors: [], costs: [], drawn: [] };
   workspace.search = search;
   workspace.changed();
   try {
@@ -86,6 +91,9 @@ async function searched(workspace: Workspace, search: Search): Promise<void> {
   });
 }
 
+/** The operator of the file of a model. */
+const operatorOf = (text: string): string | undefined => JSON.parse(text)?.hysteresis?.operator;
+
 /** Takes up a stage of the search. */
 function followed(search: Search, { what, figures, model, best }: Stage & { figures: Record<string, number> }): void {
   const { held_out_percent: error, cost } = figures;
@@ -99,5 +107,5 @@ function followed(search: Search, { what, figures, model, best }: Stage & { figu
   }
   if (model === undefined) return;
   search.models.set(what, model);
-  if (best) search.best = { name: what, text: model };
+  if (best) search.best = { name: operatorOf(model) ?? what, text: model };
 }

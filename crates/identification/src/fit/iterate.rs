@@ -154,18 +154,23 @@ impl Iterate {
         cross_validate(&self.estimate, &self.prior, &self.segments, INITIAL_DAMPING, free, smoothness)
     }
 
-    /// The runs' own coefficients at `x`.
+    /// The runs' own coefficients at `x`; zeros for a run without usable samples, which has no equations.
     pub(super) fn own(&self, x: &DVector<f64>) -> Vec<Vec<f64>> {
-        let steps = self.prior.steps(x);
-        self.each.iter().map(|run| run.own(&steps)).collect()
+        let (steps, count) = (self.prior.steps(x), ColumnLayout::of(&self.estimate).own());
+        let runs = self.segments.last().map_or(0, |last| last.run + 1);
+        let mut own = vec![vec![0.0; count]; runs];
+        self.each.iter().for_each(|run| own[run.run] = run.own(&steps));
+        own
     }
 
-    /// For each run, the mean squared error over the squared peak-to-peak.
+    /// For each run, the mean squared error over the squared peak-to-peak; NaN for a run without usable samples.
     pub(super) fn residuals(&self, runs: &[TrainingRecord]) -> Vec<f64> {
         let unknowns = self.unknowns();
-        let of =
-            |run: &RecordEquations| run.normal.residual(&unknowns) / run.normal.samples / runs[run.run].heavier.powi(2);
-        self.each.iter().map(of).collect()
+        let mut residuals = vec![f64::NAN; runs.len()];
+        for RecordEquations { run, normal, .. } in &self.each {
+            residuals[*run] = normal.residual(&unknowns) / normal.samples / runs[*run].heavier.powi(2);
+        }
+        residuals
     }
 
     /// The products, if they have all columns and are not too many to keep.

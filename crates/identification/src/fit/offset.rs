@@ -31,8 +31,12 @@ pub(crate) fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<S
         let Some((mean, rms)) = free.as_ref().map(|model| free_run_residual(run, model)) else { return fits };
         if (mean - fits).abs() > rms { mean } else { fits }
     };
-    let begins = runs.iter().zip(&fitted.own).filter(|(run, _)| !run.is_later_part);
-    let mut offsets: Vec<f64> = begins.map(of).collect();
+    let begins = |run: &TrainingRecord| !run.is_later_part;
+    let shows = |run: &TrainingRecord| begins(run) && run.usable.contains(&true);
+    // The level of a part without usable samples is no measurement, but better than nothing.
+    let is_shown = runs.iter().any(shows);
+    let known = runs.iter().zip(&fitted.own).filter(|(run, _)| if is_shown { shows(run) } else { begins(run) });
+    let mut offsets: Vec<f64> = known.map(of).collect();
     offsets.sort_by(f64::total_cmp);
     let (low, high) = (offsets[0], offsets[offsets.len() - 1]);
     let height = runs.iter().map(|run| run.scale.recip()).fold(0.0, f64::max);

@@ -270,6 +270,7 @@ mod tests {
     use piezoid_models::hammerstein::InitialCondition;
     use piezoid_models::linear::Arx;
     use piezoid_numerics::system::System;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn a_fit_with_few_signals_follows_the_linear_block_as_one_with_all_weights_does() {
@@ -304,6 +305,31 @@ mod tests {
             assert!((pole(&fit) - pole(&direct)).abs() < 0.02, "{} {}", pole(&fit), pole(&direct));
             assert!((whole.minimum / direct.minimum - 1.0).abs() < 0.02, "{} {}", whole.minimum, direct.minimum);
         }
+    }
+
+    #[test]
+    fn a_run_without_usable_samples_keeps_the_own_coefficients_with_their_runs() {
+        let block = Arx::new(5e-4, vec![0.8], vec![0.3]).unwrap();
+        let u: Vec<f64> = (0..3000).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let y: Vec<f64> = block.simulate(&u).iter().map(|y| y + 7.0).collect();
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let fit = |at: &[usize]| {
+            let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+            for &k in at {
+                let mut empty = runs[0].clone();
+                empty.usable.fill(false);
+                runs.insert(k, empty);
+            }
+            let from = refine(estimate("preisach", 12), &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
+            let reduced = Reduced::of(&from.estimate, &from.own, &from.products, &runs).unwrap();
+            assert!(from.own.len() == runs.len() && !reduced.runs(&runs).is_empty());
+            (from.own, from.residuals)
+        };
+        let (alone, residuals) = fit(&[]);
+        let (own, all) = fit(&[0, 2]);
+        assert_close(&own[1], &alone[0], 1e-6, 1e-9);
+        assert_close(&all[1..2], &residuals, 1e-6, 1e-12);
+        assert!(own[0].iter().chain(&own[2]).all(|x| *x == 0.0) && all[0].is_nan() && all[2].is_nan());
     }
 
     #[test]

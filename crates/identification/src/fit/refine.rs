@@ -290,7 +290,9 @@ fn lower(
 /// weight of the small-signal records changed.
 fn weigh(runs: &mut [TrainingRecord], residuals: &[f64]) -> f64 {
     let of = |large_signal: bool| {
-        let kind = runs.iter().zip(residuals).filter(|(run, _)| run.large_signal == large_signal);
+        let is_of =
+            |(run, residual): &(&TrainingRecord, &f64)| run.large_signal == large_signal && residual.is_finite();
+        let kind = runs.iter().zip(residuals).filter(is_of);
         mean(&kind.map(|(_, residual)| *residual).collect::<Vec<_>>())
     };
     let heavier = (of(true) / of(false)).sqrt().clamp(1.0, MAX_SMALL_SIGNAL_WEIGHT);
