@@ -39,7 +39,7 @@ async function campaign(options, context = {}) {
   for (const [name, value] of Object.entries({ port: line.address().port, bandwidth: 100, period: 5e-5, ...options })) {
     const field = page.locator(`[name="${name}"]`);
     await field.waitFor({ state: "attached" });
-    const group = page.locator("details:not([open])", { has: field }).locator("summary");
+    const group = page.locator("details:not([open])", { has: field }).locator("> summary");
     if (await group.count()) await group.click();
     await field.fill(String(value));
     await field.blur();

@@ -6,6 +6,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
 import { overheard, skip as noPiezoid, started } from "./piezoid.mjs";
+import { identify, known } from "./steps.mjs";
 import { viewed } from "./viewed.mjs";
 
 const skip = noBrowser || noPiezoid;
@@ -32,11 +33,8 @@ test("moves are timed on the model, on a twin, and on a controller once its user
   const { page, faults, context } = await opened(browser, server.found);
   await page.getByRole("button", { name: "Open the example" }).click();
   await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
-  await page.getByRole("link", { name: "Identify", exact: true }).click();
-  await page.getByLabel("Operator", { exact: true }).fill("preisach");
-  await page.getByLabel("Operator", { exact: true }).blur();
-  await page.getByRole("button", { name: "Identify", exact: true }).click();
-  await page.locator("tr", { has: page.getByText("good to") }).first().waitFor({ timeout: 120_000 });
+  await identify(page, "preisach");
+  await known(page, "preisach");
   await page.getByRole("link", { name: "Compensate", exact: true }).click();
   // The controller is this twin: no stand-in is needed.
   await page.getByRole("button", { name: "Cancel", exact: true }).click();

@@ -37,7 +37,7 @@ test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a p
   assert.equal(await page.locator(".verdict").count(), 1);
   assert.match(await page.locator(".verdict").textContent(), /good to 0\.\d+ % of stroke/);
   await page.getByRole("img", { name: /^scope\.csv against time\. .*prandtl-ishlinskii/ }).waitFor();
-  const rows = (await download(page, () => page.getByRole("button", { name: "CSV" }).first().click())).toString().split("\n");
+  const rows = (await download(page, () => page.getByRole("button", { name: "CSV", exact: true }).first().click())).toString().split("\n");
   assert.match(rows[0], /measured: Output y \[um\]/);
   assert.equal(rows.length, slow.u.length + 2);
 

@@ -147,7 +147,7 @@ test("a plot is given as CSV with its numbers, and as SVG", { skip }, () =>
     const plot = series(page).locator(".plot").first();
     await plot.scrollIntoViewIfNeeded();
     await redrawn(plot, "");
-    const csv = await input(page, plot.getByRole("button", { name: "CSV" }));
+    const csv = await input(page, plot.getByRole("button", { name: "CSV", exact: true }));
     assert.match(csv.name, /^Time-series-y\.csv$/);
     const [head, ...rows] = csv.text.trimEnd().split("\n").map((line) => line.split(","));
     assert.deepEqual(head, ["t [s]", "measured: y [\u00b5m]", "t [s]", "model: y [\u00b5m]"]);

@@ -148,7 +148,7 @@ test("the exported C gives the numbers of the page to the bit", { skip }, async 
   await page.getByLabel("Data files").setInputFiles([record]);
   await page.getByText(/4,000 samples/).waitFor();
   await page.getByRole("img", { name: /^other\.csv against time\. .*Error/ }).waitFor();
-  const text = (await download(page, () => page.getByRole("button", { name: "CSV" }).first().click())).toString();
+  const text = (await download(page, () => page.getByRole("button", { name: "CSV", exact: true }).first().click())).toString();
   const [head, ...rows] = text.trim().split("\n").map((row) => row.split(","));
   const column = (name) => rows.map((row) => Number(row[head.findIndex((cell) => cell.startsWith(name))]));
   const [inputs, simulated] = [column("input: "), column("model: Output y")];

@@ -48,13 +48,13 @@ test("the pictures of a record share their span of time; loops are drawn from cy
 
   await picture(page, "Loop less its line");
   const loop = drawn(page, /^Loop less its straight line of 3\d\.\d+ µm\/V/);
-  const samples = async () => (await download(page, () => page.getByRole("button", { name: "CSV" }).first().click())).toString().trim().split("\n").length;
+  const samples = async () => (await download(page, () => page.getByRole("button", { name: "CSV", exact: true }).first().click())).toString().trim().split("\n").length;
   await loop.waitFor();
   const few = await samples();
   await page.getByRole("button", { name: "All samples" }).click();
   assert.ok((await samples()) > 4000 && few < 4000, `${few} samples in a few cycles`);
   await page.getByRole("button", { name: "All records, by frequency" }).click();
-  const head = (await download(page, () => page.getByRole("button", { name: "CSV" }).first().click())).toString().split("\n")[0];
+  const head = (await download(page, () => page.getByRole("button", { name: "CSV", exact: true }).first().click())).toString().split("\n")[0];
   for (const title of ["5 Hz, slow.csv", "20 Hz, fast.csv", "10 Hz, proof.csv"]) assert.ok(head.includes(title), head);
   assert.deepEqual(faults, []);
   await close();
