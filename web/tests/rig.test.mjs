@@ -7,6 +7,7 @@ import { after, before, test } from "node:test";
 import { unzipSync } from "fflate";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
 import { piezoid, skip as noPiezoid, started } from "./piezoid.mjs";
+import { fill } from "./steps.mjs";
 
 const skip = noBrowser || noPiezoid;
 const folder = mkdtempSync(join(tmpdir(), "piezoid-rig-"));
@@ -39,7 +40,7 @@ function scope(k) {
 test("what is said of one file of a scope is said of all, saved, and read by the command line", { skip, timeout: 300_000 }, async () => {
   const { page, faults, context } = await opened(browser, url);
   const button = (name) => page.getByRole("button", { name, exact: true });
-  const column = page.getByRole("region", { name: "Records and their use" }).locator("tbody tr td:nth-child(2)");
+  const column = page.getByRole("list", { name: "Records and their use" }).locator("li > small");
   const states = async () => (await column.allInnerTexts()).map((text) => text.replace(/; \d+ problems?$/, ""));
   const until = async (expected) => {
     for (let k = 0; k < 100 && (await states()).join() !== expected.join(); k++) await page.waitForTimeout(100);
@@ -56,9 +57,9 @@ test("what is said of one file of a scope is said of all, saved, and read by the
   };
   await page.getByLabel("Role of 1", { exact: true }).selectOption("input");
   await page.getByLabel("Role of 2", { exact: true }).selectOption("output");
-  await field("Input scale", "20");
-  await field("Output scale", "50um/V");
-  await field("Start [s]", "0.01");
+  await fill(page, "input_scale", "20");
+  await fill(page, "output_scale", "50um/V");
+  await fill(page, "from", "0.01");
   await until([...Array(4).fill(undecided), read]);
   await button("Read the 4 other files that look alike in the same way").click();
   await until(Array(5).fill(read));
@@ -73,8 +74,8 @@ test("what is said of one file of a scope is said of all, saved, and read by the
   const other = { name: "other.csv", mimeType: "text/csv", buffer: Buffer.from(scope(6).buffer.toString().replace("Volt,Volt", "Volt,mV")) };
   await page.getByLabel("Data files").setInputFiles([other, scope(6)]);
   await until([...Array(5).fill(read), undecided, read]);
-  assert.equal(await page.getByLabel("Output scale", { exact: true }).inputValue(), "50um/V");
-  assert.equal(await page.getByLabel("Start [s]", { exact: true }).inputValue(), "");
+  assert.equal(await page.locator("input[name=output_scale]").inputValue(), "50um/V");
+  assert.equal(await page.locator("input[name=from]").inputValue(), "");
   await page.getByText("like 5 other files").waitFor();
   await button("Read it on its own").click();
   await until([...Array(5).fill(read), undecided, undecided]);
@@ -82,7 +83,7 @@ test("what is said of one file of a scope is said of all, saved, and read by the
   await until([...Array(5).fill(read), undecided, read]);
 
   // A rig that is changed at one of its files is changed for all.
-  await field("Output scale", "60um/V");
+  await fill(page, "output_scale", "60um/V");
   await button("Read the 5 other files that look alike in the same way: change the rig bender bench").click();
   await page.getByText("like 5 other files").waitFor();
 
