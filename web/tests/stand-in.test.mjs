@@ -9,6 +9,7 @@ import { unzipSync } from "fflate";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
 import { piezoid, skip as noPiezoid, started } from "./piezoid.mjs";
 import { viewed } from "./viewed.mjs";
+import { identify, known } from "./steps.mjs";
 
 const skip = noBrowser || noPiezoid;
 const folders = [];
@@ -73,11 +74,8 @@ test("a path is played on the stand-in, which is made once, by itself, and kept 
   const { page: one, faults, of, calls, view, close } = await page();
   await one.getByRole("button", { name: "Open the example" }).click();
   await one.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
-  await view("Identify");
-  await one.getByLabel("Operator", { exact: true }).fill("pi");
-  await one.getByLabel("Operator", { exact: true }).blur();
-  await one.getByRole("button", { name: "Identify", exact: true }).click();
-  await one.locator("tr", { has: one.getByText("good to") }).first().waitFor({ timeout: 120_000 });
+  await identify(one, "pi");
+  await known(one, "prandtl-ishlinskii");
 
   // It can be cancelled, and does not begin again by itself.
   await view("Compensate");
@@ -153,7 +151,7 @@ test("without the records of a model nothing is played until they are added, or 
   await viewed(one, "stand-in-twin");
 
   await one.getByRole("combobox", { name: /^Plant/ }).selectOption("");
-  await view("Data");
+  await view("Workbench");
   await add(records);
   await one.getByRole("heading", { name: "r20.csv" }).waitFor();
   await view("Compensate");
