@@ -45,8 +45,8 @@ impl DataFile {
                 let (channels, read, layout) =
                     (table.described(columns), table.record(columns), table.layout(format.name));
                 drop(table);
-                let document = inspection(channels, &read, &self.name, format.name);
-                Ok((with_layout(document, &layout), read.map(Measured::Held)))
+                let document = inspection(channels, &read, &self.name, (format.name, &layout));
+                Ok((document, read.map(Measured::Held)))
             }
             Opened::Long(record) => {
                 let mut found = InSections::default();
@@ -55,8 +55,9 @@ impl DataFile {
                 let (ts, samples, duration) = (record.ts(), record.len(), record.duration());
                 let described = json!({"ts": ts, "samples": samples, "duration": duration, "units": record.units()});
                 let contents = Ok((described, ts, record.history().to_vec(), found.findings()));
-                let document = document(record.channels().to_vec(), contents, &self.name, record.format());
-                Ok((with_layout(document, record.layout()), Ok(Measured::Long(record))))
+                let alike = (record.format(), record.layout());
+                let document = document(record.channels().to_vec(), contents, &self.name, alike);
+                Ok((document, Ok(Measured::Long(record))))
             }
         }
     }
@@ -73,29 +74,25 @@ pub enum Measured<'a> {
 /// What a table with this name and format holds, as [`File::inspect`] gives it.
 pub fn inspect(table: &Table, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
     let read = table.record(columns);
-    let document = inspection(table.described(columns), &read, name, format);
-    (with_layout(document, &table.layout(format)), read)
-}
-
-fn with_layout(mut document: Value, layout: &str) -> Value {
-    document["layout"] = layout.into();
-    document
+    let alike = (format, &*table.layout(format));
+    (inspection(table.described(columns), &read, name, alike), read)
 }
 
 /// The document of a file with these channels, and the record that was read from it.
-fn inspection(channels: Vec<Value>, read: &Result<Record, Error>, name: &str, format: &str) -> Value {
+fn inspection(channels: Vec<Value>, read: &Result<Record, Error>, name: &str, alike: (&str, &str)) -> Value {
     let contents = read.as_ref().map(|record| {
         let found = quality::inspect(record).findings;
         (described(record), record.ts(), record.history().to_vec(), found)
     });
-    document(channels, contents, name, format)
+    document(channels, contents, name, alike)
 }
 
 /// A record as a document, its sampling period, history and defects.
 type Contents = (Value, f64, Vec<String>, Vec<Finding>);
 
-/// The document of a file with these channels, and this record or the error that prevents it.
-fn document(channels: Vec<Value>, contents: Result<Contents, &Error>, name: &str, format: &str) -> Value {
+/// The document of a file with these channels, its format and layout, and this record or the error that prevents it.
+fn document(channels: Vec<Value>, contents: Result<Contents, &Error>, name: &str, alike: (&str, &str)) -> Value {
+    let (format, layout) = alike;
     let (record, history, problems, defects) = match contents {
         Ok((record, ts, history, found)) => {
             let defects = found.iter().map(|finding| placed(finding, ts)).collect();
@@ -105,7 +102,7 @@ fn document(channels: Vec<Value>, contents: Result<Contents, &Error>, name: &str
     };
     json!({
         "file": name, "format": format, "channels": channels, "record": record, "history": history,
-        "problems": problems, "defects": defects,
+        "problems": problems, "defects": defects, "layout": layout,
     })
 }
 

@@ -31,12 +31,11 @@ pub(crate) fn offset(fitted: &Fitted, runs: &[TrainingRecord], notes: &mut Vec<S
         let Some((mean, rms)) = free.as_ref().map(|model| free_run_residual(run, model)) else { return fits };
         if (mean - fits).abs() > rms { mean } else { fits }
     };
-    let begins = |run: &TrainingRecord| !run.is_later_part;
-    let shows = |run: &TrainingRecord| begins(run) && run.usable.contains(&true);
+    let begins = runs.iter().zip(&fitted.own).filter(|(run, _)| !run.is_later_part);
+    let (measured, others): (Vec<_>, Vec<_>) = begins.partition(|(run, _)| run.usable.contains(&true));
     // The level of a part without usable samples is no measurement, but better than nothing.
-    let is_shown = runs.iter().any(shows);
-    let known = runs.iter().zip(&fitted.own).filter(|(run, _)| if is_shown { shows(run) } else { begins(run) });
-    let mut offsets: Vec<f64> = known.map(of).collect();
+    let begins = if measured.is_empty() { others } else { measured };
+    let mut offsets: Vec<f64> = begins.into_iter().map(of).collect();
     offsets.sort_by(f64::total_cmp);
     let (low, high) = (offsets[0], offsets[offsets.len() - 1]);
     let height = runs.iter().map(|run| run.scale.recip()).fold(0.0, f64::max);
