@@ -1,13 +1,13 @@
 // The model that is used: its choice, and whether its records have changed.
 
-import { changedSince, type ModelEntry } from "./project.ts";
+import { changedSince, type ModelEntry, usedModel } from "./project.ts";
 import { useShared, Verdict } from "./ui.tsx";
 
 /** The choice of the model that is used, where there are several. */
 export function ModelChoice() {
   const { workspace } = useShared();
-  const { models, model } = workspace.project;
-  const entry = models.find((one) => one.file === model) ?? models.at(-1);
+  const { models } = workspace.project;
+  const entry = usedModel(workspace.project);
   return (
     <>
       <div class="row">

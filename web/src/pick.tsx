@@ -39,18 +39,17 @@ export const operatorsOf = (lists: Lists): Pickable[] => [
   })),
 ];
 
-/** What a block of a scheme holds, by the name of the feed-forward or the feedback. */
-const BLOCKS: Record<string, string> = {
-  "gain": "1/k", "feed-forward": "H\u207b\u00b9", "learning": "H\u207b\u00b9\u21ba", "pi": "PI", "pid": "PID", "integral-notch": "I\u00b7N",
-  "positive-position": "I+PPF", "disturbance-observer": "DOB", "predictive": "MPC",
+/** What the block of a feed-forward holds, and that of a feedback. */
+const FORWARD: Record<string, string> = { "gain": "1/k", "feed-forward": "H\u207b\u00b9", "learning": "H\u207b\u00b9\u21ba" };
+const BACK: Record<string, string> = {
+  "pi": "PI", "pid": "PID", "integral-notch": "I\u00b7N", "positive-position": "I+PPF", "disturbance-observer": "DOB", "predictive": "MPC",
 };
 
 /** The block diagram of a scheme such as `feed-forward+pi`: from the reference to the actuator P, which a sensor watches. */
-export function SchemePicture({ scheme }: { scheme: string }) {
+function SchemePicture({ scheme }: { scheme: string }) {
   const parts = scheme.split("+");
-  const isForward = (part: string) => ["gain", "feed-forward", "learning"].includes(part);
-  const forward = parts.find(isForward);
-  const back = parts.find((part) => !isForward(part));
+  const forward = parts.find((part) => part in FORWARD);
+  const back = parts.find((part) => !(part in FORWARD));
   // Both meet before the actuator: the feed-forward above, the feedback in the middle.
   const level = back ? 12 : 28;
   const block = (x: number, y: number, text: string) => (
@@ -62,9 +61,9 @@ export function SchemePicture({ scheme }: { scheme: string }) {
   return (
     <svg viewBox="0 0 128 64" aria-hidden="true" class="scheme">
       {back && <path d="M4 34H16M16 34m-4 0a4 4 0 1 0 8 0a4 4 0 1 0 -8 0M20 34H28M62 34H82M120 34V56H16V38" />}
-      {back && block(28, 34, BLOCKS[back] ?? back)}
+      {back && block(28, 34, BACK[back] ?? back)}
       {forward && <path d={back ? "M8 34V12H28M62 12H74V34" : "M4 28H28M62 28H82"} />}
-      {forward && block(28, level, BLOCKS[forward] ?? forward)}
+      {forward && block(28, level, FORWARD[forward]!)}
       {block(82, back ? 34 : 28, "P")}
       <path d={back ? "M116 34H126" : "M116 28H126"} />
     </svg>

@@ -179,6 +179,15 @@ export const withSettings = (project: Project, view: string, values: Options): P
   settings: { ...project.settings, [view]: values },
 });
 
+/** The model that is used, if there is one. */
+export const usedModel = ({ models, model }: Project): ModelEntry | undefined => models.find(({ file }) => file === model) ?? models.at(-1);
+
+/** The record that is looked at, if there is one. */
+export const shownRecord = ({ records, record }: Project): RecordEntry | undefined => records.find(({ file }) => file === record) ?? records.at(-1);
+
+/** The name of a model without its ending. */
+export const nameOf = ({ file }: Pick<ModelEntry, "file">): string => file.replace(/\.json$/, "");
+
 /** True if the model was identified from the record; of a model from elsewhere the use of the record decides. */
 export const isTraining = ({ from }: ModelEntry, { file, use }: RecordEntry): boolean =>
   from ? from.some((one) => one.file === file) : use === "training" || use === "small-signal";

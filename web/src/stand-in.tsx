@@ -4,7 +4,7 @@
 import { useEffect } from "preact/hooks";
 import type { File, Request } from "./packet.ts";
 import { prose } from "./plot/ticks.ts";
-import { type ModelEntry, type Options, type RecordEntry, type StandIn, withSettings } from "./project.ts";
+import { type ModelEntry, nameOf, type Options, type RecordEntry, type StandIn, withSettings } from "./project.ts";
 import { Fault, useKept, useOutcome, useShared } from "./ui.tsx";
 import type { Workspace } from "./workspace.ts";
 
@@ -78,7 +78,7 @@ async function make(workspace: Workspace, entry: ModelEntry): Promise<void> {
     files: [await workspace.file(entry.file), ...files],
     beside: true,
   });
-  const file = await workspace.keep({ name: `${entry.file.replace(/\.json$/, "")}-stand-in.json`, bytes: model!.bytes });
+  const file = await workspace.keep({ name: `${nameOf(entry)}-stand-in.json`, bytes: model!.bytes });
   const standIn: StandIn = { file, sentence: result.sentence };
   workspace.amend((project) => ({
     ...project, models: project.models.map((one) => (one.file === entry.file ? { ...one, standIn } : one)),

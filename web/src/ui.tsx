@@ -79,21 +79,6 @@ export function useLatest<T>(key: string | undefined, work: () => Promise<T>): O
   return outcome;
 }
 
-/** Work that a button starts. */
-export function useWork<T>(): Outcome<T> & { start(work: () => Promise<T>): void } {
-  const [outcome, setOutcome] = useState<Outcome<T>>({ busy: false });
-  const alive = useRef(true);
-  useEffect(() => () => void (alive.current = false), []);
-  const start = (work: () => Promise<T>) => {
-    setOutcome({ busy: true });
-    work().then(
-      (value) => alive.current && setOutcome({ value, busy: false }),
-      (error) => alive.current && setOutcome({ ...(!(error instanceof Cancelled) && { error: message(error) }), busy: false }),
-    );
-  };
-  return { ...outcome, start };
-}
-
 export const message = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
 /** A field of text, and what is said of it to the browser. */

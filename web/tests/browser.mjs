@@ -2,6 +2,7 @@
 import { createServer } from "node:http";
 import { existsSync, readFileSync } from "node:fs";
 import { basename, extname } from "node:path";
+import { after, before } from "node:test";
 import { chromium } from "playwright-core";
 
 const DIST = new URL("../dist/", import.meta.url);
@@ -38,6 +39,19 @@ export const launched = () =>
     executablePath: CHROMIUM,
     args: ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update", "--disable-sync"],
   });
+
+/** The static server and the browser of the tests of a file, from before the first to after the last. */
+export function fixture() {
+  const all = {};
+  before(async () => {
+    if (!skip) [all.server, all.browser] = await Promise.all([served(), launched()]);
+  });
+  after(async () => {
+    await all.browser?.close();
+    all.server?.close();
+  });
+  return all;
+}
 
 /** True for a request to anywhere else than the page's own server. */
 export const isForeign = (requested, url) => !["blob:", "data:", new URL(url).origin].some((start) => requested.startsWith(start));

@@ -1,26 +1,17 @@
 // The page as a user takes it, in a real browser, from a static server.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { download, launched, opened, served, skip } from "./browser.mjs";
+import { test } from "node:test";
+import { download, fixture, opened, skip } from "./browser.mjs";
 import { csv, mat, measured, scope } from "./records.mjs";
 import { fill, identify, known, view } from "./steps.mjs";
 
-let server, browser;
-
-before(async () => {
-  if (skip) return;
-  [server, browser] = await Promise.all([served(), launched()]);
-});
-after(async () => {
-  await browser?.close();
-  server?.close();
-});
+const site = fixture();
 
 const choose = (page, files) => page.getByLabel("Data files").setInputFiles(files);
 const file = (name, buffer) => ({ name, mimeType: "application/octet-stream", buffer });
 
 test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a proof and a voltage; all is there after a reload", { skip }, async () => {
-  const { page, faults, context } = await opened(browser, server.url);
+  const { page, faults, context } = await opened(site.browser, site.server.url);
   const [slow, fast] = [measured(5), measured(20)];
   await choose(page, [file("slow.csv", csv(slow)), file("fast.mat", mat(fast)), file("scope.csv", scope(measured(10, 25)))]);
   await page.getByRole("heading", { name: "scope.csv" }).waitFor();
@@ -59,7 +50,7 @@ test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a p
 });
 
 test("the separating line is dragged, the branches follow, and undo takes it back", { skip }, async () => {
-  const { page, faults, context } = await opened(browser, server.url);
+  const { page, faults, context } = await opened(site.browser, site.server.url);
   await choose(page, [file("loop.csv", csv(measured(5)))]);
   await view(page, "Branches");
   const distance = page.getByRole("row", { name: /Distance of the points/ }).getByRole("cell");
@@ -85,13 +76,13 @@ test("the separating line is dragged, the branches follow, and undo takes it bac
 });
 
 test("a project is saved as one file and opened elsewhere", { skip }, async () => {
-  const { page, context } = await opened(browser, server.url);
+  const { page, context } = await opened(site.browser, site.server.url);
   await page.getByRole("button", { name: "Open the example" }).click();
   await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
   const saved = await download(page, () => page.getByRole("button", { name: "Save", exact: true }).click());
   await context.close();
 
-  const other = await opened(browser, server.url);
+  const other = await opened(site.browser, site.server.url);
   await other.page.getByLabel("Project to open").setInputFiles([file("shared.zip", saved)]);
   await other.page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
   await other.page.getByRole("heading", { name: "rising-5Hz.csv" }).waitFor();
@@ -103,17 +94,17 @@ test("a project is saved as one file and opened elsewhere", { skip }, async () =
 });
 
 test("a second tab with the same project is told, a reload is not", { skip }, async () => {
-  const { page, context } = await opened(browser, server.url);
+  const { page, context } = await opened(site.browser, site.server.url);
   await page.reload();
   await page.waitForTimeout(2000);
   assert.equal(await page.getByRole("alert").count(), 0);
-  const second = await opened(browser, server.url, { context });
+  const second = await opened(site.browser, site.server.url, { context });
   await second.page.getByText("this project is open in another tab").waitFor();
   await context.close();
 });
 
 test("a search is drawn while it runs, cancelled with its best model so far, and the next work is done", { skip }, async () => {
-  const { page, faults, context } = await opened(browser, server.url);
+  const { page, faults, context } = await opened(site.browser, site.server.url);
   await page.getByRole("button", { name: "Open the example" }).click();
   await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
   await page.getByRole("button", { name: "Identify", exact: true }).click();
@@ -129,7 +120,7 @@ test("a search is drawn while it runs, cancelled with its best model so far, and
 });
 
 test("a file that is no record is told, and loses nothing", { skip }, async () => {
-  const { page, context } = await opened(browser, server.url);
+  const { page, context } = await opened(site.browser, site.server.url);
   await choose(page, [file("broken.csv", Buffer.from("nothing here")), file("empty.csv", Buffer.alloc(0))]);
   await page.getByRole("alert").first().waitFor();
   await choose(page, [file("good.csv", csv(measured(5)))]);

@@ -1,21 +1,12 @@
 // The workbench: pictures that are linked, the search as it runs, the ranking, and the whole way by keyboard.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { download, launched, opened, served, skip } from "./browser.mjs";
+import { test } from "node:test";
+import { download, fixture, opened, skip } from "./browser.mjs";
 import { csv, measured } from "./records.mjs";
 import { fill, known } from "./steps.mjs";
 import { viewed } from "./viewed.mjs";
 
-let server, browser;
-
-before(async () => {
-  if (skip) return;
-  [server, browser] = await Promise.all([served(), launched()]);
-});
-after(async () => {
-  await browser?.close();
-  server?.close();
-});
+const site = fixture();
 
 const file = (name, buffer) => ({ name, mimeType: "text/csv", buffer });
 const picture = (page, name) => page.getByRole("group", { name: "Picture" }).getByRole("button", { name, exact: true }).click();
@@ -23,7 +14,7 @@ const drawn = (page, name) => page.getByRole("img", { name });
 
 /** A page with a record at 5 Hz, one at 20 Hz, and one to validate on. */
 async function bench() {
-  const { page, faults, context } = await opened(browser, server.url);
+  const { page, faults, context } = await opened(site.browser, site.server.url);
   await page.getByLabel("Data files").setInputFiles([file("slow.csv", csv(measured(5))), file("fast.csv", csv(measured(20))), file("proof.csv", csv(measured(10, 20)))]);
   await page.getByLabel("Use of proof.csv").selectOption("validate");
   await page.getByRole("button", { name: "slow.csv", exact: true }).click();

@@ -57,6 +57,9 @@ export function short(value: number): string {
   return text.replace(/\.?0+e/, "e").replace("e+", "e").replaceAll("-", MINUS);
 }
 
+/** A number with so many significant digits: two, as errors are known. */
+export const rough = (value: number, digits = 2): string => short(Number(value.toPrecision(digits)));
+
 const PREFIXES: [number, string][] = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "\u00b5"], [1e-9, "n"]];
 
 /** A value of a unit without prefix, with the prefix that reads best: 0.5 ms. */

@@ -3,7 +3,7 @@
 import { useMemo } from "preact/hooks";
 import type { Answer, File } from "../packet.ts";
 import type { Figure, Series } from "../plot/figure.ts";
-import { short, unit } from "../plot/ticks.ts";
+import { rough, unit } from "../plot/ticks.ts";
 import type { ModelEntry, Options } from "../project.ts";
 import { AboutPlant, type Plant, PlantChoice, spokenPlant } from "../stand-in.tsx";
 import { Chart, Fault, Notes, Section, Stale, Table, useKept, useLatest, useShared } from "../ui.tsx";
@@ -71,12 +71,6 @@ export function BeforeAfter({ entry, plant, path, expected, samples, options, re
   );
 }
 
-/** A number with two significant digits, as errors are known. */
-const rough = (value: number): string => short(Number(value.toPrecision(2)));
-
-/** The same with three, for the ends of a range. */
-const near = (value: number): string => short(Number(value.toPrecision(3)));
-
 function Result({ answer }: { answer: Answer }) {
   const { units, on_plant } = answer.result;
   const { plant, gain, compensated, spread, notes }: OnPlant = on_plant;
@@ -89,7 +83,7 @@ function Result({ answer }: { answer: Answer }) {
       <p class={compensated.rmse < gain.rmse ? "verdict" : "verdict poor"} role="status">
         On {spokenPlant(plant)}, the error goes from <b>{rough(gain.rmse)}&nbsp;{of}</b> rms with a constant
         gain ({rough(gain.rms_pp_percent)}&nbsp;% of the height of the path) to <b>{rough(compensated.rmse)}&nbsp;{of}</b> with the compensated
-        voltage ({rough(compensated.rms_pp_percent)}&nbsp;%){spread && <>; in 8 of 10 random stand-ins {near(spread[0])} to {near(spread[1])}&nbsp;{of}, the
+        voltage ({rough(compensated.rms_pp_percent)}&nbsp;%){spread && <>; in 8 of 10 random stand-ins {rough(spread[0], 3)} to {rough(spread[1], 3)}&nbsp;{of}, the
           spread of the stand-in and no confidence interval</>}.
       </p>
       <Notes title="" notes={notes} />

@@ -7,7 +7,7 @@ import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
 import type { Figure, Series } from "../plot/figure.ts";
 import { short, unit } from "../plot/ticks.ts";
-import { type Options, type RecordEntry, withSettings } from "../project.ts";
+import { type Options, type RecordEntry, shownRecord, withSettings } from "../project.ts";
 import { Chart, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
 
@@ -30,8 +30,7 @@ interface Settings {
 
 export function BranchesView() {
   const { workspace } = useShared();
-  const { records, record } = workspace.project;
-  const entry = records.find((one) => one.file === record) ?? records.at(-1);
+  const entry = shownRecord(workspace.project);
   if (!entry) return <Missing what="Branches need a record." title="Add a record" />;
   return <BranchesOf key={entry.file} entry={entry} />;
 }

@@ -8,8 +8,8 @@ import type { Answer, File } from "../packet.ts";
 import { moves, pathFile } from "../path.ts";
 import type { Figure, Series } from "../plot/figure.ts";
 import { download } from "../plot/download.ts";
-import { short, si, unit } from "../plot/ticks.ts";
-import { type ModelEntry, type Options, withSettings } from "../project.ts";
+import { rough, short, si, unit } from "../plot/ticks.ts";
+import { type ModelEntry, type Options, usedModel, withSettings } from "../project.ts";
 import { inUnit } from "../signal.tsx";
 import { usePlant, withoutPlant } from "../stand-in.tsx";
 import { Chart, Entry, Fault, Missing, Notes, Section, Table, useLatest, useOutcome, useShared } from "../ui.tsx";
@@ -37,8 +37,7 @@ const SHARE = 0.3;
 
 export function CompensateView() {
   const { workspace } = useShared();
-  const { models, model } = workspace.project;
-  const entry = models.find((one) => one.file === model) ?? models.at(-1);
+  const entry = usedModel(workspace.project);
   const read = useOutcome(entry?.file, async () => {
     const model = JSON.parse(new TextDecoder().decode(await workspace.bytes(entry!.file)));
     return { model, stroke: await strokeOf(workspace, entry!.file, model) };
@@ -244,7 +243,7 @@ function Voltage({ answer, current, smooth }: { answer: Answer; current: boolean
   return (
     <Section title="Voltage">
       {result.expected_rms !== null && result.expected_rms !== undefined && (
-        <p>Expected error on the actuator: {short(Number(result.expected_rms.toPrecision(2)))} {unit(result.units.y)} rms, by the records of the identification.</p>
+        <p>Expected error on the actuator: {rough(result.expected_rms)} {unit(result.units.y)} rms, by the records of the identification.</p>
       )}
       <Table caption="What the voltage uses of its limits" head={["Quantity", "Value", "Limit", "Used"]} rows={rows} />
       <Start u={answer.series.get("u")!} of={unit(result.units.u)} />

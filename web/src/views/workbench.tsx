@@ -1,13 +1,14 @@
 // The workbench: records at the left, their pictures in the middle, and at the right what is known and the next step.
 
 import { useMemo } from "preact/hooks";
-import type { Options, RecordEntry } from "../project.ts";
-import { Fault, type Outcome, useLatest, useOutcome, useSettings, useShared } from "../ui.tsx";
+import { type Options, type RecordEntry, shownRecord, usedModel } from "../project.ts";
+import { Fault, useLatest, useOutcome, useSettings, useShared } from "../ui.tsx";
 import type { Shown } from "../workbench/figures.ts";
 import { KnownPane } from "../workbench/known.tsx";
 import { PicturePane, type PictureSettings } from "../workbench/picture.tsx";
 import { Details, Drop, Records } from "../workbench/records.tsx";
 import { type Drawn, drawnModel, type Run, validated } from "../workbench/runs.ts";
+import type { Fit } from "../workbench/search.ts";
 import { shownOf } from "../workbench/shown.ts";
 import type { Workspace } from "../workspace.ts";
 
@@ -19,10 +20,12 @@ interface Settings extends PictureSettings {
 
 export function WorkbenchView() {
   const { workspace } = useShared();
-  const { records, models, model, record } = workspace.project;
+  const { models } = workspace.project;
   const [settings, change] = useSettings("workbench") as [Settings, (values: Options) => void];
-  const entry = records.find((one) => one.file === record) ?? records.at(-1);
-  const used = models.find((one) => one.file === model) ?? models.at(-1);
+  const [entry, used] = [shownRecord(workspace.project), usedModel(workspace.project)];
+  const read = useOutcome(entry && JSON.stringify(entry), () => shownOf(workspace, entry!));
+  // That of another record stays until this one is read, and is not shown.
+  const record = { ...read, value: read.value?.file === entry?.file ? read.value : undefined };
   const drawn = models.filter((one) => settings.drawn?.includes(one.file) || one === used);
   if (!entry && !used) return <Drop />;
   return (
@@ -32,11 +35,16 @@ export function WorkbenchView() {
           <Drop />
           <Records shown={entry} />
         </div>
-        {entry && <div class="details"><RecordDetails key={entry.file} entry={entry} /></div>}
+        {entry && (
+          <div key={entry.file} class="details">
+            <Fault text={record.error} />
+            <Details entry={entry} inspection={record.value?.whole} prepared={record.value?.used} />
+          </div>
+        )}
       </div>
       <div class="pane" role="region" aria-label="Pictures">
         {entry
-          ? <Pictured key={entry.file} entry={entry} models={drawnNow(workspace, drawn.map((one) => drawnModel(one, colourOf(models.indexOf(one)))))} options={settings.options ?? {}} />
+          ? <Pictured key={entry.file} entry={entry} record={record} models={drawnNow(workspace, drawn.map((one) => drawnModel(one, colourOf(models.indexOf(one)))))} options={settings.options ?? {}} />
           : <p class="missing">Add a record: its pictures are drawn here.</p>}
       </div>
       <div class="pane" role="region" aria-label="What is known">
@@ -51,37 +59,18 @@ const colourOf = (k: number): number => 1 + (k % 6);
 
 /** What is drawn: during a search its best fit and those that are chosen, otherwise models, and chosen fits of the last search. */
 function drawnNow({ search }: Workspace, models: Drawn[]): Drawn[] {
-  const fits = (search?.drawn ?? []).flatMap((operator, k): Drawn[] => {
-    const text = search!.models.get(operator);
-    return text === undefined ? [] : [fitted(operator, operator, text, colourOf(k + 1))];
-  });
+  const fits = (search?.drawn ?? []).flatMap((operator, k) => drawnFit(search!.fits.get(operator), operator, colourOf(k + 1)));
   if (!search?.isRunning) return [...models, ...fits];
-  return search.best ? [fitted(`best so far: ${search.best.name}`, search.best.name, search.best.text, colourOf(0)), ...fits] : fits;
+  return [...drawnFit(search.best, `best so far: ${search.best?.operator}`, colourOf(0)), ...fits];
 }
 
-const fitted = (name: string, operator: string, text: string, colour: number): Drawn =>
-  ({ name, colour, key: text, file: { name: `${operator}.json`, text } });
+const drawnFit = (fit: Fit | undefined, name: string, colour: number): Drawn[] =>
+  (fit ? [{ name, colour, key: fit.key, file: { name: `${fit.operator}.json`, text: fit.text } }] : []);
 
-function useRecord(entry: RecordEntry): Outcome<Shown> {
+function Pictured({ entry, record, models, options }: { entry: RecordEntry; record: { value: Shown | undefined; busy: boolean }; models: Drawn[]; options: Options }) {
   const { workspace } = useShared();
-  return useOutcome(JSON.stringify(entry), () => shownOf(workspace, entry));
-}
-
-function RecordDetails({ entry }: { entry: RecordEntry }) {
-  const { value, error } = useRecord(entry);
-  return (
-    <>
-      <Fault text={error} />
-      <Details entry={entry} inspection={value?.whole} prepared={value?.used} />
-    </>
-  );
-}
-
-function Pictured({ entry, models, options }: { entry: RecordEntry; models: Drawn[]; options: Options }) {
-  const { workspace } = useShared();
-  const record = useRecord(entry);
-  const isRead = record.value?.whole.result.record !== undefined && record.value.whole.result.record !== null;
-  const key = isRead ? JSON.stringify([entry, options, models]) : undefined;
+  const isRead = record.value?.whole.result.record != null;
+  const key = isRead ? JSON.stringify([entry, options, models.map(({ name, colour, key }) => [name, colour, key])]) : undefined;
   const runs = useLatest(key, async () => ({
     of: JSON.stringify(entry),
     runs: await Promise.all(models.map(async (model): Promise<Run> =>

@@ -5,6 +5,7 @@ import type { Figure, Panel, Series } from "../plot/figure.ts";
 import { short, unit } from "../plot/ticks.ts";
 import { type Cycles, cyclesOf, frequenciesOf } from "./cycles.ts";
 import { residual, type Run, samples } from "./runs.ts";
+import type { Search } from "./search.ts";
 
 /** A record as it is drawn. */
 export interface Shown {
@@ -58,7 +59,7 @@ export function timeFigure(shown: Shown, runs: Run[]): Figure {
 }
 
 /** How a loop is drawn. */
-export interface LoopLook {
+interface LoopLook {
   /** Of the straight line that is subtracted; none without it. */
   slope?: number | undefined;
   /** The samples that are drawn, all without it. */
@@ -98,9 +99,10 @@ function loopSeries(shown: Shown, runs: Run[], { slope, cycles }: LoopLook): Ser
   const less = (inputs: Float64Array, outputs: Float64Array) => (slope ? outputs.map((value, t) => value - slope * inputs[t]!) : outputs);
   const common: Partial<Series> = { at: { start: shown.start, step: ts }, ...(cycles?.parts && { parts: cycles.parts }) };
   const minor = cycles?.minor ?? [];
+  const measured = less(u, y);
   return [
-    { name: "measured", x: u, y: less(u, y), ...common, ...(runs.length > 0 ? { style: "pale" as const } : { alpha: 0.6 }) },
-    ...(minor.length > 0 ? [{ name: "minor loops", x: u, y: less(u, y), ...common, parts: minor, colour: 6 }] : []),
+    { name: "measured", x: u, y: measured, ...common, ...(runs.length > 0 ? { style: "pale" as const } : { alpha: 0.6 }) },
+    ...(minor.length > 0 ? [{ name: "minor loops", x: u, y: measured, ...common, parts: minor, colour: 6 }] : []),
     ...runs.map((run): Series => {
       const inputs = samples(run, "u");
       return { name: run.name, x: inputs, y: less(inputs, samples(run, "simulated")), ...common, colour: run.colour, alpha: 0.8 };
@@ -125,6 +127,26 @@ export function spectrumFigure(shown: Shown, runs: Run[]): Figure | undefined {
       { y: { label: "Output y", unit: units.y, log: true }, series: [{ name: "measured", x: hz, y }, ...errors] },
       { y: { label: "Input u", unit: units.u, log: true }, series: [{ name: "input", x: hz, y: u, colour: 7 }] },
     ],
+  };
+}
+
+/** The costs of a swarm, or the errors of the operators, in the order in which they were found. */
+export function convergence({ errors, costs }: Pick<Search, "errors" | "costs">): Figure | undefined {
+  if (errors.length === 0 && costs.length < 2) return undefined;
+  const best = errors.map((_, k) => Math.min(...errors.slice(0, k + 1)));
+  const operators = errors.length > 0;
+  return {
+    title: operators ? "Held-out error of each fit, and the best so far" : "Cost of the search",
+    x: { label: operators ? "Fit" : "Iteration", unit: "" },
+    panels: [{
+      y: operators ? { label: "Error", unit: "% of stroke", log: true } : { label: "Cost", unit: "", log: true },
+      series: operators
+        ? [
+            { name: "fit", y: Float64Array.from(errors), start: 1, style: "points", colour: 1 },
+            { name: "best so far", y: Float64Array.from(best), start: 1, colour: 2 },
+          ]
+        : [{ name: "", y: Float64Array.from(costs), colour: 1 }],
+    }],
   };
 }
 

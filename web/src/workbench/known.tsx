@@ -1,17 +1,18 @@
 // The right of the workbench: the next step, and what is known of the actuator.
 
-import { useEffect } from "preact/hooks";
+import { useEffect, useMemo } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import { Outdated } from "../models.tsx";
 import { download } from "../plot/download.ts";
 import { operatorsOf } from "../pick.tsx";
-import { prose, short } from "../plot/ticks.ts";
-import { isTraining, type ModelEntry, type Options, type RecordEntry, withSettings } from "../project.ts";
-import { Fault, Notes, type Outcome, Table, useOutcome, useShared, Verdict } from "../ui.tsx";
+import { prose, rough, short } from "../plot/ticks.ts";
+import { isTraining, type ModelEntry, nameOf, type Options, type RecordEntry, withSettings } from "../project.ts";
+import { Chart, Fault, Notes, type Outcome, Table, useModel, useOutcome, useShared, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
+import { convergence } from "./figures.ts";
 import { Ranking } from "./ranking.tsx";
-import { drawnModel, nameOf, validated } from "./runs.ts";
+import { drawnModel, task, validated } from "./runs.ts";
 import { identifiedFrom, identify, recordsOf, type Search, type Trial } from "./search.ts";
 
 interface Props {
@@ -40,10 +41,11 @@ export function KnownPane({ entry, drawn, draw, options }: Props) {
 /** The identification as it runs. */
 function Running({ search }: { search: Search }) {
   const job = useShared().workspace.jobs.find(({ name }) => name === "identify");
+  const figure = useMemo(() => convergence(search), [search.errors.length, search.costs.length]);
   return (
     <section aria-label="The search">
       <h2>The search</h2>
-      <p role="status">{search.best ? `Drawn: the best fit so far, ${search.best.name}.` : "The linear block comes first."}</p>
+      <p role="status">{search.best ? `Drawn: the best fit so far, ${search.best.operator}.` : "The linear block comes first."}</p>
       {job && (
         <div class="row">
           <progress aria-label="identify" max={job.total || 1} value={job.total ? job.done : undefined} />
@@ -52,6 +54,7 @@ function Running({ search }: { search: Search }) {
       )}
       <p class="help" aria-hidden="true">{job?.what}</p>
       {search.trials.length > 0 && <Ranking trials={search.trials} search={search} />}
+      {figure && <Chart figure={figure} height={200} />}
     </section>
   );
 }
@@ -104,12 +107,12 @@ function useProof(entry: ModelEntry, records: RecordEntry[], options: Options): 
   return { ...outcome, proof };
 }
 
-const percent = (value: number): string => `${short(Number(value.toPrecision(2)))} %`;
+const percent = (value: number): string => `${rough(value)} %`;
 
 /** What is known of a model: the verdict, then the figures, then the details. */
 function Model({ entry, options, records, drawn }: { entry: ModelEntry; options: Options; records: RecordEntry[]; drawn: ModelEntry[] }) {
   const { workspace } = useShared();
-  const read = useOutcome(entry.file, async () => JSON.parse(new TextDecoder().decode(await workspace.bytes(entry.file))));
+  const read = useModel();
   const proof = useProof(entry, records, options);
   const trials: Trial[] = read.value?.fit?.trials ?? [];
   const parameters: { name: string; value: number; error: number }[] = read.value?.fit?.parameters ?? [];
@@ -161,13 +164,7 @@ function Report({ models, records, options }: { models: ModelEntry[]; records: R
   const { workspace } = useShared();
   const call = models.length > 1 ? "compare" : "report";
   const make = async () => {
-    const data = await workspace.sources(records);
-    const model = models.map((one) => one.file);
-    const answer = await workspace.run({
-      name: `${call} ${model.join(", ")}`,
-      request: { call, options, records: data.records, files: { model, data: records.map((one) => one.file) } },
-      files: [...(await Promise.all(model.map((file) => workspace.file(file)))), ...data.files],
-    });
+    const answer = await workspace.run(await task(workspace, call, models.map(({ file }) => file), records, options));
     for (const file of answer.files) download(file.name, file.bytes as BlobPart, "text/html");
   };
   return (

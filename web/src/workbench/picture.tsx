@@ -5,8 +5,9 @@ import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Figure } from "../plot/figure.ts";
 import { Link } from "../plot/link.ts";
+import { short, unit } from "../plot/ticks.ts";
 import { type Options, type RecordEntry, withSettings } from "../project.ts";
-import { Chart, Choice, Fault, Notes, Overview, useOutcome, useSettings, useShared } from "../ui.tsx";
+import { Chart, Choice, Fault, Notes, Overview, Table, useOutcome, useSettings, useShared } from "../ui.tsx";
 import { cutHandles } from "./cut.ts";
 import { cyclesOf } from "./cycles.ts";
 import { binsFigure, loopFigure, loopsFigure, type Shown, spectrumFigure, timeFigure, used, whiteFigure } from "./figures.ts";
@@ -51,11 +52,12 @@ export function PicturePane({ entry, shown, runs, busy, error }: Props) {
   const of = (...names: Picture[]) => names.includes(picture);
   const time = useMemo(() => timeFigure(shown, runs), [shown, runs]);
   const whole = shown.whole.result.record;
-  const handled: Figure = {
+  // Anew for another entry alone: a chart is drawn again for each figure.
+  const handled = useMemo((): Figure => ({
     ...time,
     ...(shown.used && { span: { from: shown.start, to: Number(entry.columns["to"] ?? whole.duration) } }),
     handles: cutHandles(entry, whole.duration, (next, passing) => workspace.tell(next, passing)),
-  };
+  }), [time, entry]);
   const spectrum = useMemo(() => spectrumFigure(shown, runs), [shown, runs]);
   return (
     <div class="pictures">
@@ -115,6 +117,8 @@ function ByFrequency({ less }: { less: boolean }) {
   return figure ? <Chart figure={figure} height={280} bare /> : <p class="missing">No record has regular cycles.</p>;
 }
 
+const percent = (value: number): string => `${short(value)} %`;
+
 /** Errors by frequency and amplitude, and the tests of the residuals on demand. */
 function Errors({ shown, runs, busy }: Pick<Props, "shown" | "runs" | "busy">) {
   const { lists } = useShared();
@@ -134,6 +138,11 @@ function Errors({ shown, runs, busy }: Pick<Props, "shown" | "runs" | "busy">) {
       {(frequency ?? amplitude) && (
         <p class="help">The noise has the bandwidth of the error. Bands in which little is excited are left out: their error is that of noise or of other frequencies.</p>
       )}
+      <Table caption="Errors of the free runs" head={["Model", "Error, rms", "NRMSE", "Largest error", "Noise"]}
+        rows={runs.map(({ name, answer }) => {
+          const { rms_pp_percent, nrmse_percent, max_abs, unit: of, floor } = answer.result.files[0];
+          return [name, percent(rms_pp_percent), percent(nrmse_percent), `${short(max_abs)} ${unit(of)}`, floor ? percent(floor.rms_pp_percent) : ""];
+        })} />
       {runs.map(({ name, answer }) => {
         const { advice, remarks } = answer.result.files[0] ?? {};
         return <Notes key={name} title={name} notes={[...(advice ? [advice] : []), ...(remarks ?? [])]} />;

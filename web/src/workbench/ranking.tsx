@@ -1,6 +1,6 @@
 // The operators by their errors: as they are fitted, and in the end. A click draws the fit of one over the data.
 
-import { short } from "../plot/ticks.ts";
+import { rough } from "../plot/ticks.ts";
 import { useShared } from "../ui.tsx";
 import { errorOf, type Search, type Trial } from "./search.ts";
 
@@ -21,11 +21,11 @@ export function Ranking({ trials, search }: { trials: Trial[]; search: Search | 
   };
   const row = (trial: Trial) => {
     const error = errorOf(trial);
-    const text = Number.isFinite(error) ? `${short(Number(error.toPrecision(2)))} %` : "\u2013";
+    const text = Number.isFinite(error) ? `${rough(error)} %` : "\u2013";
     const name = <span title={lists.operators.find((one) => one.name === trial.operator)?.summary}>{trial.operator}</span>;
     return (
       <li key={trial.operator} class={trial.verdict === "taken" ? "marked" : ""} style={{ "--share": Number.isFinite(error) ? share(error) : 0 }}>
-        {search?.models.has(trial.operator)
+        {search?.fits.has(trial.operator)
           ? <button type="button" class="link" aria-pressed={search.drawn.includes(trial.operator)} onClick={() => toggle(trial.operator)}>{name}</button>
           : name}
         <b>{text}</b>

@@ -16,15 +16,23 @@ export interface Trial {
   verdict?: string;
 }
 
+/** The file of the model of a fit. */
+export interface Fit {
+  operator: string;
+  text: string;
+  /** Tells it from all others. */
+  key: string;
+}
+
 /** An identification. */
 export interface Search {
   isRunning: boolean;
   error?: string;
   trials: Trial[];
-  /** Files of the models of operators that are fitted, by operator. */
-  models: Map<string, string>;
-  /** The file of the best model so far, and what it is of. */
-  best?: { name: string; text: string };
+  /** The last fit of each operator that is finished. */
+  fits: Map<string, Fit>;
+  /** The best fit so far. */
+  best?: Fit;
   /** Held-out errors or costs in the order of the fits. */
   errors: number[];
   costs: number[];
@@ -51,7 +59,7 @@ export const recordsOf = ({ project }: Workspace): string => JSON.stringify(iden
 
 /** Identifies a model and adds it to the project. Cancelled, the best model until then is added. */
 export async function identify(workspace: Workspace): Promise<void> {
-  const search: Search = { of: recordsOf(workspace), isRunning: true, trials: [], models: new Map(), errors: [], costs: [], drawn: [] };
+  const search: Search = { of: recordsOf(workspace), isRunning: true, trials: [], fits: new Map(), errors: [], costs: [], drawn: [] };
   workspace.search = search;
   workspace.changed();
   try {
@@ -91,8 +99,8 @@ async function searched(workspace: Workspace, search: Search): Promise<void> {
   });
 }
 
-/** The operator of the file of a model. */
-const operatorOf = (text: string): string | undefined => JSON.parse(text)?.hysteresis?.operator;
+/** Number of fits so far, of all searches. */
+let count = 0;
 
 /** Takes up a stage of the search. */
 function followed(search: Search, { what, figures, model, best }: Stage & { figures: Record<string, number> }): void {
@@ -103,9 +111,9 @@ function followed(search: Search, { what, figures, model, best }: Stage & { figu
     const known = search.trials.find((one) => one.operator === what);
     if (known) Object.assign(known, figures);
     else search.trials.push({ operator: what, ...figures });
-    search.trials.sort((a, b) => errorOf(a) - errorOf(b));
   }
   if (model === undefined) return;
-  search.models.set(what, model);
-  if (best) search.best = { name: operatorOf(model) ?? what, text: model };
+  const fit = { operator: JSON.parse(model).hysteresis?.operator ?? what, text: model, key: `fit ${count++}` };
+  search.fits.set(what, fit);
+  if (best) search.best = fit;
 }
