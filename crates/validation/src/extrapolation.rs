@@ -1,7 +1,7 @@
 //! Remarks on an input that leaves the data of which the model was identified: there the model extrapolates.
 
 use super::remarks::{Comparison, Remark};
-use piezoid_models::hammerstein::Model;
+use piezoid_models::hammerstein::{Domain, Model};
 use piezoid_numerics::number::short;
 use piezoid_records::quality::likely_cause;
 
@@ -9,8 +9,8 @@ use piezoid_records::quality::likely_cause;
 /// as an inner reversal.
 const MIN_REVERSAL_SHARE: f64 = 0.05;
 
-/// Relative excess of a rate or frequency without a remark.
-const RATE_MARGIN: f64 = 0.1;
+/// Relative excess of a frequency without a remark.
+const FREQUENCY_MARGIN: f64 = 0.1;
 
 /// The same for the band of an input: a rising amplitude widens its line.
 const BAND_MARGIN: f64 = 0.25;
@@ -19,9 +19,6 @@ const BAND_MARGIN: f64 = 0.25;
 /// range. Inputs with another waveform over the same range differ by less; farther away, creep and inner loops occur at
 /// levels that the identified records only passed.
 const MEAN_MARGIN: f64 = 0.2;
-
-/// The same for the ends of the range.
-const RANGE_MARGIN: f64 = 0.01;
 
 /// Range of the input, over the identified range, from which a unit or a scale is wrong.
 const MAX_RANGE_RATIO: f64 = 100.0;
@@ -77,7 +74,7 @@ pub(super) static RATE: Remark = Remark {
     text: |c| {
         let ((identified, domain), unit) = (c.domains()?, &c.model.units().u);
         let [here, known] = [domain.slew, identified.slew].map(short);
-        (domain.slew > (1.0 + RATE_MARGIN) * identified.slew).then(|| {
+        (domain.slew > (1.0 + Domain::RATE_MARGIN) * identified.slew).then(|| {
             format!(
                 "the input changes by up to {here} {unit}/s, but the model was identified up to {known} {unit}/s: \
                  above this rate it extrapolates"
@@ -115,7 +112,7 @@ pub(super) fn range(c: &Comparison) -> Option<String> {
     let unit = &c.model.units().u;
     let (low, high) = identified_range(c.model)?;
     let [lowest, highest] = c.facts.domain.u;
-    let slack = RANGE_MARGIN * (high - low);
+    let slack = Domain::RANGE_MARGIN * (high - low);
     let times = (highest - lowest) / (high - low);
     let cause = || format!("; at {} times the range, {}", short(times), likely_cause(times, unit));
     let cause = (times > MAX_RANGE_RATIO).then(cause).unwrap_or_default();
@@ -134,7 +131,7 @@ pub(super) fn identified_range(model: &Model) -> Option<(f64, f64)> {
 
 fn frequency(c: &Comparison) -> Option<String> {
     let (slowest, fastest) = c.model.hysteresis().frequencies()?;
-    let known = (1.0 - RATE_MARGIN) * slowest..=(1.0 + RATE_MARGIN) * fastest;
+    let known = (1.0 - FREQUENCY_MARGIN) * slowest..=(1.0 + FREQUENCY_MARGIN) * fastest;
     c.facts.cycle_rates.iter().find(|hz| !known.contains(*hz)).map(|hz| {
         let [hz, slowest, fastest] = [*hz, slowest, fastest].map(short);
         format!(

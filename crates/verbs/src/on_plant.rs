@@ -8,7 +8,7 @@
 use super::Compensation;
 use super::same_actuator::matched;
 use piezoid_control::compensation::FeedForwardSettings;
-use piezoid_control::feedback::{MarginTarget, NamedReference, Scheme, SimulatedActuator, TunedScheme};
+use piezoid_control::feedback::{Line, MarginTarget, NamedReference, Scheme, SimulatedActuator, TunedScheme};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::series::mean;
@@ -26,6 +26,8 @@ const LEFT_OUT: usize = 2;
 pub struct OnPlant {
     /// Name of the actuator.
     pub plant: String,
+    /// The constant gain: that of the least error in the response of the model.
+    pub line: Option<Line>,
     /// Displacements with the constant gain, and with the compensated voltage [output unit].
     pub displacements: [Vec<f64>; 2],
     /// Their errors against the path without a constant, from its first sample that counts (see
@@ -54,7 +56,8 @@ impl OnPlant {
         let actuator = actuator.without_noise();
         let plant = actuator.plant(model, 0)?;
         let gain = TunedScheme::new(Scheme::named("gain")?, model, settings, 0, &MarginTarget::default())?;
-        let with_gain = settings.limits.clip(&gain.feed_forward(&*plant, r)?.u, model.ts())?;
+        let gain = gain.feed_forward(&*plant, r)?;
+        let (with_gain, line) = (settings.limits.clip(&gain.u, model.ts())?, gain.line);
         let NamedReference { from, .. } = NamedReference::new(name, model.ts(), r.clone());
         let error = |y: &[f64]| {
             let aside = mean(&y[from..]) - mean(&r[from..]);
@@ -71,7 +74,7 @@ impl OnPlant {
             }
         };
         let errors = displacements.each_ref().map(|y| error(y));
-        Ok(OnPlant { plant: name.into(), displacements, errors, spread, notes: note.into_iter().collect() })
+        Ok(OnPlant { plant: name.into(), line, displacements, errors, spread, notes: note.into_iter().collect() })
     }
 }
 
@@ -83,8 +86,8 @@ pub(super) fn played(plant: &dyn System, u: &[f64]) -> Vec<f64> {
 /// Its figures.
 impl Serialize for OnPlant {
     fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        let OnPlant { plant, errors: [gain, compensated], spread, notes, .. } = self;
-        json!({"plant": plant, "gain": gain, "compensated": compensated, "spread": spread, "notes": notes})
+        let OnPlant { plant, line, errors: [gain, compensated], spread, notes, .. } = self;
+        json!({"plant": plant, "line": line, "gain": gain, "compensated": compensated, "spread": spread, "notes": notes})
             .serialize(to)
     }
 }

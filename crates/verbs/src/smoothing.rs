@@ -22,9 +22,6 @@ use piezoid_numerics::words::Words;
 use piezoid_validation::{Metrics, rough};
 use serde::Serialize;
 
-/// Rate over that of the training data from which smoothing is offered, as validation remarks it.
-const FASTER: f64 = 1.1;
-
 /// Change of the path by smoothing, rms over its peak-to-peak, above which it is another path.
 const ANOTHER_PATH: f64 = 0.1;
 
@@ -106,7 +103,7 @@ impl Smoothing {
     /// data, if these are not known, and if the path is too long to look for it.
     pub(crate) fn of(options: &CompensateOptions, model: &Model, r: &[f64], found: &Compensated) -> Option<Self> {
         let (slew, known) = (Domain::of_input(&found.u, model.ts()).slew, model.identified()?.slew);
-        if slew <= FASTER * known {
+        if slew <= (1.0 + Domain::RATE_MARGIN) * known {
             return None;
         }
         let (smooth, rms) =

@@ -1,8 +1,10 @@
 //! How good a model is, and where, in one sentence.
 
 use super::{Compared, Validated};
+use libm::{log10, pow};
 use piezoid_identification::{Identified, MIN_SAMPLES_PER_PARAMETER};
 use piezoid_models::hammerstein::{Domain, Model};
+use piezoid_numerics::number::round;
 use piezoid_numerics::system::System;
 use piezoid_records::quality::{around, excites};
 use piezoid_records::record::Record;
@@ -223,10 +225,14 @@ fn swing(u: &[f64], of: fn(f64, f64) -> f64) -> f64 {
     })
 }
 
-/// A range as text: `+-25 V`, `-20 to 120 V`.
+/// A range as text: `+-25 V`, `-20 to 120 V`, both ends rounded to a hundredth of the decade of its width.
 fn range([low, high]: [f64; 2], unit: &str) -> String {
-    let [least, most] = [low, high].map(rough);
-    if low < 0.0 && rough(-low) == most { format!("+-{most} {unit}") } else { format!("{least} to {most} {unit}") }
+    let decade = log10(high - low).floor();
+    let step = pow(10.0, decade - 2.0);
+    let rounded =
+        |x: f64| if step > 0.0 && step.is_finite() { round((x / step).round() * step + 0.0) } else { round(x) };
+    let [least, most] = [low, high].map(rounded);
+    if low < 0.0 && rounded(-low) == most { format!("+-{most} {unit}") } else { format!("{least} to {most} {unit}") }
 }
 
 impl std::fmt::Display for Verdict {
@@ -366,6 +372,20 @@ mod tests {
         for same in [record("r.csv", 1.0, 0.0, 0.2), record("r.csv", 1.0, 0.5, 0.02)] {
             let verdict = verdict_on(&[same]);
             assert!(verdict.error_percent > 0.7 && verdict.to_string().starts_with("good to "), "{verdict}");
+        }
+    }
+
+    #[test]
+    fn the_ends_of_a_range_have_the_digits_of_its_width() {
+        for (ends, text) in [
+            ([0.31, 119.7], "0 to 120 V"),
+            ([-25.03, 24.98], "+-25 V"),
+            ([-20.2, 120.1], "-20 to 120 V"),
+            ([29.94, 31.02], "29.94 to 31.02 V"),
+            ([-0.0004, 9.996], "0 to 10 V"),
+            ([5.0, 5.0], "5 to 5 V"),
+        ] {
+            assert_eq!(range(ends, "V"), text);
         }
     }
 

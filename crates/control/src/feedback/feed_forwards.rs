@@ -47,6 +47,17 @@ pub(crate) struct FeedForwardRequest<'a> {
     pub plant: &'a dyn System,
 }
 
+/// A constant gain: `u = gain r + offset`, with the reference so much ahead.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Line {
+    /// Its slope [input unit per output unit].
+    pub gain: f64,
+    /// The input for the displacement 0 [input unit].
+    pub offset: f64,
+    /// Time by which the input is ahead of the reference [s].
+    pub lead: f64,
+}
+
 /// The output of a feed-forward.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FeedForwardResult {
@@ -54,6 +65,8 @@ pub struct FeedForwardResult {
     pub u: Vec<f64>,
     /// Rms error of each learning trial [output unit].
     pub trials: Vec<f64>,
+    /// The constant gain, if it is one.
+    pub line: Option<Line>,
     /// State of the plant after the trials.
     pub after: Option<Vec<f64>>,
     /// Remarks, one sentence each.
@@ -127,11 +140,12 @@ fn line(request: &FeedForwardRequest) -> Result<FeedForwardResult, Error> {
             u_0 += (middle - centre) / gain;
         }
         let u = along(k, u_0, shift);
-        (squares(&answer(&u)), u)
+        (squares(&answer(&u)), u, Line { gain: k, offset: u_0 - k * middle, lead: shift as f64 * model.ts() })
     };
     let shifts = (0..=ahead.min(SHIFT)).map(fitted);
     let best = shifts.min_by(|a, b| a.0.total_cmp(&b.0));
-    Ok(FeedForwardResult { u: best.map(|(_, u)| u).unwrap_or_default(), ..Default::default() })
+    let (u, line) = best.map(|(_, u, line)| (u, line)).unzip();
+    Ok(FeedForwardResult { u: u.unwrap_or_default(), line, ..Default::default() })
 }
 
 fn inverse(request: &FeedForwardRequest) -> Result<FeedForwardResult, Error> {

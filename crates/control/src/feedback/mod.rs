@@ -35,7 +35,7 @@ mod tune;
 
 pub use comparison::{Comparison, NamedReference, ReferenceResult, SchemeResult};
 pub(crate) use feed_forwards::FeedForwardResult;
-pub use feed_forwards::{FEED_FORWARDS, FeedForwardKind};
+pub use feed_forwards::{FEED_FORWARDS, FeedForwardKind, Line};
 pub(crate) use loops::ClosedLoop;
 pub(crate) use loops::Scaled;
 pub use loops::{ClosedLoopRun, Tracking};

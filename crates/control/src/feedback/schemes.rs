@@ -306,7 +306,11 @@ mod tests {
     #[test]
     fn no_other_straight_line_is_better_on_the_model() {
         let (model, r, drive) = (model(1.0), sine(2000), drive("gain"));
-        let u = drive.feed_forward(&model, &r).unwrap().u;
+        let FeedForwardResult { u, line, .. } = drive.feed_forward(&model, &r).unwrap();
+        let line = line.unwrap();
+        let lead = (line.lead / TS).round() as usize;
+        let along: Vec<f64> = r[lead..].iter().map(|r| line.gain * r + line.offset).collect();
+        piezoid_testing::assert_close(&u[..r.len() - lead], &along, 1e-12, 1e-9);
         let error = |share: f64| {
             let u: Vec<f64> = u.iter().map(|u| share * u).collect();
             let feed_forward = FeedForwardResult { u, ..Default::default() };

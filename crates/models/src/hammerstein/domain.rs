@@ -32,6 +32,12 @@ pub struct Domain {
 }
 
 impl Domain {
+    /// How far an input may leave the range without a remark, as a share of its width.
+    pub const RANGE_MARGIN: f64 = 0.01;
+
+    /// How much faster an input may change without a remark, as a share of the largest rate.
+    pub const RATE_MARGIN: f64 = 0.1;
+
     /// The domain of these records together; `None` if there are none.
     pub fn of<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<Self> {
         Domain::together(records.into_iter().map(|r| Domain::of_input(r.u(), r.ts())))
@@ -52,6 +58,13 @@ impl Domain {
         let (low, high) = ends(u.iter().copied());
         let slew = u.windows(2).fold(0.0, |m: f64, w| m.max((w[1] - w[0]).abs())) / ts;
         Domain { u: [low, high], hz: band(u, ts).map(|(low, high)| [low, high]), slew, mean: [mean(u); 2] }
+    }
+
+    /// True if an input that is sampled every `ts` [s] leaves neither the range nor the rates of this domain.
+    pub fn contains(&self, u: &[f64], ts: f64) -> bool {
+        let (used, slack) = (Domain::of_input(u, ts), Domain::RANGE_MARGIN * (self.u[1] - self.u[0]));
+        let is_in_range = used.u[0] >= self.u[0] - slack && used.u[1] <= self.u[1] + slack;
+        is_in_range && used.slew <= (1.0 + Domain::RATE_MARGIN) * self.slew
     }
 
     /// Checks the order of the ends, which come from a file.

@@ -86,7 +86,8 @@ fn tables(result: &Compensation, console: &Console) -> String {
     };
     let expected = result.expected_rms().map(|rms| {
         let percent = number(100.0 * rms / metrics.peak_to_peak);
-        vec!["expected on the actuator".to_string(), number(rms), "-".into(), percent]
+        let name = if result.is_beyond { "expected on the actuator, at least" } else { "expected on the actuator" };
+        vec![name.to_string(), number(rms), "-".into(), percent]
     });
     // What the inverse leaves is rounding, unless it is set to clip or to stop early.
     let left = expected.is_none() || metrics.rms_pp_percent > ROUNDING;
@@ -96,7 +97,11 @@ fn tables(result: &Compensation, console: &Console) -> String {
         let name = |how: &str| format!("on {}, {how}", played.plant);
         let range = played.spread.map(|spread| spread.map(number));
         let range = range.map(|[low, high]| format!(" ({low} to {high})")).unwrap_or_default();
-        [figures(&name("constant gain"), gain), figures(&(name("compensated") + &range), compensated)]
+        let line = played.line.map_or_else(String::new, |line| {
+            let ahead = if line.lead > 0.0 { format!(", {} ms ahead", number(1e3 * line.lead)) } else { String::new() };
+            format!(" ({} {}/{unit}{ahead})", number(line.gain), result.units.u)
+        });
+        [figures(&(name("constant gain") + &line), gain), figures(&(name("compensated") + &range), compensated)]
     });
     let rows = on_plant
         .chain(expected)

@@ -21,7 +21,7 @@ use super::{DataFile, File, Verdict, blamed};
 use piezoid_control::compensation::FeedForwardSettings;
 use piezoid_control::compensation::shaping::Shaping;
 use piezoid_control::feedback::SimulatedActuator;
-use piezoid_models::hammerstein::Model;
+use piezoid_models::hammerstein::{Domain, Model};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::ascii_unit;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
@@ -31,6 +31,7 @@ use piezoid_records::excitation::LimitOptions;
 use piezoid_records::formats::{ColumnSelection, Table};
 use piezoid_records::record::{Record, Units};
 use piezoid_twins::Plant;
+use piezoid_validation::rough;
 use serde_json::{Value, json};
 
 options! {
@@ -230,6 +231,20 @@ impl Timing {
     pub fn smoothest(&self, purpose: &str) -> Option<&FastestMove> {
         let all = self.fastest.iter().filter(|m| m.purpose == purpose && m.settling_s.is_some());
         all.min_by(|a, b| a.overshoot.partial_cmp(&b.overshoot).unwrap_or(std::cmp::Ordering::Equal))
+    }
+
+    /// Notes on the shortest moves whose voltage changes faster than the training data.
+    fn beyond(&self) -> Vec<String> {
+        let shortest = ["step", "flyback"].into_iter().filter_map(|purpose| self.shortest(purpose));
+        let note = |m: &FastestMove| {
+            let ratio = m.slew_ratio.filter(|ratio| *ratio > 1.0 + Domain::RATE_MARGIN)?;
+            let (purpose, ratio) = (m.purpose, rough(ratio));
+            Some(format!(
+                "the shortest {purpose} changes the voltage {ratio} times as fast as the training data: on the actuator it \
+                 may settle later; identify on a record that is as fast, or take a slower move"
+            ))
+        };
+        shortest.filter_map(note).collect()
     }
 
     /// The figures as a document.

@@ -12,7 +12,6 @@
 use super::fastest::{Mover, Player};
 use super::{MoveOptions, Players, RunTiming, Timing, Twin, cancelled, length};
 use crate::Compensation;
-use crate::verdict::StatedVerdict;
 use piezoid_control::compensation::{FeedForward, FeedForwardSettings};
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::error::{Error, finite};
@@ -136,10 +135,7 @@ impl MoveOptions {
         let on_line = after(before, model.follow(&mut x, &line));
         let compensated = found.u.clone();
         (found.u, found.reached) = (after(before, found.u), after(before, found.reached));
-        let verdict = model.verdict();
-        let (smoothing, on_plant) = (None, None);
-        let compensation =
-            Compensation { ts, units, requested, shaped, compensated: found, reach, verdict, smoothing, on_plant };
+        let compensation = Compensation::new(model, requested, shaped, (found, reach));
         Ok(PlannedMoves {
             model,
             settings,
@@ -252,6 +248,7 @@ impl PlannedMoves<'_> {
         cancelled(progress, 2)?;
         timing.fastest.extend(mover.fastest("flyback", flyback));
         cancelled(progress, 3)?;
+        timing.notes.extend(timing.beyond());
         timing.notes.extend(self.remarks());
         Ok(timing)
     }
