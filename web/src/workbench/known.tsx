@@ -164,7 +164,9 @@ function Report({ models, records, options }: { models: ModelEntry[]; records: R
   const { workspace } = useShared();
   const call = models.length > 1 ? "compare" : "report";
   const make = async () => {
-    const answer = await workspace.run(await task(workspace, call, models.map(({ file }) => file), records, options));
+    // A page that was opened from a file cannot be linked.
+    const linked = location.protocol.startsWith("http") ? { ...options, project: location.href } : options;
+    const answer = await workspace.run(await task(workspace, call, models.map(({ file }) => file), records, linked));
     for (const file of answer.files) download(file.name, file.bytes as BlobPart, "text/html");
   };
   return (

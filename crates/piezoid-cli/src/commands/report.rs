@@ -17,13 +17,17 @@ pub(crate) struct Report {
     /// The page to write; - is stdout.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
+    /// Address of the page that has the project open, for a link to it.
+    #[arg(long, value_name = "ADDRESS")]
+    project: Option<String>,
 }
 
 impl Run for Report {
     fn run(self, console: &Console) -> Result<()> {
         let is_free = files::check(&[Some(&self.output)], &self.flags.inputs())?;
         let (model, validated) = self.flags.run()?;
-        Results::default().file(Some(&self.output), report(&model, &validated).html()).write(console)?;
+        let page = report(&model, &validated).of_project(self.project).map_err(failed)?;
+        Results::default().file(Some(&self.output), page.html()).write(console)?;
         let verdict = verdict(validated.verdict(&model).as_ref());
         if is_free { console.sentence(&format!("{verdict}; wrote {}", self.output.display())) } else { Ok(()) }
     }

@@ -5,7 +5,7 @@ use crate::{Inputs, Operation, Output};
 use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
-use piezoid_numerics::options::{OptionRow, Options, options};
+use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
 use piezoid_report::report::{comparison, leaderboard, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
 use piezoid_verbs::{CompareOptions, ComparisonReport, ControlOptions, DataFile, File, ValidateRecords};
@@ -25,7 +25,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         summary: "Write a self-contained HTML report on a model and its free-run errors on records",
         module: "reports",
         roles: &[MODEL, DATA],
-        options: ValidateOptions::rows,
+        options: ReportCall::rows,
         run: |inputs, _| page(inputs),
     },
     Operation {
@@ -33,7 +33,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         summary: "Compare models, operators and structures on the same records",
         module: "reports",
         roles: &[several("model", 0), several("training", 0), several("small_signal", 0), several("data", 0)],
-        options: CompareOptions::rows,
+        options: CompareCall::rows,
         run: compare,
     },
     Operation {
@@ -53,6 +53,24 @@ options! {
         plant: String = "pl140".into(), OptionRow::new(NAME).list("plants");
     } with control: ControlOptions
 }
+
+options! {
+    /// Options of `report`.
+    pub(crate) struct ReportCall {
+        /// Address of the page that has the project open, for a link to it.
+        project: Option<String> = None, OptionRow::new(ADDRESS);
+    } with validation: ValidateOptions
+}
+
+options! {
+    /// Options of `compare`.
+    pub(crate) struct CompareCall {
+        /// Address of the page that has the project open, for a link to it.
+        project: Option<String> = None, OptionRow::new(ADDRESS);
+    } with comparison: CompareOptions
+}
+
+const ADDRESS: OptionKind = OptionKind::Text("ADDRESS");
 
 fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let ControlCall { plant, mut control } = inputs.options()?;
@@ -75,16 +93,18 @@ fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
 
 fn page(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
-    let outcome = inputs.options::<ValidateOptions>()?.run(&model, inputs.sources("data")?)?;
+    let ReportCall { project, validation } = inputs.options()?;
+    let outcome = validation.run(&model, inputs.sources("data")?)?;
     let result = json!({"sentence": outcome.verdict(&model).map(|verdict| verdict.to_string())});
-    Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", report(&model, &outcome).html())] })
+    let page = report(&model, &outcome).of_project(project)?;
+    Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", page.html())] })
 }
 
 fn compare(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
-    let options = inputs.options::<CompareOptions>()?;
+    let CompareCall { project, comparison: options } = inputs.options()?;
     let [training, small_signal, data] = ["training", "small_signal", "data"].map(|role| inputs.sources(role));
     let outcome = options.run_all((inputs.all("model")?, [training?, small_signal?, data?]), None, progress)?;
-    let mut files = vec![File::new("compare.html", comparison(&outcome).html())];
+    let mut files = vec![File::new("compare.html", comparison(&outcome).of_project(project)?.html())];
     if outcome.split.is_some() {
         files.extend(leaderboard(&outcome).map(|figure| File::new("compare.svg", figure.svg())));
     }

@@ -27,7 +27,8 @@ pub use table::{Cell, PageTable};
 pub use text::Text;
 pub(crate) use text::sentence;
 
-use crate::plot::{Figure, shown};
+use crate::plot::{Figure, escape, shown};
+use piezoid::Error;
 use section::Numbering;
 use std::fmt::Write;
 
@@ -43,18 +44,34 @@ const PLOTS: &str = concat!("<script>//<![CDATA[\n", include_str!("figures.js"),
 pub struct Page {
     title: String,
     subtitle: String,
+    project: Option<String>,
     sections: Vec<Section>,
 }
 
 impl Page {
     /// An empty page.
     pub fn new(title: impl Into<String>) -> Self {
-        Page { title: title.into(), subtitle: String::new(), sections: Vec::new() }
+        Page { title: title.into(), subtitle: String::new(), project: None, sections: Vec::new() }
     }
 
     /// A line under the title: the subject of the report.
     pub fn subtitle(self, text: impl Into<String>) -> Self {
         Page { subtitle: text.into(), ..self }
+    }
+
+    /// With a link that opens the project of the report, at this address if there is one.
+    ///
+    /// # Errors
+    /// [`Error::Parameter`] unless the address begins with http:// or https:// and has no spaces.
+    pub fn of_project(self, address: Option<String>) -> Result<Self, Error> {
+        let is_address = |text: &String| {
+            let is_web = ["http://", "https://"].iter().any(|start| text.starts_with(start));
+            is_web && !text.contains(|c: char| c.is_whitespace() || c.is_control())
+        };
+        match address.filter(|address| !is_address(address)) {
+            Some(wrong) => Err(Error::parameter("project", wrong, "must begin with http:// or https://, without spaces")),
+            None => Ok(Page { project: address, ..self }),
+        }
     }
 
     /// The sections of another page after those of this one.
@@ -80,7 +97,10 @@ impl Page {
             include_str!("style.css")
         );
         let subtitle = if subtitle.is_empty() { subtitle } else { format!("<p class=\"subtitle\">{subtitle}</p>\n") };
-        let _ = writeln!(out, "<header>\n<p class=\"mark\">piezoid</p>\n<h1>{title}</h1>\n{subtitle}</header>");
+        let project = self.project.as_ref().map_or_else(String::new, |address| {
+            format!("<p class=\"project\"><a href=\"{}\">Open the project</a></p>\n", escape(address))
+        });
+        let _ = writeln!(out, "<header>\n<p class=\"mark\">piezoid</p>\n<h1>{title}</h1>\n{subtitle}{project}</header>");
         self.contents(&mut out);
         out.push_str("<main>\n");
         let (mut numbers, mut n) = (Numbering::default(), 0);
@@ -139,6 +159,21 @@ mod tests {
                     .warning("Beware", "y")
                     .table(table()),
             )
+    }
+
+    #[test]
+    fn the_project_is_linked_only_at_an_address_of_the_web() {
+        let address = "http://127.0.0.1:7440/?a=1&b=\"2\"#workbench";
+        let html = page().of_project(Some(address.into())).unwrap().html();
+        let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
+        let document = roxmltree::Document::parse_with_options(&html, options).unwrap();
+        let mut links = document.descendants().filter_map(|n| n.attribute("href"));
+        assert!(links.any(|link| link == address));
+        assert_eq!(page().of_project(None).unwrap(), page());
+        for wrong in ["javascript:alert(1)", "", "/tmp/a", "http://a b"] {
+            let error = page().of_project(Some(wrong.into())).unwrap_err().to_string();
+            assert!(error.contains("project") && error.contains("must begin with http://"), "{error}");
+        }
     }
 
     #[test]

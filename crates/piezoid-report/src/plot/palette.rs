@@ -149,8 +149,24 @@ mod tests {
     }
 
     #[test]
-    fn the_page_draws_series_in_the_colours_of_reports() {
+    fn the_page_has_the_colours_of_reports() {
         let style = include_str!("../../../../web/style.css");
+        // Its panes are lighter than what is around them, in both themes.
+        for (ground, light, dark) in [
+            ("paper", "paper", "raised"),
+            ("ground", "raised", "paper"),
+            ("text", "ink", "ink"),
+            ("quiet", "soft", "soft"),
+            ("edge", "grid", "grid"),
+            ("control", "axis", "axis"),
+            ("accent", "brass", "brass"),
+        ] {
+            let of = |name: &str, value: fn(&Colour) -> &str| {
+                let colour = GROUNDS.iter().find(|colour| colour.name == name).unwrap();
+                style.matches(&format!("--{ground}: {};", value(colour))).count()
+            };
+            assert_eq!((of(light, |c| c.light), of(dark, |c| c.dark)), (1, 2), "{ground}");
+        }
         let roles = [Role::Measured, Role::Accent1, Role::Accent2, Role::Accent3, Role::Accent4, Role::Accent5];
         for role in roles {
             let (_, Colour { light, dark, .. }) = ROLES[role as usize];
