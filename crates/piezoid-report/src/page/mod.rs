@@ -64,14 +64,14 @@ impl Page {
     /// # Errors
     /// [`Error::Parameter`] unless the address begins with http:// or https:// and has no spaces.
     pub fn of_project(self, address: Option<String>) -> Result<Self, Error> {
-        let is_address = |text: &String| {
+        let is_address = |text: &str| {
             let is_web = ["http://", "https://"].iter().any(|start| text.starts_with(start));
             is_web && !text.contains(|c: char| c.is_whitespace() || c.is_control())
         };
-        match address.filter(|address| !is_address(address)) {
-            Some(wrong) => Err(Error::parameter("project", wrong, "must begin with http:// or https://, without spaces")),
-            None => Ok(Page { project: address, ..self }),
+        if let Some(wrong) = address.iter().find(|address| !is_address(address)) {
+            return Err(Error::parameter("project", wrong, "must begin with http:// or https://, without spaces"));
         }
+        Ok(Page { project: address, ..self })
     }
 
     /// The sections of another page after those of this one.
