@@ -9,7 +9,7 @@ use super::detector::{Consequence, Detector};
 use super::runs::{places, resolution, runs};
 use crate::record::Record;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{ends, quantile, range};
+use piezoid_numerics::series::{ends, range};
 use std::ops::Range;
 
 /// Height below an extreme, relative to the range.
@@ -22,10 +22,7 @@ const FLAT_TIME_SHARE: f64 = 0.8;
 const CLIPPED_REST_SHARE: f64 = 0.8;
 
 /// The other signal must move by this share of its range.
-const MIN_MOVEMENT_SHARE: f64 = 0.02;
-
-/// At rest, the input moves less than this share of its usual largest step in the shortest interval.
-const REST_STEP_RATIO: f64 = 0.25;
+pub(super) const MIN_MOVEMENT_SHARE: f64 = 0.02;
 
 /// Minimum length of a reported interval [samples].
 const MIN_RUN_SAMPLES: usize = 8;
@@ -55,14 +52,6 @@ pub(super) static FROZEN_OUTPUT: Detector = Detector {
     consequence: Consequence::Masked,
     loop_remedy: None,
     run: |context| frozen(context.record()),
-};
-
-pub(super) static MISSING_ROWS: Detector = Detector {
-    name: "missing-rows",
-    criterion: "a smooth input jumps; masked until it has again covered its earlier range",
-    consequence: Consequence::Masked,
-    loop_remedy: None,
-    run: |context| missing(context.record()),
 };
 
 /// The output is constant at an extreme while the input moves.
@@ -161,38 +150,6 @@ fn frozen(record: &Record) -> Option<Detection> {
     let places = places(&frozen, record.ts());
     let text = format!("the output is frozen: its values repeat exactly while the input moves, in {places}");
     (!frozen.is_empty()).then_some(Detection { samples: frozen, text })
-}
-
-/// An otherwise smooth input jumps while it moves. A jump from rest is a step.
-fn missing(record: &Record) -> Option<Detection> {
-    let (u, y) = (record.u(), record.y());
-    let steps: Vec<f64> = u.windows(2).map(|w| (w[1] - w[0]).abs()).collect();
-    let still = steps.iter().filter(|d| **d == 0.0).count();
-    let usual = quantile(steps.clone(), 0.99);
-    let from_rest = |t: usize| range(&u[t.saturating_sub(MIN_RUN_SAMPLES)..t]) < REST_STEP_RATIO * usual;
-    // Jumps must be rare: an input with many jumps is a staircase.
-    let jumps = (0..steps.len()).filter(|&t| steps[t] > 8.0 * usual).map(|t| t + 1).filter(|t| !from_rest(*t));
-    let jumps: Vec<usize> = jumps.collect();
-    let least = MIN_MOVEMENT_SHARE * range(u);
-    let large = jumps.iter().all(|&t| steps[t - 1] > least);
-    if jumps.is_empty() || jumps.len() > 3 || 10 * still > steps.len() || !large {
-        return None;
-    }
-    // A reversal may be lost: the hysteresis state is known again when the input has covered its earlier range.
-    let again = |t: usize| {
-        let (low, high) = ends(u[..t].iter().copied());
-        let up = u[t..].iter().position(|u| *u >= high - least);
-        let down = u[t..].iter().position(|u| *u <= low + least);
-        up.zip(down).map_or(t + 1, |(up, down)| t + 1 + up.max(down))
-    };
-    let ranges: Vec<Range<usize>> = jumps.iter().map(|&t| t..again(t).min(y.len())).collect();
-    let places = places(&jumps.iter().map(|&t| t..t + 1).collect::<Vec<_>>(), record.ts());
-    let text = format!(
-        "rows seem to be missing: the otherwise smooth input jumps by {} {} at {places}: split the record there",
-        short(jumps.iter().fold(0.0, |m: f64, &t| m.max(steps[t - 1]))),
-        record.units().u
-    );
-    Some(Detection { samples: ranges, text })
 }
 
 /// The intervals in which `sign` x is at a limit.

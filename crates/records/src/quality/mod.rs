@@ -21,6 +21,7 @@ mod flat;
 mod increments;
 mod inspection;
 mod lags;
+mod missing;
 mod order;
 mod outliers;
 mod plays;
@@ -55,7 +56,7 @@ pub static DETECTORS: &[&Detector] = &[
     &flat::SATURATED_OUTPUT,
     &flat::CLIPPED_INPUT,
     &flat::FROZEN_OUTPUT,
-    &flat::MISSING_ROWS,
+    &missing::MISSING_ROWS,
     &outliers::OUTLIERS,
     &drift::DRIFT,
     &order::SWAPPED,

@@ -338,7 +338,7 @@ fn examples() -> Vec<(&'static Detector, Record)> {
         (&flat::SATURATED_OUTPUT, with(&sound, |_, y| y.min(600.0))),
         (&flat::CLIPPED_INPUT, record(&clipped, &y)),
         (&flat::FROZEN_OUTPUT, with(&sound, |t, v| if (1000..1050).contains(&t) { y[1000] } else { v })),
-        (&flat::MISSING_ROWS, record(&cut(&u), &cut(&y))),
+        (&missing::MISSING_ROWS, record(&cut(&u), &cut(&y))),
         (&outliers::OUTLIERS, with(&sound, |t, y| if t == 700 { y + 300.0 } else { y })),
         (&drift::DRIFT, with(&sound, |t, y| y + 0.05 * t as f64)),
         (&order::SWAPPED, record(rising.y(), rising.u())),

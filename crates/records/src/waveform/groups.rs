@@ -194,7 +194,7 @@ fn without_changes(groups: Vec<CycleGroup>) -> Vec<CycleGroup> {
 }
 
 /// Standard deviation of the noise of `u`, robust against its reversals.
-fn noise(u: &[f64]) -> f64 {
+pub(crate) fn noise(u: &[f64]) -> f64 {
     let places = u.len().saturating_sub(SIXTH.len() - 1);
     let difference = |t: usize| SIXTH.iter().zip(&u[t..]).map(|(c, u)| c * u).sum::<f64>().abs();
     let differences = (0..places).step_by(places / PLACES + 1).map(difference).collect();

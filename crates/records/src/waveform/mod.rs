@@ -11,6 +11,7 @@ mod spectrum;
 
 pub use band::band;
 pub use cycles::{Cycle, CycleSearch, MIN_REVERSAL_SHARE, Turn, cycles, reversals};
+pub(crate) use groups::noise;
 pub use groups::{CycleGroup, CycleGroups};
 pub use motion::{in_motion, inputs_before};
 pub use rate::cycle_rate;
