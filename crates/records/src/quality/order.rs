@@ -11,7 +11,8 @@ use super::runs::standardised;
 use super::tone::Tone;
 use crate::record::Record;
 use piezoid_numerics::number::{round, short};
-use piezoid_numerics::series::dot_wide;
+use piezoid_numerics::series::{dot_wide, ends, range};
+use std::ops::Range;
 
 /// Samples that are looked at.
 const MAX_SAMPLES: usize = 40_000;
@@ -20,6 +21,9 @@ const MAX_SAMPLES: usize = 40_000;
 /// looks like a lead of the next half period.
 const MAX_SHIFT_SAMPLES: usize = 40;
 const MAX_SHIFT_PHASE: f64 = 0.6;
+
+/// The ends of a full stroke, relative to the range of the input.
+const END_SHARE: f64 = 0.02;
 
 /// A fit by plays that leaves more, relative to the rms, means nothing: dynamics dominate.
 const MAX_PLAY_RESIDUAL: f64 = 0.15;
@@ -101,7 +105,8 @@ pub(super) fn order(record: &Record, tone: Option<&Tone>, is_closed_loop: bool) 
     let n = record.len().min(MAX_SAMPLES);
     let (u, y) = (&record.u()[..n], &record.y()[..n]);
     let (there, back) = (Increments::of(u, y)?, Increments::of(y, u)?);
-    let turns = turns(u, y, tone).filter(|t| t.best.min(t.exchanged) < MAX_PLAY_RESIDUAL);
+    let loops = after_first_stroke(u);
+    let turns = turns(&u[loops.clone()], &y[loops], tone).filter(|t| t.best.min(t.exchanged) < MAX_PLAY_RESIDUAL);
     let leads = turns.as_ref().filter(|t| t.delay < 0 && t.causal > MIN_RESIDUAL_RATIO * t.best);
     let (later, exchanged) = (there.by_later(), back.by_later());
     let loops = leads.filter(|t| t.exchanged_delay >= 0 && t.exchanged < t.best && later > exchanged);
@@ -136,6 +141,14 @@ pub(super) fn order(record: &Record, tone: Option<&Tone>, is_closed_loop: bool) 
     } else {
         delayed(&there, all, record.ts()).map(Order::Shifted)
     }
+}
+
+/// The samples after the first full stroke: the first stroke is on no loop. All samples if it takes most of them.
+fn after_first_stroke(u: &[f64]) -> Range<usize> {
+    let ((low, high), margin) = (ends(u.iter().copied()), END_SHARE * range(u));
+    let first = |at_end: &dyn Fn(f64) -> bool| u.iter().position(|u| at_end(*u)).unwrap_or(0);
+    let start = first(&|u| u >= high - margin).max(first(&|u| u <= low + margin));
+    if 2 * start < u.len() { start..u.len() } else { 0..u.len() }
 }
 
 /// The text for an output that leads.

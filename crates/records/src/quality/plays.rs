@@ -37,8 +37,27 @@ pub(super) fn residuals(u: &[f64], y: &[f64], reach: usize) -> Option<Vec<f64>> 
     (0..=2 * reach).map(share).collect()
 }
 
+/// The part of `y` that hysteresis of `u` explains. The line over time is fitted but not returned. `None` if one of the
+/// signals is constant.
+pub(super) fn explained(u: &[f64], y: &[f64]) -> Option<Vec<f64>> {
+    let columns = responses(u)?;
+    let flat: Vec<Vec<f64>> = columns.iter().map(|column| detrended(column)).collect();
+    let n = u.len() as f64;
+    let gram = DMatrix::from_fn(COLUMN_COUNT, COLUMN_COUNT, |i, j| dot(&flat[i], &flat[j]) / n);
+    let damped = &gram + DMatrix::identity(COLUMN_COUNT, COLUMN_COUNT) * (RIDGE * gram.trace());
+    let sign = if dot(&flat[2], &detrended(y)) < 0.0 { -1.0 } else { 1.0 };
+    let y: Vec<f64> = detrended(y).iter().map(|y| sign * y).collect();
+    let w = weights(&damped, &DVector::from_fn(COLUMN_COUNT, |i, _| dot(&flat[i], &y) / n));
+    Some((0..u.len()).map(|t| columns.iter().zip(&w).map(|(column, w)| sign * w * column[t]).sum()).collect())
+}
+
 /// The responses to `u` from sample `from` on, without their lines over time.
 fn columns(u: &[f64], from: usize) -> Option<Vec<Vec<f64>>> {
+    Some(responses(u)?.iter().map(|column| detrended(&column[from..])).collect())
+}
+
+/// The responses to `u`, which is at rest before: the square, the cube, and the plays.
+fn responses(u: &[f64]) -> Option<Vec<Vec<f64>>> {
     let (low, high) = ends(u.iter().copied());
     let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
     if half <= 0.0 {
@@ -53,8 +72,7 @@ fn columns(u: &[f64], from: usize) -> Option<Vec<Vec<f64>>> {
             Some(*s)
         })
     };
-    let all = [power(2), power(3)].into_iter().chain((0..PLAY_COUNT).map(|k| play(k).collect::<Vec<f64>>()));
-    Some(all.map(|column| detrended(&column[from..])).collect())
+    Some([power(2), power(3)].into_iter().chain((0..PLAY_COUNT).map(|k| play(k).collect())).collect())
 }
 
 /// Least squares with weights that are not negative, except the first two.
