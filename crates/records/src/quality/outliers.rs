@@ -1,26 +1,32 @@
-//! Outliers: single samples of the output far from their neighbours.
+//! Outliers: one to three samples of the output far from their neighbours.
 //!
 //! ```text
 //! i_t = r_t - (-r_{t-2} + 4 r_{t-1} + 4 r_{t+1} - r_{t+2}) / 6
 //! ```
 //! is the error of a cubic through four neighbours, for the part r of the output not explained by the input (i is
 //! linear in the output, therefore i itself is regressed on the input). A spike of size s at t gives s (1/6, -2/3, 1,
-//! -2/3, 1/6) around t. A spike is reported if it has this shape, exceeds the scatter of i around it (Hampel's rule, by
+//! -2/3, 1/6) around t, one of several equal samples the sum of these for its samples. A step or a bend of the output
+//! gives another shape. A spike is reported if it has its shape, exceeds the scatter of i around it (Hampel's rule, by
 //! the median) and its neighbours, is not too small relative to the range, and is sharper than a response to a step of
-//! the input. Spikes of several samples, and two spikes within eight samples, are not found.
+//! the input. Wider spikes, and two spikes within eight samples, are not found.
 
 use super::Detection;
 use super::detector::{Consequence, Detector};
 use super::explained::by_input;
-use super::runs::{places, resolution};
+use super::runs::{places, resolution, runs};
 use crate::record::Record;
+use libm::sqrt;
 use piezoid_numerics::number::short;
 use piezoid_numerics::series::{largest, quantile, range};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::ops::Range;
 
-/// The response i to a spike of size 1.
+/// The response i to a spike of one sample and size 1.
 const SPIKE_SHAPE: [f64; 5] = [1.0 / 6.0, -2.0 / 3.0, 1.0, -2.0 / 3.0, 1.0 / 6.0];
+
+/// Samples of the widest spike.
+const MAX_WIDTH: usize = 3;
 
 /// The shape must explain this share of the power around a spike.
 const MIN_SHAPE_POWER_SHARE: f64 = 0.9;
@@ -43,7 +49,7 @@ const RIDGE: f64 = 1e-6;
 /// The output responds to a sharp change of the input within this number of samples.
 const RESPONSE_SAMPLES: usize = 6;
 
-/// A spike (three samples wide) must exceed this number of samples on both sides by this factor; ringing does not.
+/// The peak of a spike in i must exceed this number of samples on both sides by this factor; ringing does not.
 const NEIGHBOUR_SAMPLES: usize = 8;
 const MIN_NEIGHBOUR_RATIO: f64 = 1.5;
 
@@ -55,7 +61,7 @@ const SCATTER_SAMPLES: usize = 50;
 
 pub(crate) static OUTLIERS: Detector = Detector {
     name: "outliers",
-    criterion: "one sample of the output differs from its neighbours by more than usual (Hampel)",
+    criterion: "one to three samples of the output differ from their neighbours by more than usual (Hampel)",
     consequence: Consequence::Masked,
     loop_remedy: None,
     run: |context| outliers(context.record(), &context.usable),
@@ -74,10 +80,12 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
     // Large spikes distort the regression: they are removed before smaller ones are searched.
     for _ in 0..MAX_SEARCHES {
         let spikes = spikes(record.u(), &y, smallest, usable);
-        let most = largest(spikes.iter().map(|(_, size)| size));
-        for (t, size) in spikes.into_iter().filter(|(_, size)| size.abs() > 0.5 * most) {
-            *found.entry(t).or_default() += size;
-            y.to_mut()[t] -= size;
+        let most = largest(spikes.iter().map(|spike| &spike.size));
+        for Spike { samples, size, .. } in spikes.into_iter().filter(|spike| spike.size.abs() > 0.5 * most) {
+            for t in samples {
+                *found.entry(t).or_default() += size;
+                y.to_mut()[t] -= size;
+            }
         }
         if most == 0.0 {
             break;
@@ -89,7 +97,7 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
     if found.is_empty() || found.len() > 1 + n / 50 {
         return None;
     }
-    let ranges: Vec<_> = found.keys().map(|t| *t..t + 1).collect();
+    let ranges = runs(n, 0, |t| found.contains_key(&t));
     let (places, unit) = (places(&ranges, record.ts()), &record.units().y);
     let [most, percent] = [most, 100.0 * most / stroke].map(short);
     let text = format!(
@@ -98,36 +106,93 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
     Some(Detection { samples: ranges, text })
 }
 
-/// The spikes of `y` with their sizes.
-fn spikes(u: &[f64], y: &[f64], smallest: f64, usable: &[bool]) -> Vec<(usize, f64)> {
+/// Equal deviations of neighbouring samples.
+struct Spike {
+    samples: Range<usize>,
+    size: f64,
+    /// The power around it that it explains.
+    power: f64,
+}
+
+/// The response i to a spike of size 1 and some width.
+struct Shape {
+    response: Vec<f64>,
+    power: f64,
+    peak: f64,
+    /// Standard deviation of the size that noise alone has, relative to that of a spike of one sample.
+    deviation: f64,
+}
+
+impl Shape {
+    /// Of a spike of so many samples.
+    fn of(width: usize) -> Self {
+        let [response, single] = [width, 1].map(|width| summed(&SPIKE_SHAPE, &vec![1.0; width]));
+        let deviation = |shape: &[f64]| sqrt(dot_self(&summed(&SPIKE_SHAPE, shape))) / dot_self(shape);
+        let (power, peak) = (dot_self(&response), largest(&response));
+        Shape { power, peak, deviation: deviation(&response) / deviation(&single), response }
+    }
+}
+
+/// The convolution of two series.
+fn summed(a: &[f64], b: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; a.len() + b.len() - 1];
+    a.iter().enumerate().for_each(|(i, a)| b.iter().enumerate().for_each(|(j, b)| sum[i + j] += a * b));
+    sum
+}
+
+fn dot_self(x: &[f64]) -> f64 {
+    x.iter().map(|x| x * x).sum()
+}
+
+/// The spikes of `y`; none of them overlap.
+fn spikes(u: &[f64], y: &[f64], smallest: f64, usable: &[bool]) -> Vec<Spike> {
     let n = y.len();
-    let mut i: Vec<f64> = (0..n).map(|t| off_neighbours(y, t)).collect();
-    let gain = sharp_gain(u, &i);
-    let explained = by_input(u, &i, INPUT_LAGS, RIDGE);
-    i.iter_mut().zip(&explained).for_each(|(i, explained)| *i -= explained);
-    let power: f64 = SPIKE_SHAPE.iter().map(|p| p * p).sum();
-    let size = |t: usize| {
-        let around = &i[t - 2..=t + 2];
-        let size = around.iter().zip(SPIKE_SHAPE).map(|(i, p)| i * p).sum::<f64>() / power;
-        let alike = size * size * power >= MIN_SHAPE_POWER_SHARE * around.iter().map(|i| i * i).sum::<f64>();
-        (alike && size.abs() > smallest).then_some(size)
-    };
+    let whole: Vec<f64> = (0..n).map(|t| off_neighbours(y, t)).collect();
+    let gain = sharp_gain(u, &whole);
+    let explained = by_input(u, &whole, INPUT_LAGS, RIDGE);
+    let i: Vec<f64> = whole.iter().zip(&explained).map(|(i, explained)| i - explained).collect();
     // The lags of the first samples begin before the record.
     let past = INPUT_LAGS.end as usize;
-    let clear = |t: &usize| !usable[t - past..=t + 4].contains(&false);
-    let stands_out = |(t, size): (usize, f64)| {
-        let usual: Vec<f64> =
-            i[t.saturating_sub(SCATTER_SAMPLES)..(t + SCATTER_SAMPLES).min(n)].iter().map(|i| i.abs()).collect();
-        // The median of absolute values of normal noise is 0.6745 standard deviations.
-        let scatter = quantile(usual, 0.5) / 0.6745;
-        let sharpest = (t - past - 2..=t + 2).map(|t| off_neighbours(u, t).abs()).fold(0.0, f64::max);
-        let beside = largest(i[t - NEIGHBOUR_SAMPLES..t - 2].iter().chain(&i[t + 3..=t + NEIGHBOUR_SAMPLES]));
-        (size.abs() > MIN_SCATTER_DEVIATIONS * scatter
-            && size.abs() > MIN_RESPONSE_SHARE * gain * sharpest
-            && size.abs() > MIN_NEIGHBOUR_RATIO * beside)
-            .then_some((t, size))
-    };
-    (past + 3..n - NEIGHBOUR_SAMPLES).filter(clear).filter_map(|t| stands_out((t, size(t)?))).collect()
+    let mut all: Vec<Spike> = Vec::new();
+    for width in 1..=MAX_WIDTH {
+        let shape = Shape::of(width);
+        let like = |t: usize| {
+            let around = &i[t - 2..t + width + 2];
+            let size = around.iter().zip(&shape.response).map(|(i, p)| i * p).sum::<f64>() / shape.power;
+            let power = size * size * shape.power;
+            let is_like = power >= MIN_SHAPE_POWER_SHARE * dot_self(around);
+            (is_like && size.abs() > smallest).then_some(Spike { samples: t..t + width, size, power })
+        };
+        let stands_out = |spike: &Spike| {
+            let (t, end, size) = (spike.samples.start, spike.samples.end, spike.size.abs());
+            let near = t.saturating_sub(SCATTER_SAMPLES)..(end - 1 + SCATTER_SAMPLES).min(n);
+            // The median of absolute values of normal noise is 0.6745 standard deviations.
+            let scatter = quantile(i[near].iter().map(|i| i.abs()).collect(), 0.5) / 0.6745;
+            let sharpest = (t - past - 2..end + 2).map(|t| off_neighbours(u, t).abs()).fold(0.0, f64::max);
+            let beside =
+                |i: &[f64]| largest(i[t - NEIGHBOUR_SAMPLES..t - 2].iter().chain(&i[end + 2..end + NEIGHBOUR_SAMPLES]));
+            // A ringing near half the sampling frequency resembles wide spikes where the lags of the regression end.
+            let beside = if width == 1 { beside(&i) } else { beside(&i).max(beside(&whole)) };
+            size > MIN_SCATTER_DEVIATIONS * shape.deviation * scatter
+                && shape.peak * size > MIN_RESPONSE_SHARE * gain * sharpest
+                && shape.peak * size > MIN_NEIGHBOUR_RATIO * beside
+        };
+        let clear = |t: &usize| !usable[t - past..t + width + 4].contains(&false);
+        let starts = (past + 3..(n + 1).saturating_sub(NEIGHBOUR_SAMPLES + width)).filter(clear);
+        all.extend(starts.filter_map(like).filter(stands_out));
+    }
+    // Of two that overlap, the one that explains more is the spike.
+    all.sort_by(|a, b| b.power.total_cmp(&a.power));
+    let mut taken = vec![false; n];
+    all.retain(|spike| {
+        let around = &mut taken[spike.samples.start - 2..spike.samples.end + 2];
+        let is_apart = !around.contains(&true);
+        if is_apart {
+            around.fill(true);
+        }
+        is_apart
+    });
+    all
 }
 
 /// The error at t of a cubic through two neighbours on each side; 0 at the ends.
@@ -145,4 +210,63 @@ fn sharp_gain(u: &[f64], answers: &[f64]) -> f64 {
     let answer = |t: usize| largest(&answers[t..(t + RESPONSE_SAMPLES).min(answers.len())]);
     let sharp = changes().filter(|(_, change)| *change > 0.5 * sharpest);
     quantile(sharp.map(|(t, change)| answer(t) / change).collect(), 0.5)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::Chirp;
+    use piezoid_testing::noise;
+    use std::f64::consts::TAU;
+
+    /// The samples that are found in the output of an actuator of 0.1 um/V, with noise.
+    fn found(u: &[f64], y: impl Fn(usize, f64) -> f64) -> Vec<Range<usize>> {
+        let noise = noise(4, u.len());
+        let y = u.iter().enumerate().map(|(t, u)| y(t, 0.1 * u) + 2e-3 * noise[t]).collect();
+        let record = Record::new(1e-3, u.to_vec(), y).unwrap();
+        outliers(&record, &vec![true; u.len()]).map_or(Vec::new(), |found| found.samples)
+    }
+
+    fn sine() -> Vec<f64> {
+        (0..4000).map(|t| 50.0 - 50.0 * (TAU * f64::from(t) / 500.0).cos()).collect()
+    }
+
+    #[test]
+    fn spikes_of_one_to_three_samples_are_found_exactly() {
+        for size in [0.15, -2.0] {
+            let spikes = [600..601, 1100..1102, 2003..2006, 3100..3102];
+            let spiked = |t: usize, y: f64| if spikes.iter().any(|spike| spike.contains(&t)) { y + size } else { y };
+            assert_eq!(found(&sine(), spiked), spikes, "{size}");
+        }
+    }
+
+    #[test]
+    fn steps_bends_and_wide_pulses_of_the_output_are_no_spikes() {
+        for wide in [0..1000, 0..8, 0..12] {
+            let shifted = |t: usize, y: f64| if wide.contains(&t.wrapping_sub(1500)) { y + 2.0 } else { y };
+            assert_eq!(found(&sine(), shifted), [], "{wide:?}");
+        }
+        assert_eq!(found(&sine(), |t, y| y + 0.2 * (t as f64 - 1500.0).max(0.0)), []);
+    }
+
+    #[test]
+    fn pulses_of_the_input_and_fast_sweeps_are_no_spikes_of_the_output() {
+        let pulses: Vec<f64> = (0..4000).map(|t| if t % 800 > 796 || t % 1000 == 300 { 40.0 } else { 10.0 }).collect();
+        assert_eq!(found(&pulses, |_, y| y), []);
+        let chirp = Chirp { amplitude: 30.0, frequency_start: 5.0, frequency_end: 400.0, ..Chirp::default() };
+        assert_eq!(found(&chirp.samples(1e-3, 8000).unwrap(), |_, y| y), []);
+    }
+
+    /// A ringing at 0.48 of the sampling frequency grows and fades: the lags of the regression end within it.
+    #[test]
+    fn a_ringing_near_half_the_sampling_frequency_has_no_spikes() {
+        let steps: Vec<f64> = (0..6000).map(|t| 12.0 * f64::from(t / 1000)).collect();
+        for frequency in [0.26, 0.33, 0.4, 0.45, 0.48, 0.49] {
+            let ringing = |t: usize, y: f64| {
+                let since = (t % 1000) as f64;
+                y + if t < 1000 { 0.0 } else { 0.8 * (-since / 25.0).exp() * (TAU * frequency * since).sin() }
+            };
+            assert_eq!(found(&steps, ringing), [], "{frequency}");
+        }
+    }
 }
