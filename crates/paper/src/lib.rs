@@ -19,7 +19,7 @@ use piezoid_numerics::number::short;
 use piezoid_numerics::optimize::swarm;
 use piezoid_numerics::progress::Progress;
 use piezoid_numerics::system::System;
-use piezoid_records::quality::inspect;
+use piezoid_records::quality::{Consequence, Finding, inspect};
 use piezoid_records::record::Record;
 use std::sync::Arc;
 
@@ -78,7 +78,7 @@ pub fn identify_paper(
         notes.extend(unexcited_resonance(&part.arx, linear.iter()));
     }
     let defects = [defects("small-signal record", &linear), defects("large-signal record", &large_signal)].concat();
-    notes.extend(defects.iter().map(|d| d.replace("; left out", "; the paper's method still uses it")));
+    notes.extend(defects);
     if let Some(pole) = part.arx.poles().iter().find(|p| p.z.modulus() >= 1.0) {
         notes.push(format!(
             "the linear block is unstable, with a pole at {} in the z plane, so the model grows without bound: try \
@@ -204,7 +204,10 @@ fn defects(which: &str, records: &[Record]) -> Vec<String> {
     let each = records.iter().enumerate().flat_map(|(k, record)| {
         let name = called(which, k, records.len());
         let findings = inspect(record).findings.into_iter();
-        findings.map(move |f| format!("{name}: {}", f.text))
+        findings.map(move |Finding { detector, text, .. }| match detector.consequence {
+            Consequence::Masked => format!("{name}: {text}; the paper's method still uses these samples"),
+            _ => format!("{name}: {text}"),
+        })
     });
     each.collect()
 }

@@ -1,5 +1,6 @@
 //! Identification of a model from records in files.
 
+use super::named::Named;
 use super::origin::{Origin, Training};
 use super::verdict::StatedVerdict;
 use super::{Compared, Source, Verdict};
@@ -69,7 +70,9 @@ impl IdentifyOptions {
         (command, origins): (&str, &[Origin]),
         progress: &mut Progress,
     ) -> Result<Identification, Error> {
-        let mut found = records.identify(self, progress).map_err(|error| named(error, records, names))?;
+        let named = Named { records, names };
+        let mut found = records.identify(self, progress).map_err(|error| named.error(error))?;
+        found.notes = found.notes.into_iter().map(|note| named.note(note)).collect();
         // The joint method fits a separate offset for each record.
         let offset = if self.method == Method::Joint { Offset::Free } else { Offset::Kept };
         let options = ValidateOptions { offset, ..ValidateOptions::default() };
@@ -148,15 +151,6 @@ impl Identification {
     }
 }
 
-/// An error about two sampling periods with the names of the records that have them.
-fn named(error: Error, records: Records, names: &[&str]) -> Error {
-    let Error::Sampling { left, left_ts, right, right_ts } = error else { return error };
-    let every = || records.small_signal.iter().chain(records.large_signal).zip(names);
-    let name =
-        |ts: f64, other: String| every().find(|(record, _)| record.ts() == ts).map_or(other, |(_, n)| (*n).into());
-    Error::Sampling { left: name(left_ts, left), left_ts, right: name(right_ts, right), right_ts }
-}
-
 /// The modal form of the linear block; null if it has no poles.
 fn modal_form(arx: &Arx) -> Value {
     let form = arx.modal_form();
@@ -179,29 +173,5 @@ fn modal_form(arx: &Arx) -> Value {
             "poles": form.poles.iter().map(pole).collect::<Vec<_>>(),
             "feed_through_percent": 100.0 * form.feed_through,
         }),
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::File;
-    use piezoid_numerics::progress::Stage;
-    use piezoid_records::formats::ColumnSelection;
-
-    #[test]
-    fn records_of_two_rates_are_told_by_the_names_of_their_files() {
-        let file = |name: &str, ts: f64| {
-            let row = |k: u32| format!("{},{},{}\n", f64::from(k) * ts, (0.1 * f64::from(k)).sin(), f64::from(k % 7));
-            File::new(name, String::from("t_s,u_V,y_um\n") + &(0..400).map(row).collect::<String>())
-        };
-        let large = [file("fast.csv", 5e-4), file("slow.csv", 7e-4)];
-        let large = Source::all(large.into(), &ColumnSelection::default());
-        let run = IdentifyOptions::default().run((Vec::new(), large), "", &mut Stage::ignore);
-        assert_eq!(
-            run.unwrap_err().to_string(),
-            "fast.csv is sampled every 0.0005 s but slow.csv every 0.0007 s: resample one of them; `prepare` does, with \
-             the option resample = 0.0007"
-        );
     }
 }

@@ -13,6 +13,7 @@ mod identification;
 mod identify;
 mod inspect;
 mod methods;
+mod named;
 mod on_plant;
 mod online;
 mod origin;

@@ -7,7 +7,7 @@ use crate::called;
 use piezoid_models::hammerstein::InitialCondition;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::series::{ends, scatter};
-use piezoid_records::quality::{DRIFT, bridged, compare, inspect};
+use piezoid_records::quality::{Consequence, DRIFT, Finding, bridged, compare, inspect};
 use piezoid_records::record::Record;
 use std::ops::Range;
 
@@ -141,7 +141,10 @@ pub(crate) fn training_records<'a>(
                 Err(Error::Unidentifiable { because, .. }) => return Err(refused(because)),
                 sound => sound?,
             }
-            notes.extend(inspection.findings.iter().map(|finding| format!("{name}: {}", finding.text)));
+            notes.extend(inspection.findings.iter().map(|Finding { detector, text, .. }| match detector.consequence {
+                Consequence::Masked => format!("{name}: {text}; the fit leaves these samples out"),
+                _ => format!("{name}: {text}"),
+            }));
             let drifts = inspection.has(&DRIFT);
             let every = record.every();
             let is_usable = |t: usize| t.is_multiple_of(every) && inspection.usable[t / every];
