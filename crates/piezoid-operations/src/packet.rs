@@ -177,7 +177,7 @@ mod tests {
             of(json!({"call": "fly"}))
         );
         assert!(
-            of(json!({"call": "inspect"})).contains("inspect takes exactly 1 of the files `data`, but 0 are given")
+            of(json!({"call": "inspect"})).contains("inspect takes 1 or more of the files `data`, but 0 are given")
         );
         assert!(of(request.clone()).contains("a.csv"));
         assert!(of(json!({"call": "inspect", "file": 1})).contains("a request is such as"));

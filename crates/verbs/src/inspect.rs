@@ -5,8 +5,12 @@ use piezoid_numerics::error::Error;
 use piezoid_records::formats::{ColumnSelection, LongRecord, MAX_HELD_SAMPLES, Opened, Table};
 use piezoid_records::quality::{self, Finding, InSections};
 use piezoid_records::record::Record;
+use piezoid_records::uses::{Drive, Proposal, uses};
 use serde_json::{Value, json};
 use std::ops::Range;
+
+/// Samples of a long record that show its waveform.
+const SHOWN_SAMPLES: usize = 1_000_000;
 
 impl DataFile {
     /// What this file holds as a document: `format`; `layout`, the same text for files that look alike (see
@@ -14,7 +18,7 @@ impl DataFile {
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
     /// `history`, the steps from the channels to the record; `problems`, which are reasons why there is no record, and
     /// suspected defects of the record; `defects`, these with the spans of time [s] that they concern, the first
-    /// hundred of each. The second result is the record, or the error that prevents it. A long record in a text is read
+    /// hundred of each; `use`, which [`propose`] sets. The second result is the record, or the error that prevents it. A long record in a text is read
     /// in pieces, and its defects are looked for in each of its sections.
     ///
     /// ```
@@ -71,6 +75,46 @@ pub enum Measured<'a> {
     Long(Box<LongRecord<'a>>),
 }
 
+impl Measured<'_> {
+    /// Its drive, by which a use is proposed; of a long record, the waveform is that of its first million samples.
+    ///
+    /// # Errors
+    /// Returns an error if a long record is damaged before.
+    pub fn drive(&self) -> Result<Drive, Error> {
+        let record = match self {
+            Measured::Held(record) => return Ok(Drive::of(record)),
+            Measured::Long(record) => record,
+        };
+        let (mut u, mut y) = (Vec::new(), Vec::new());
+        let enough = || Error::Cancelled { what: "reading".into(), done: SHOWN_SAMPLES, total: record.len() };
+        let read = record.read(&mut |inputs, outputs| {
+            u.extend_from_slice(inputs);
+            y.extend_from_slice(outputs);
+            if u.len() < SHOWN_SAMPLES { Ok(()) } else { Err(enough()) }
+        });
+        match read {
+            Ok(()) | Err(Error::Cancelled { .. }) => {}
+            Err(error) => return Err(error),
+        }
+        let shown = Record::new(record.ts(), u, y)?.with_units(record.units().clone());
+        Ok(Drive::of(&shown).between(record.ends()[0]))
+    }
+}
+
+/// Sets in the documents of the files of a rig, in this order, for which `use` each file is proposed: `training` (a
+/// large-signal record), `small-signal` or `validation`, and `because`, the reason in one sentence. It stays null for a
+/// file without a record, which has no drive here, and if there is only one record.
+pub fn propose(documents: &mut [Value], drives: &[Option<Drive>]) {
+    let known: Vec<&Drive> = drives.iter().flatten().collect();
+    if known.len() < 2 {
+        return;
+    }
+    let with_record = documents.iter_mut().zip(drives).filter(|(_, drive)| drive.is_some());
+    for ((document, _), Proposal { of, because }) in with_record.zip(uses(&known)) {
+        document["use"] = json!({"use": of.name(), "because": because});
+    }
+}
+
 /// What a table with this name and format holds, as [`File::inspect`] gives it.
 pub fn inspect(table: &Table, name: &str, format: &str, columns: &ColumnSelection) -> (Value, Result<Record, Error>) {
     let read = table.record(columns);
@@ -103,6 +147,7 @@ fn document(channels: Vec<Value>, contents: Result<Contents, &Error>, name: &str
     json!({
         "file": name, "format": format, "channels": channels, "record": record, "history": history,
         "problems": problems, "defects": defects, "layout": layout,
+        "use": null,
     })
 }
 

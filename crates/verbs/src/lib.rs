@@ -35,7 +35,7 @@ pub use data::DataFile;
 pub use excite::{ExciteOptions, Excited};
 pub use identification::{IdentifyOptions, Method, Records, identify};
 pub use identify::Identification;
-pub use inspect::{Measured, inspect};
+pub use inspect::{Measured, inspect, propose};
 pub use methods::MethodOptions;
 pub use on_plant::OnPlant;
 pub use online::{EstimatorOptions, OnlineOptions, OnlineRow, OnlineRun, Replayed};

@@ -5,8 +5,8 @@ use crate::sketch::{Sketch, sketch};
 use crate::words::CommandLine;
 use piezoid::{Error, Units};
 use piezoid_numerics::number::round;
-use piezoid_verbs::Measured;
-use serde_json::Value;
+use piezoid_verbs::{Measured, propose};
+use serde_json::{Value, json};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -37,9 +37,16 @@ impl Run for Inspect {
         let inputs: Vec<&PathBuf> = self.data.iter().collect();
         let is_free = files::check(&[self.output.as_deref(), self.json.as_deref()], &inputs)?;
         let (columns, data) = (self.columns.read()?, files::all(&self.data, files::data)?);
-        let (mut all, mut profile) = (Vec::new(), None);
+        let (mut all, mut drives, mut profile) = (Vec::new(), Vec::new(), None);
         for file in &data {
-            let (inspection, record) = file.inspect(&columns).map_err(failed)?;
+            let (mut inspection, record) = file.inspect(&columns).map_err(failed)?;
+            match &record {
+                Ok(record) => drives.push(Some(record.drive().map_err(failed)?)),
+                Err(error) => {
+                    inspection["problems"] = json!([error.message(&CommandLine)]);
+                    drives.push(None);
+                }
+            }
             if is_free {
                 console.print(&summary(&inspection, record.as_ref(), console)?)?;
             }
@@ -48,8 +55,12 @@ impl Run for Inspect {
             }
             all.push(inspection);
         }
+        propose(&mut all, &drives);
         if is_free && self.output.is_none() && !self.columns.has_profile() {
             console.print(&alike(&all, console))?;
+        }
+        if is_free {
+            console.print(&proposed(&all, console))?;
         }
         let mut results = Results::default();
         if let (Some(path), Some(first)) = (&self.output, data.first()) {
@@ -59,6 +70,21 @@ impl Run for Inspect {
         }
         results.json(self.json.as_deref(), &Value::Array(all)).write(console)
     }
+}
+
+/// The proposed uses, a line each.
+fn proposed(all: &[Value], console: &Console) -> String {
+    let line = |inspection: &Value| {
+        let text = |value: &Value| value.as_str().unwrap_or_default().to_string();
+        let (file, proposal) = (text(&inspection["file"]), &inspection["use"]);
+        let option = match proposal["use"].as_str()? {
+            "small-signal" => "identify --small-signal",
+            "validation" => "validate",
+            _ => "identify",
+        };
+        Some(console.paragraph(&format!("{file}: proposed for {option}: {}", text(&proposal["because"])), "  "))
+    };
+    all.iter().filter_map(line).collect()
 }
 
 /// For each layout that several files have, one line: a profile reads them all.

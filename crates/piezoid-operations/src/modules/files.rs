@@ -1,14 +1,15 @@
 //! What comes before a model: drives, and records from files of all formats.
 
 use super::shape::{shape, spectra};
-use super::{NAME, named, one, optional};
+use super::{DATA, NAME, named, one, optional};
+use crate::packet::Marks;
 use crate::{Inputs, Operation, Output};
 use piezoid::excitation::Excitation;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::{Error, PrepareOptions, Record};
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::waveform::spectrum;
-use piezoid_verbs::{ExciteOptions, File, PlanOptions, Source, Step};
+use piezoid_verbs::{ExciteOptions, File, PlanOptions, Source, Step, propose};
 use serde_json::{Value, json};
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -16,7 +17,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         name: "inspect",
         summary: "Show what data files hold, how they are read and what seems wrong; write a profile of a rig",
         module: "files",
-        roles: &[one("data")],
+        roles: &[DATA],
         options: Vec::new,
         run: |inputs, _| inspect(inputs),
     },
@@ -46,14 +47,42 @@ pub(super) const OPERATIONS: &[Operation] = &[
     },
 ];
 
+/// One file, with its samples; or several files of a rig, with the use that is proposed for each.
 fn inspect(inputs: &Inputs) -> Result<Output, Error> {
-    let (file, columns) = (inputs.data("data")?, inputs.columns()?);
+    let sources = inputs.sources("data")?;
+    let [Source { file, columns, .. }] = &sources[..] else { return Ok(rig(&sources)) };
     let (table, format) = file.table()?;
-    let (mut result, record) = piezoid_verbs::inspect(&table, &file.name, format.name, &columns);
-    let Ok(record) = record else { return Ok(Output { result, ..Output::default() }) };
+    let (mut result, record) = piezoid_verbs::inspect(&table, &file.name, format.name, columns);
+    let record = match record {
+        Ok(record) => record,
+        Err(error) => {
+            result["problems"] = json!([error.message(&Marks)]);
+            return Ok(Output { result, ..Output::default() });
+        }
+    };
     result["shape"] = shape(&record);
-    let profile = File::new("profile.toml", table.profile(&columns).to_toml());
+    let profile = File::new("profile.toml", table.profile(columns).to_toml());
     Ok(Output { result, series: drawn(&record), files: vec![profile] })
+}
+
+/// The files of a rig. One that cannot be read has its name and the reason alone.
+fn rig(sources: &[Source]) -> Output {
+    let (mut files, mut drives) = (Vec::new(), Vec::new());
+    for Source { file, columns, .. } in sources {
+        let wrong = |error: Error| json!([error.message(&Marks)]);
+        let (document, drive) = match file.inspect(columns) {
+            Ok((document, Ok(record))) => (document, record.drive().ok()),
+            Ok((mut document, Err(error))) => {
+                document["problems"] = wrong(error);
+                (document, None)
+            }
+            Err(error) => (json!({"file": file.name, "problems": wrong(error), "use": null}), None),
+        };
+        files.push(document);
+        drives.push(drive);
+    }
+    propose(&mut files, &drives);
+    Output { result: json!({"files": files}), ..Output::default() }
 }
 
 fn prepare(inputs: &Inputs) -> Result<Output, Error> {
