@@ -8,9 +8,11 @@
 //! the slew rate. Where nothing moves, long times pass in coarse steps, in which only creep and servo matter. It does
 //! not do: notch filters, limits of acceleration.
 
+use super::clocked::plants;
 use super::{COARSE, CYCLE};
-use piezoid::plant::{Plant, Spec};
+use piezoid::control::SimulatedActuator;
 use piezoid::{Error, System};
+use piezoid_numerics::number::short;
 use std::f64::consts::TAU;
 
 /// Bandwidth B of the servo, and that of its filter, F: far below the resonances [Hz].
@@ -37,9 +39,9 @@ const COARSE_GAIN: f64 = 0.2;
 #[derive(Debug)]
 pub(crate) struct Axis {
     pub(crate) name: String,
-    plant: Plant,
+    plant: Box<dyn System>,
     /// The same plant in coarse steps.
-    coarse: Plant,
+    coarse: Box<dyn System>,
     /// State of both.
     x: Vec<f64>,
     /// Lowest and highest voltage [V].
@@ -79,16 +81,26 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// An axis at rest.
-    pub(crate) fn new(name: &str, spec: &Spec, range: (f64, f64), gain: f64, seed: u64) -> Result<Self, Error> {
-        let plant = Plant::new(spec, CYCLE)?.with_seed(seed);
-        let coarse = Plant::new(spec, COARSE as f64 * CYCLE)?.with_seed(seed);
+    /// An axis at rest, at 0 V or at the end of its range that is nearest to it.
+    ///
+    /// # Errors
+    /// Returns an error for a plant that does not move, or whose output is no length, and the errors of
+    /// [`SimulatedActuator::voltages`] and [`SimulatedActuator::played`].
+    pub(crate) fn new(name: &str, actuator: &SimulatedActuator, gain: f64, seed: u64) -> Result<Self, Error> {
+        let (range, [plant, coarse]) = (actuator.voltages()?, plants(actuator, seed)?);
         let [bottom, top] = [range.0, range.1].map(|volts| {
             let mut x = plant.settled(volts);
             plant.resume(&mut x, &[volts; READINGS]).iter().sum::<f64>() / READINGS as f64
         });
-        let (span, x) = (top - bottom, plant.initial());
-        let travel = inner(bottom + MARGIN * span, top - MARGIN * span);
+        let span = top - bottom;
+        let ends = [bottom + MARGIN * span, top - MARGIN * span];
+        if !(span.is_finite() && span != 0.0) {
+            let [low, high] = [range.0, range.1].map(short);
+            return Err(Error::Content(format!("the plant does not move between {low} and {high} V: take another")));
+        }
+        let travel = inner(ends[0].min(ends[1]), ends[0].max(ends[1]));
+        let start = range.0.max(0.0).min(range.1);
+        let x = if start == 0.0 { plant.initial() } else { plant.settled(start) };
         let width = travel.1 - travel.0;
         Ok(Axis {
             name: name.into(),
@@ -97,11 +109,11 @@ impl Axis {
             x,
             range,
             gain,
-            voltage: 0.0,
+            voltage: start,
             position: 0.0,
             filtered: 0.0,
             servo: false,
-            goal: 0.0,
+            goal: start,
             target: 0.0,
             travel,
             slope: (range.1 - range.0) / span,

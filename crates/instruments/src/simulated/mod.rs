@@ -6,6 +6,7 @@
 
 pub(crate) mod axis;
 pub(crate) mod clock;
+mod clocked;
 mod log;
 mod options;
 mod server;
@@ -18,8 +19,6 @@ pub(crate) use server::locked;
 
 use clock::Clock;
 use log::LogFile;
-use piezoid::Error;
-use piezoid::plant::Spec;
 use std::fmt::Debug;
 
 /// Servo cycle [s].
@@ -162,13 +161,6 @@ pub(crate) trait Behaviour: Debug + Send + 'static {
             }
         }
     }
-}
-
-/// Lowest and highest voltage of a plant [V].
-pub(crate) fn voltages(spec: &Spec) -> Result<(f64, f64), Error> {
-    let read: serde_json::Value = serde_json::from_str(&spec.to_json()?).unwrap_or_default();
-    let [low, high] = ["min_v", "max_v"].map(|name| read["driver"][name].as_f64());
-    low.zip(high).ok_or_else(|| Error::Content("the plant has a driver without limits".into()))
 }
 
 /// A command, and the state before it.

@@ -3,7 +3,8 @@
 use super::Simulated;
 use crate::{gcs, nv200, scpi};
 use piezoid::Error;
-use piezoid::plant::{Preset, Spec};
+use piezoid::control::SimulatedActuator;
+use piezoid::plant::Preset;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
 use serde::{Deserialize, Serialize};
 
@@ -62,7 +63,8 @@ impl Model {
 options! {
     /// How to simulate a controller.
     pub struct Simulation {
-        /// The plant of each axis (see {list}).
+        /// The plant of each axis: a twin by its name (see {list}), a JSON file, or records: a stand-in for the actuator
+        /// of a model.
         plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME")).list("plants");
         /// Seed of the noise of the sensor of axis 1; that of axis 2 has the next one.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));
@@ -86,19 +88,19 @@ impl Simulation {
     /// # Errors
     /// Returns an error if there is no such plant, and the errors of [`around`](Self::around).
     pub fn controller(&self) -> Result<Simulated, Error> {
-        self.around(&Preset::find(&self.plant)?.spec(), &self.plant)
+        self.around(&self.plant, &Preset::find(&self.plant)?.spec().into())
     }
 
-    /// The controller with a plant of this name.
+    /// The controller with this plant, and its name.
     ///
     /// # Errors
-    /// Returns an error for more axes than the model has, a gain that it does not have, and the errors of
-    /// [`Plant::new`](piezoid::plant::Plant::new).
-    pub fn around(&self, spec: &Spec, name: &str) -> Result<Simulated, Error> {
+    /// Returns an error for more axes than the model has, a gain that it does not have, a plant that does not move or
+    /// whose output is no length, and the errors of [`SimulatedActuator::voltages`] and [`SimulatedActuator::played`].
+    pub fn around(&self, name: &str, plant: &SimulatedActuator) -> Result<Simulated, Error> {
         match self.model {
-            Model::Nv200 => nv200::simulated(self, spec),
-            Model::Scpi => scpi::simulated(self, spec),
-            _ => gcs::simulated(self, spec, name),
+            Model::Nv200 => nv200::simulated(self, name, plant),
+            Model::Scpi => scpi::simulated(self, name, plant),
+            _ => gcs::simulated(self, name, plant),
         }
     }
 }

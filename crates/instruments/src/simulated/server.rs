@@ -23,6 +23,10 @@ const LONGEST_WITH_BLOCKS: usize = 1 << 24;
 const TICK: Duration = Duration::from_millis(5);
 const IDLE: Duration = Duration::from_millis(50);
 
+/// Looks after which a controller at rest is brought up to date too: a stand-in has all samples of that time to make up
+/// for, and the next client would wait for them.
+const LOOKS: u32 = 40;
+
 /// Time in which a client must read some of its answer.
 const PATIENCE: Duration = Duration::from_secs(5);
 
@@ -145,12 +149,15 @@ impl Drop for Place {
     }
 }
 
-/// Updates a controller while something moves, until it is dropped.
+/// Updates a controller, often while something moves, until it is dropped.
 fn tick(device: &Weak<Mutex<dyn Behaviour>>) {
+    let mut looks = 0;
     while let Some(device) = device.upgrade() {
         let mut now = locked(&*device);
         let is_calm = now.time().is_calm();
-        if !is_calm {
+        looks = if is_calm { looks + 1 } else { LOOKS };
+        if looks >= LOOKS {
+            looks = 0;
             now.update();
         }
         drop(now);

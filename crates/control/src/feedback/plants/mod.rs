@@ -5,6 +5,7 @@ mod stand_in;
 pub use stand_in::{StandIn, StandInPlant};
 
 use super::Scaled;
+use crate::compensation::FeedForwardSettings;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
@@ -93,6 +94,49 @@ impl SimulatedActuator {
                     return Err(Error::units("the input of the stand-in", &own.u, of_model));
                 }
                 Ok(Box::new(Scaled::new(stand_in.plant(seed), &own.y, model)?))
+            }
+        }
+    }
+
+    /// The sampling period of a stand-in [s]; `None` for a twin, which has any.
+    pub fn period(&self) -> Option<f64> {
+        match self {
+            SimulatedActuator::Twin(_) => None,
+            SimulatedActuator::StandIn(stand_in) => Some(stand_in.ts()),
+        }
+    }
+
+    /// Lowest and highest voltage: those of the driver of a twin; for a stand-in, those that its model allows without
+    /// limits of a driver, as for a compensation [V].
+    ///
+    /// # Errors
+    /// Returns an error for a driver without limits, a stand-in whose input is no voltage, and the errors of
+    /// [`FeedForwardSettings::ends`].
+    pub fn voltages(&self) -> Result<(f64, f64), Error> {
+        match self {
+            SimulatedActuator::Twin(spec) => {
+                let (low, high) = (spec.driver.min_v, spec.driver.max_v);
+                let ends = Some((low, high)).filter(|_| low.is_finite() && high.is_finite());
+                ends.ok_or_else(|| Error::Content("the plant has a driver without limits".into()))
+            }
+            SimulatedActuator::StandIn(stand_in) => {
+                stand_in.in_volts()?;
+                FeedForwardSettings::default().ends(stand_in.model())
+            }
+        }
+    }
+
+    /// The plant for voltages [V] every `ts` [s], with noise of `seed`, and the unit of its displacements.
+    ///
+    /// # Errors
+    /// The errors of [`Plant::new`]; an error for a stand-in with another sampling period, or whose input is no voltage.
+    pub fn played(&self, ts: f64, seed: u64) -> Result<(Box<dyn System>, String), Error> {
+        match self {
+            SimulatedActuator::Twin(spec) => Ok((Box::new(Plant::new(spec, ts)?.with_seed(seed)), "um".into())),
+            SimulatedActuator::StandIn(stand_in) => {
+                stand_in.in_volts()?;
+                Record::same_sampling("the stand-in", stand_in.ts(), "what is played", ts)?;
+                Ok((Box::new(stand_in.plant(seed)), stand_in.units().y.clone()))
             }
         }
     }

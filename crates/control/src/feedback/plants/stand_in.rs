@@ -157,6 +157,13 @@ impl StandIn {
         self.model.ts()
     }
 
+    /// # Errors
+    /// Returns an error if its input is no voltage in V, as drivers and controllers have it.
+    pub(super) fn in_volts(&self) -> Result<(), Error> {
+        let unit = &self.units().u;
+        if unit == "V" { Ok(()) } else { Err(Error::units("the input of the stand-in", unit, "V")) }
+    }
+
     /// True if a document is a stand-in.
     pub(super) fn is_in(document: &Value) -> bool {
         document.get("stand_in").is_some()

@@ -22,18 +22,18 @@ mod words;
 mod wrong;
 
 use crate::simulated::axis::Axis;
-use crate::simulated::{Behaviour, CYCLE, Model, Simulated, Simulation, Time, voltages};
+use crate::simulated::{Behaviour, CYCLE, Model, Simulated, Simulation, Time};
 use errors::{STOPPED, TOO_LONG};
 use generators::{Generator, Tables};
 use piezoid::Error;
-use piezoid::plant::Spec;
+use piezoid::control::SimulatedActuator;
 use recorder::Recorder;
 use std::collections::BTreeMap;
 
-/// The controller of a simulation with a plant of this name.
-pub(crate) fn simulated(simulation: &Simulation, spec: &Spec, name: &str) -> Result<Simulated, Error> {
-    let (range, seed) = (voltages(spec)?, simulation.seed);
-    let axis = |k: usize| Axis::new(&k.to_string(), spec, range, simulation.gain, seed.wrapping_add(k as u64 - 1));
+/// The controller of a simulation with this plant, and its name.
+pub(crate) fn simulated(simulation: &Simulation, name: &str, plant: &SimulatedActuator) -> Result<Simulated, Error> {
+    let seed = simulation.seed;
+    let axis = |k: usize| Axis::new(&k.to_string(), plant, simulation.gain, seed.wrapping_add(k as u64 - 1));
     let axes = (1..=simulation.axes.clamp(1, 3)).map(axis).collect::<Result<Vec<_>, _>>()?;
     let (title, version) = (simulation.model.title(), env!("CARGO_PKG_VERSION"));
     let device = Device {

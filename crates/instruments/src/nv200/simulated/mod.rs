@@ -24,15 +24,15 @@ mod recorder;
 mod tests;
 
 use crate::simulated::axis::Axis;
-use crate::simulated::{Behaviour, CYCLE, Simulated, Simulation, Time, voltages};
+use crate::simulated::{Behaviour, CYCLE, Simulated, Simulation, Time};
 use generator::Generator;
 use piezoid::Error;
-use piezoid::plant::Spec;
+use piezoid::control::SimulatedActuator;
 use recorder::Recorder;
 use std::collections::BTreeMap;
 
-/// The controller of a simulation.
-pub(crate) fn simulated(simulation: &Simulation, spec: &Spec) -> Result<Simulated, Error> {
+/// The controller of a simulation with this plant, and its name.
+pub(crate) fn simulated(simulation: &Simulation, name: &str, plant: &SimulatedActuator) -> Result<Simulated, Error> {
     let model = simulation.model.title();
     if simulation.axes != 1 {
         return Err(Error::parameter("axes", simulation.axes, format!("is 1 on the model {model}")));
@@ -41,11 +41,11 @@ pub(crate) fn simulated(simulation: &Simulation, spec: &Spec) -> Result<Simulate
         let rule = format!("is 1 on the model {model}, which counts open-loop values in volts");
         return Err(Error::parameter("gain", simulation.gain, rule));
     }
-    let mut axis = Axis::new("1", spec, voltages(spec)?, 1.0, simulation.seed)?;
+    let mut axis = Axis::new("1", plant, 1.0, simulation.seed)?;
     // Without a limit of slew, a setpoint is reached within a cycle.
     (axis.slew, axis.velocity) = speeds(&axis, UNLIMITED);
     let device = Device {
-        plant: simulation.plant.to_uppercase(),
+        plant: name.to_uppercase(),
         axis,
         set: 0.0,
         source: SET,

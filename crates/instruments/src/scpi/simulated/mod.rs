@@ -19,11 +19,11 @@ mod tests;
 mod words;
 
 use crate::simulated::axis::Axis;
-use crate::simulated::{Behaviour, Simulated, Simulation, Time, voltages};
+use crate::simulated::{Behaviour, Simulated, Simulation, Time};
 use generator::Generator;
 use oscilloscope::Oscilloscope;
 use piezoid::Error;
-use piezoid::plant::Spec;
+use piezoid::control::SimulatedActuator;
 use std::collections::VecDeque;
 
 /// Voltage at the actuator for 1 V at the monitor.
@@ -35,18 +35,18 @@ const MOST: f64 = 8.0;
 /// Errors that a queue holds.
 const QUEUE: usize = 20;
 
-/// The instruments of a simulation.
-pub(crate) fn simulated(simulation: &Simulation, spec: &Spec) -> Result<Simulated, Error> {
+/// The instruments of a simulation with this plant, and its name.
+pub(crate) fn simulated(simulation: &Simulation, name: &str, plant: &SimulatedActuator) -> Result<Simulated, Error> {
     if simulation.axes != 1 {
         return Err(Error::parameter("axes", simulation.axes, "is 1 on the model scpi"));
     }
-    let axis = Axis::new("1", spec, voltages(spec)?, simulation.gain, simulation.seed)?;
+    let axis = Axis::new("1", plant, simulation.gain, simulation.seed)?;
     // The travel leaves out a sixth of the displacement.
     let volt = 1.2 * axis.travel.0.abs().max(axis.travel.1.abs()) / MOST;
     let decade = libm::pow(10.0, libm::floor(libm::log10(volt)));
     let sensor = [1.0, 2.0, 5.0].map(|k| k * decade).into_iter().find(|k| *k >= volt).unwrap_or(10.0 * decade);
     let device = Device {
-        plant: simulation.plant.clone(),
+        plant: name.into(),
         axis,
         sensor,
         generator: Generator::default(),
