@@ -1,15 +1,21 @@
 //! A function as an instrument: voltages in, displacements out. With it, five lines of a laboratory's own software take
 //! the place of a controller.
 
+use crate::checks;
 use crate::moves::{half_cosine, way};
+use crate::simulated::CYCLE;
 use crate::watch::within;
 use crate::{Drive, Instrument, Left, Rest, Setup};
+use piezoid::control::SimulatedActuator;
 use piezoid::excitation::Limits;
 use piezoid::progress::{Progress, Stage};
 use piezoid::{Error, Record, Units};
 
 /// Voltages [V], one a sampling period, in; the displacement at each of them out.
 type Call<'f> = dyn FnMut(&[f64]) -> Result<Vec<f64>, Error> + 'f;
+
+/// Seed of the noise of a simulated actuator.
+const SEED: u64 = 1;
 
 /// A function that plays voltages, as an [`Instrument`].
 ///
@@ -64,6 +70,28 @@ impl<'f> Function<'f> {
         };
         let start = low.max(0.0).min(high);
         Ok(Function { setup, call, progress, unit: "um".into(), start, at: start, ramp: 0.0 })
+    }
+
+    /// A simulated actuator and its name, in place of a function: at rest, within limits, in time that no clock counts.
+    /// A twin is played every servo cycle of a simulated controller.
+    ///
+    /// # Errors
+    /// The errors of [`SimulatedActuator::voltages`], [`SimulatedActuator::played`] and [`Function::new`], and one for
+    /// limits that leave no voltage.
+    pub fn simulated(
+        (name, actuator): (&str, &SimulatedActuator),
+        limits: Limits,
+        progress: &'f mut Progress<'f>,
+    ) -> Result<Self, Error> {
+        let range = checks::range(&limits, Some(actuator.voltages()?))?;
+        let ts = actuator.period().unwrap_or(CYCLE);
+        let (plant, unit) = actuator.played(ts, SEED)?;
+        let start = range.0.max(0.0).min(range.1);
+        let mut x = if start == 0.0 { plant.initial() } else { plant.settled(start) };
+        let call = move |u: &[f64]| Ok(plant.resume(&mut x, u));
+        let mut function = Function::new(range, ts, Box::new(call), progress)?.in_unit(unit).within(limits);
+        function.setup.identity = format!("{name}, simulated");
+        Ok(function)
     }
 
     /// The same with displacements in another unit.

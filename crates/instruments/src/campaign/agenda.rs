@@ -44,7 +44,7 @@ impl CampaignOptions {
         }
         let mut resumed = Vec::new();
         for drive in &plan.drives {
-            if kept(drive, journal)?.is_some() {
+            if kept(drive, journal, &setup.identity)?.is_some() {
                 resumed.push(drive.name.to_string());
             }
         }
@@ -84,10 +84,23 @@ impl CampaignOptions {
 }
 
 /// The record of a drive that was kept earlier, if the drive is still the same.
-pub(super) fn kept(drive: &PlannedDrive, journal: &dyn Journal) -> Result<Option<File>, Error> {
+///
+/// # Errors
+/// Returns an error for the record of another instrument than the one with this identity: a rehearsal is no measurement.
+pub(super) fn kept(drive: &PlannedDrive, journal: &dyn Journal, identity: &str) -> Result<Option<File>, Error> {
     let [played, record] = [drive.file(), format!("{}.csv", drive.name)].map(|name| journal.earlier(&name));
     let same = played.is_some_and(|played| drive.written().is_ok_and(|file| file.bytes == played.bytes));
-    Ok(record.filter(|record| same && DataFile::from(record.clone()).record(&ColumnSelection::default()).is_ok()))
+    let Some(file) = record.filter(|_| same) else { return Ok(None) };
+    let Ok(record) = DataFile::from(file.clone()).record(&ColumnSelection::default()) else { return Ok(None) };
+    // As the instruments write it.
+    let by = record.history().iter().find_map(|step| step.strip_prefix("measured by "));
+    match by.map(|by| by.strip_prefix("the controller ").unwrap_or(by).trim()) {
+        Some(other) if other != identity.trim() => Err(Error::Content(format!(
+            "{} was measured by `{other}`, not by `{identity}`: take another folder for this campaign",
+            file.name
+        ))),
+        _ => Ok(Some(file)),
+    }
 }
 
 impl Agenda {

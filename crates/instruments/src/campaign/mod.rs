@@ -23,14 +23,15 @@ pub use path::Track;
 use crate::acquire::{SECONDS, at_rest, servo_remark, stopped};
 use crate::bench::Bench;
 use crate::watch::shared;
-use crate::{Instrument, InstrumentOptions, Left, Setup};
+use crate::{Function, Instrument, InstrumentOptions, Left, Setup};
 use agenda::kept;
 use path::Path;
+use piezoid::control::SimulatedActuator;
 use piezoid::formats::ColumnSelection;
 use piezoid::progress::Progress;
 use piezoid::validation::{Offset, ValidateOptions};
 use piezoid::{Error, Identification, IdentifyOptions};
-use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
 use piezoid_verbs::{DataFile, File, Plan, PlannedDrive, Source, ValidateRecords, Validated};
 use serde_json::{Value, json};
 
@@ -119,6 +120,31 @@ impl CampaignOptions {
         })
     }
 
+    /// The same on a simulated actuator and its name, a rehearsal: without a controller, and without its waits.
+    ///
+    /// # Errors
+    /// Those of [`Function::simulated`] and [`CampaignOptions::run`], and one for options of a controller.
+    pub fn rehearse(
+        &self,
+        plant: (&str, &SimulatedActuator),
+        reference: Option<(&DataFile, &ColumnSelection)>,
+        journal: &mut dyn Journal,
+        notes: &mut Vec<String>,
+        progress: &mut Progress,
+    ) -> Result<Campaign, Error> {
+        let InstrumentOptions { ramp, rest, .. } = InstrumentOptions::default();
+        let of_controller = InstrumentOptions { ramp, rest, limits: Default::default(), ..self.instrument.clone() };
+        if let Some((row, value)) = of_controller.changed().first() {
+            let rule = "has no effect on a simulated plant, which has no controller";
+            return Err(Error::parameter(row.name, value, rule));
+        }
+        let limits = self.instrument.limits.limits()?.unwrap_or_default();
+        shared(progress, |of_plant, own| {
+            let mut function = Function::simulated(plant, limits, of_plant)?;
+            self.on(&mut function, reference, journal, notes, own)
+        })
+    }
+
     /// The same on an instrument that is open. Its progress is its own.
     ///
     /// # Errors
@@ -194,7 +220,8 @@ impl Work<'_> {
     ) -> Result<Found, Error> {
         let (mut files, mut resumed) = (Vec::new(), Vec::new());
         for drive in &self.plan.drives {
-            files.push(match kept(drive, journal)? {
+            let identity = &self.bench.instrument.setup().identity;
+            files.push(match kept(drive, journal, identity)? {
                 Some(file) => {
                     resumed.push(drive.name.into());
                     file

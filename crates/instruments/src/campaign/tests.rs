@@ -129,6 +129,37 @@ fn nothing_moves_before_it_is_agreed_or_after_it_is_cancelled() {
 }
 
 #[test]
+fn a_rehearsal_needs_no_controller_and_its_records_are_no_measurement() {
+    let options = |range| CampaignOptions {
+        range: Some(range),
+        bandwidth: 20.0,
+        wait: 2.0,
+        operator: "preisach".into(),
+        ..CampaignOptions::default()
+    };
+    let plant = Preset::find("pl140").unwrap().spec().into();
+    let (mut memory, mut notes) = (Memory::default(), Vec::new());
+    let mut run = |options: &CampaignOptions, memory: &mut Memory| {
+        options.rehearse(("pl140", &plant), None, memory, &mut notes, &mut Stage::ignore)
+    };
+    let found = run(&options((-30.0, 30.0)), &mut memory).unwrap();
+    assert!(found.better() > 20.0, "{:?}", (found.straight.text(), found.compensated.text()));
+    assert_eq!((&*found.setup.identity, found.left.voltage), ("pl140, simulated", Some(0.0)));
+    let resumed = run(&options((-30.0, 30.0)), &mut memory).unwrap().resumed;
+    assert_eq!(resumed, ["small", "rise1", "rise2", "rise3", "creep", "path"]);
+    let message = campaign("pl140", (-30.0, 30.0), "preisach", &mut memory, &mut Stage::ignore).0.err().unwrap();
+    let expected =
+        "small.csv was measured by `pl140, simulated`, not by `a function`: take another folder for this campaign";
+    assert_eq!(message.to_string(), expected);
+    let message = run(&options((-30.0, 90.0)), &mut Memory::default()).unwrap_err().to_string();
+    assert!(message.contains("outside -30 to 30 V"), "{message}");
+    let connection = ConnectOptions { port: 1, ..ConnectOptions::default() };
+    let instrument = InstrumentOptions { connection, ..InstrumentOptions::default() };
+    let message = run(&CampaignOptions { instrument, ..options((-30.0, 30.0)) }, &mut Memory::default()).unwrap_err();
+    assert_eq!(message.to_string(), "port = 1: has no effect on a simulated plant, which has no controller");
+}
+
+#[test]
 fn a_function_that_returns_too_few_displacements_is_refused() {
     let mut ignore = Stage::ignore;
     let call = |u: &[f64]| Ok(u[1..].to_vec());
