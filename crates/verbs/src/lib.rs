@@ -40,7 +40,7 @@ pub use methods::MethodOptions;
 pub use on_plant::OnPlant;
 pub use online::{EstimatorOptions, OnlineOptions, OnlineRow, OnlineRun, Replayed};
 pub use origin::{Origin, files_of, identify_again};
-pub use plan::{Plan, PlanOptions, PlannedDrive, UncertainParameter, Uncertainty};
+pub use plan::{Plan, PlanOptions, PlannedDrive, Rehearsal, RehearsedDrive, UncertainParameter, Uncertainty};
 pub use prepare::{Source, Step};
 pub use simulate::{SimulateOptions, Simulated, Subject};
 pub use smoothing::Smoothing;

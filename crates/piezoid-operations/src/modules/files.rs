@@ -1,7 +1,7 @@
 //! What comes before a model: drives, and records from files of all formats.
 
 use super::shape::{shape, spectra};
-use super::{DATA, NAME, named, one, optional};
+use super::{DATA, NAME, STAND_IN, named, one, optional, some_simulated};
 use crate::packet::Marks;
 use crate::{Inputs, Operation, Output};
 use piezoid::excitation::Excitation;
@@ -41,7 +41,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         name: "plan",
         summary: "Plan the records of an identification: the drives within a driver's limits, and what each is for",
         module: "files",
-        roles: &[optional("model")],
+        roles: &[optional("model"), STAND_IN],
         options: PlanOptions::rows,
         run: |inputs, _| plan(inputs),
     },
@@ -126,7 +126,11 @@ fn excite(inputs: &Inputs) -> Result<Output, Error> {
 
 fn plan(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.some("model")?.map(|file| file.model()).transpose()?;
-    let plan = inputs.options::<PlanOptions>()?.run(model.as_ref())?;
+    let (options, plant) = (inputs.options::<PlanOptions>()?, some_simulated(inputs, None)?);
+    let plan = match &plant {
+        Some((name, plant)) => options.rehearsed(model.as_ref(), (name, plant))?,
+        None => options.run(model.as_ref())?,
+    };
     let mut series = Vec::new();
     for drive in &plan.drives {
         let (hz, amplitude) = spectrum(&drive.u, plan.ts);

@@ -34,7 +34,7 @@ pub(super) const OPERATIONS: &[Operation] = &[
         name: "campaign",
         summary: "Measure, identify and straighten an actuator on a controller, and measure how well it follows a path",
         module: "instruments",
-        roles: &[optional("reference"), EARLIER],
+        roles: &[optional("reference"), EARLIER, STAND_IN],
         options: CampaignOptions::rows,
         run: campaign,
     },
@@ -131,7 +131,12 @@ fn campaign(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let (reference, columns, mut notes) =
         (inputs.some("reference")?.map(DataFile::from), inputs.columns()?, Vec::new());
     let mut kept = Kept { earlier: inputs.all("earlier")?, files: Vec::new() };
-    let outcome = options.run(reference.as_ref().map(|file| (file, &columns)), &mut kept, &mut notes, progress);
+    let path = reference.as_ref().map(|file| (file, &columns));
+    // A rehearsal, if there is a stand-in.
+    let outcome = match some_simulated(inputs, None)? {
+        Some((name, plant)) => options.rehearse((&name, &plant), path, &mut kept, &mut notes, progress),
+        None => options.run(path, &mut kept, &mut notes, progress),
+    };
     let files = kept.files;
     match outcome {
         Err(error) if files.is_empty() => Err(placed(error, &notes)),

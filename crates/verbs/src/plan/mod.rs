@@ -6,10 +6,12 @@
 mod advice;
 mod drives;
 mod page;
+mod rehearsal;
 #[cfg(test)]
 mod tests;
 
 pub use advice::{UncertainParameter, Uncertainty};
+pub use rehearsal::{Rehearsal, RehearsedDrive};
 
 use super::File;
 use piezoid_models::hammerstein::Model;
@@ -84,6 +86,8 @@ pub struct Plan {
     pub advice: Option<String>,
     /// The error of prediction that the uncertain parameters of this model cause; `None` without a model.
     pub uncertainty: Option<Uncertainty>,
+    /// The drives on a simulated actuator; `None` without one.
+    pub rehearsal: Option<Rehearsal>,
     rig: Rig,
 }
 
@@ -168,7 +172,8 @@ impl PlanOptions {
         let rig = self.rig(model, &mut notes)?;
         let drives = drives::all(&rig, &mut notes)?;
         let demagnetisation = drives::demagnetisation(&rig, &mut Vec::new())?;
-        let mut plan = Plan { ts: rig.ts, demagnetisation, drives, notes, advice: None, uncertainty: None, rig };
+        let (advice, uncertainty, rehearsal) = (None, None, None);
+        let mut plan = Plan { ts: rig.ts, demagnetisation, drives, notes, advice, uncertainty, rehearsal, rig };
         plan.uncertainty = model.map(|model| advice::uncertainty(model, &plan)).transpose()?;
         plan.advice = plan.uncertainty.as_ref().map(Uncertainty::advice);
         Ok(plan)
@@ -336,7 +341,7 @@ impl Plan {
         let drives: Vec<_> = self.drives.iter().map(one).collect();
         json!({
             "ts": self.ts, "demagnetisation": one(&self.demagnetisation), "drives": drives, "notes": self.notes,
-            "advice": self.advice, "uncertainty": self.uncertainty,
+            "advice": self.advice, "uncertainty": self.uncertainty, "rehearsal": self.rehearsal,
         })
     }
 

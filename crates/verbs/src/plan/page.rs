@@ -78,6 +78,13 @@ impl Plan {
             page += &format!("- {line}\n");
         }
         page += &format!("\n## What to run\n\n```text\n{}\n```\n", self.commands().join("\n"));
+        if let Some(rehearsal) = &self.rehearsal {
+            let header = rehearsal.header().join(" | ");
+            page += &format!("\n## Rehearsal\n\n{}\n\n| drive | {header} |\n|---|---|---|---|\n", rehearsal.text());
+            for drive in &rehearsal.drives {
+                page += &format!("| `{}_u.csv` | {} |\n", drive.name, rehearsal.cells(drive).join(" | "));
+            }
+        }
         if let Some(advice) = &self.advice {
             page += &format!("\n## What would help most\n\n{advice}\n");
         }
