@@ -1,6 +1,7 @@
 //! `piezoid campaign`: from a controller to a model and a compensated path that was measured.
 
 use super::agreed::agreed;
+use super::plant::RecordsOfModel;
 use super::prelude::*;
 use crate::values::Ended;
 use piezoid::Error;
@@ -19,6 +20,9 @@ Examples:
   The same without hardware, with `piezoid instrument` in another terminal:
     piezoid campaign --bandwidth 40 --actuator pl140 --driver pl140 --wait 2 --yes -o rehearsal
 
+  A rehearsal without hardware and without its waits, on a stand-in for your own actuator:
+    piezoid campaign --bandwidth 40 --plant records --model model.json --driver pl140 -o rehearsal
+
 The folder gets each drive and record as soon as it is measured, the model, both measured paths (straight.csv, \
 compensated.csv), campaign.json, and campaign.html, the page on all of it. If a campaign is broken off, the same command \
 measures only what is missing.
@@ -34,6 +38,15 @@ pub(crate) struct Campaign {
     reference: Option<PathBuf>,
     #[command(flatten)]
     options: Flags<CampaignOptions>,
+    /// Rehearse on this plant, in place of a controller: records is a stand-in, a second model of the records of --model;
+    /// a name (see `piezoid plants`) or a JSON file is a twin.
+    #[arg(long, value_name = "NAME|FILE|records")]
+    plant: Option<String>,
+    /// The model of the actuator, for --plant records.
+    #[arg(long, value_name = "FILE", requires = "plant")]
+    model: Option<PathBuf>,
+    #[command(flatten)]
+    of_model: RecordsOfModel,
     #[command(flatten)]
     columns: Columns,
     /// Do not ask before the actuator moves.
@@ -47,13 +60,20 @@ pub(crate) struct Campaign {
 impl Run for Campaign {
     fn run(self, console: &Console) -> Result<()> {
         let reference = self.reference.as_deref().map(files::data).transpose()?;
-        let columns = self.columns.read()?;
+        let (columns, options) = (self.columns.read()?, &self.options.0);
+        let (plant, model) = (self.plant.as_deref(), self.model.as_deref());
+        plant.map_or(Ok(()), |name| RecordsOfModel::needed(name, model))?;
+        let plant = self.of_model.some_plant(plant, model, console)?;
         FileSet::in_folder(&self.output, &[])?;
-        let mut folder = Folder { path: self.output, is_agreed: self.yes, console };
+        let mut folder = Folder { path: self.output, is_agreed: self.yes || plant.is_some(), console };
         let (reference, mut notes) = (reference.as_ref().map(|file| (file, &columns)), Vec::new());
         // Records are kept whatever becomes of the rest.
-        let (outcome, is_cancelled) = console
-            .work_on_instrument(|progress| Ok(self.options.0.run(reference, &mut folder, &mut notes, progress)))?;
+        let (outcome, is_cancelled) = console.work_on_instrument(|progress| {
+            Ok(match &plant {
+                Some((name, plant)) => options.rehearse((name, plant), reference, &mut folder, &mut notes, progress),
+                None => options.run(reference, &mut folder, &mut notes, progress),
+            })
+        })?;
         console.remarks(&notes);
         let found = match outcome {
             Err(error @ Error::Cancelled { .. }) => {

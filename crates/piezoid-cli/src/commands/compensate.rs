@@ -58,7 +58,7 @@ impl Run for Compensate {
         };
         let is_free = files::check(&[Some(&self.output), self.json.as_deref()], &[&self.model, &reference])?;
         let columns = self.columns.read()?;
-        let plant = self.of_model.some_plant(self.plant.as_deref(), &self.model, console)?;
+        let plant = self.of_model.some_plant(self.plant.as_deref(), Some(&self.model), console)?;
         let plant = plant.as_ref().map(|(name, actuator)| (&**name, actuator));
         let (model, reference) = (files::read(&self.model)?, files::data(&reference)?);
         let result = self.options.0.run(&model, &reference, &columns, plant).map_err(failed)?;

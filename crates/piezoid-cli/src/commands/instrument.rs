@@ -1,6 +1,6 @@
 //! `piezoid instrument`: a simulated controller on this machine.
 
-use super::lists;
+use super::plant::RecordsOfModel;
 use super::prelude::*;
 use anyhow::Context;
 use piezoid_instruments::{Model, Simulation};
@@ -12,6 +12,9 @@ Examples:
     piezoid instrument
   It is measured from another terminal, by piezoid or by any client of GCS 2.0 such as PIPython:
     piezoid acquire sine20.csv -o record.csv
+
+  One with a stand-in for your own actuator, made of the records of its model:
+    piezoid instrument model.json --plant records
 
   An NV200/D Net of piezosystem jena, for its Python package nv200 or piezoid:
     piezoid instrument --model nv200 --port 2300
@@ -29,7 +32,13 @@ It listens on the loopback interface alone.";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES)]
+#[command(override_usage = "piezoid instrument [OPTIONS]\n       piezoid instrument <FILE> --plant records [OPTIONS]")]
 pub(crate) struct Instrument {
+    /// The model of the actuator, for --plant records.
+    #[arg(value_name = "FILE")]
+    actuator: Option<PathBuf>,
+    #[command(flatten)]
+    of_model: RecordsOfModel,
     /// The TCP port on this machine; 0 is any that is free.
     #[arg(long, value_name = "N", default_value_t = 50000)]
     port: u16,
@@ -46,15 +55,16 @@ pub(crate) struct Instrument {
 impl Run for Instrument {
     fn run(self, console: &Console) -> Result<()> {
         let simulation = self.simulation.0;
-        let plant = lists::twin(&simulation.plant)?;
-        let mut controller = simulation.around(&plant, &simulation.plant).map_err(failed)?;
+        let model = self.actuator.as_deref();
+        RecordsOfModel::needed(&simulation.plant, model)?;
+        let (name, plant) = self.of_model.plant_of(&simulation.plant, model, console)?;
+        let mut controller = simulation.around(&name, &plant).map_err(failed)?;
         let (listener, port) = listener("port", self.port)?;
         if let Some(log) = &self.log {
             let to = std::fs::File::create(log).and_then(|to| controller.logged(to));
             controller = to.with_context(|| format!("cannot write {}: name another file", log.display()))?;
         }
-        let plant = &simulation.plant;
-        let head = format!("a controller with plant {plant} listens at 127.0.0.1, port {port}\n");
+        let head = format!("a controller with plant {name} listens at 127.0.0.1, port {port}\n");
         if simulation.model != Model::Scpi {
             console.print(&(head + "Ctrl-C ends\n"))?;
             return Ok(controller.serve(&listener)?);

@@ -119,7 +119,7 @@ pub(crate) fn plant(name: &str) -> Result<SimulatedActuator> {
 }
 
 /// The same for a plant that must be a twin.
-pub(crate) fn twin(name: &str) -> Result<Spec> {
+fn twin(name: &str) -> Result<Spec> {
     match plant(name)? {
         SimulatedActuator::Twin(spec) => Ok(*spec),
         SimulatedActuator::StandIn(_) => {

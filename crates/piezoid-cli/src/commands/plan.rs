@@ -1,5 +1,6 @@
 //! `piezoid plan`: the drives that identify an actuator, and a page on them.
 
+use super::plant::RecordsOfModel;
 use super::prelude::*;
 use crate::values::Ended::Misused;
 use piezoid_host::files::FileSet;
@@ -14,6 +15,8 @@ Examples:
     piezoid plan --actuator pl140 --bandwidth 80 --driver pl140 -o plan
   Which record would improve a first model most:
     piezoid plan --actuator pl140 --bandwidth 80 --driver pl140 --model model.json -o next
+  What the drives do to an actuator that earlier records are of:
+    piezoid plan --bandwidth 80 --model model.json --plant records -o next
 
 Files: small_u.csv (small signal), rise1_u.csv to rise3_u.csv (rising sines), creep_u.csv (held steps), path_u.csv \
 (random path, for validation only), and plan.md: why each is measured, its figures, and the commands to run afterwards. \
@@ -31,6 +34,12 @@ pub(crate) struct Plan {
     /// and by how much.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
+    /// Also play the drives on this plant: records is a stand-in, a second model of the records of --model; a name (see
+    /// `piezoid plants`) or a JSON file is a twin.
+    #[arg(long, value_name = "NAME|FILE|records")]
+    plant: Option<String>,
+    #[command(flatten)]
+    of_model: RecordsOfModel,
     /// The folder to write to; created if it does not exist.
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
@@ -46,7 +55,13 @@ impl Run for Plan {
         }
         let is_free = files::check(&[self.json.as_deref()], &self.model.iter().collect::<Vec<_>>())?;
         let model = self.model.as_deref().map(|path| files::read(path)?.model().map_err(failed)).transpose()?;
-        let plan = self.options.0.run(model.as_ref()).map_err(failed)?;
+        let plant = self.of_model.some_plant(self.plant.as_deref(), self.model.as_deref(), console)?;
+        let (options, model) = (&self.options.0, model.as_ref());
+        let plan = match &plant {
+            Some((name, plant)) => options.rehearsed(model, (name, plant)),
+            None => options.run(model),
+        };
+        let plan = plan.map_err(failed)?;
         let files = FileSet::in_folder(&self.output, &plan.files().map_err(failed)?)?;
         Results::of(files).json(self.json.as_deref(), &plan.to_json()).write(console)?;
         console.remarks(&plan.notes);
@@ -60,6 +75,15 @@ impl Run for Plan {
         };
         let header = ["drive", "purpose", "duration [s]", "voltage [V]", "% of limits"];
         let mut text = console.table(&header, plan.drives.iter().map(row));
+        if let Some(rehearsal) = &plan.rehearsal {
+            let header = ["drive".to_string()].into_iter().chain(rehearsal.header()).collect::<Vec<_>>();
+            let row = |drive: &piezoid_verbs::RehearsedDrive| {
+                [format!("{}_u.csv", drive.name)].into_iter().chain(rehearsal.cells(drive)).collect()
+            };
+            let header: Vec<&str> = header.iter().map(String::as_str).collect();
+            text += &format!("\n{}", console.table(&header, rehearsal.drives.iter().map(row)));
+            text += &console.paragraph(&rehearsal.text(), "");
+        }
         let folder = self.output.display();
         let next = format!(
             "Next: measure each drive in this order, every {} s, as small.csv, rise1.csv and so on; {folder}/plan.md \

@@ -49,17 +49,44 @@ impl RecordsOfModel {
         Ok(("stand-in".into(), found.into()))
     }
 
+    /// The same where only a stand-in needs the model.
+    ///
+    /// # Errors
+    /// Returns an error for a stand-in without a model, and those of [`plant`](Self::plant).
+    pub(super) fn plant_of(
+        &self,
+        name: &str,
+        model: Option<&Path>,
+        console: &Console,
+    ) -> Result<(String, SimulatedActuator)> {
+        match model {
+            None if name == RECORDS => bail!(Misused(format!("--plant {RECORDS} needs the model of the actuator"))),
+            model => self.plant(name, model.unwrap_or(Path::new("")), console),
+        }
+    }
+
+    /// Returns an error for a model that nothing but a stand-in could need, if the plant is another one.
+    pub(super) fn needed(name: &str, model: Option<&Path>) -> Result<()> {
+        match model {
+            Some(model) if name != RECORDS => {
+                let model = model.display();
+                bail!(Misused(format!("the model {model} has no effect without --plant {RECORDS}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
     /// The same for a plant that may be left out.
     pub(super) fn some_plant(
         &self,
         name: Option<&str>,
-        path: &Path,
+        model: Option<&Path>,
         console: &Console,
     ) -> Result<Option<(String, SimulatedActuator)>> {
         match name {
             None if self.records.is_empty() => Ok(None),
             None => bail!(Misused("--records has no effect without --plant records".into())),
-            Some(name) => self.plant(name, path, console).map(Some),
+            Some(name) => self.plant_of(name, model, console).map(Some),
         }
     }
 }

@@ -73,7 +73,7 @@ impl Run for TimingCall {
         apart(&results, &inputs)?;
         files::ready(&results)?;
         let columns = self.columns.read()?;
-        let plant = self.of_model.some_plant(self.plant.as_deref(), &self.model, console)?;
+        let plant = self.of_model.some_plant(self.plant.as_deref(), Some(&self.model), console)?;
         let plant = plant.as_ref().map(|(name, actuator)| (&**name, actuator));
         if self.controller {
             return self.on_controller(plant, &columns, console);
