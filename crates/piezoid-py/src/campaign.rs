@@ -1,8 +1,9 @@
-//! A campaign on a Python function that plays voltages and returns displacements.
+//! A campaign on a Python function that plays voltages and returns displacements, or on a simulated actuator.
 
 use crate::error::raised;
 use crate::json::{object, options};
 use crate::model::Model;
+use crate::plant::Plant;
 use crate::samples::array;
 use crate::watch::watched;
 use piezoid::Error;
@@ -59,11 +60,12 @@ pub(crate) fn measuring<'a>(
 /// The model, the path with a straight line and the compensated one, the results as a document, and the page.
 type Found<'py> = (Model, Bound<'py, PyDict>, Bound<'py, PyDict>, Py<PyAny>, String);
 
-/// Runs a campaign on `call(u)`, which is sampled every `ts` [s] and returns displacements in `unit`.
+/// Runs a campaign on `call(u)`, which is sampled every `ts` [s] and returns displacements in `unit`; or on a plant by
+/// its name, of which only the reference needs both.
 #[pyfunction]
 pub(crate) fn campaign<'py>(
     py: Python<'py>,
-    call: Py<PyAny>,
+    played: (Option<Py<PyAny>>, Option<(String, Py<Plant>)>),
     rig: (f64, String),
     settings: &Bound<'py, PyDict>,
     paths: (Option<PathBuf>, Option<Vec<f64>>),
@@ -71,21 +73,28 @@ pub(crate) fn campaign<'py>(
 ) -> PyResult<Found<'py>> {
     let ((ts, unit), (folder, reference)) = (rig, paths);
     let options = options::<CampaignOptions>(settings)?;
-    let rule = "is needed: give the lowest and highest voltage";
-    let range = options.range.ok_or_else(|| raised(Error::parameter("range", "(not given)", rule)))?;
-    let limits = options.instrument.limits.limits().map_err(raised)?.unwrap_or_default();
     let of_path = |r: Vec<f64>| Table::write("reference.csv", ts, &[(&format!("r_{unit}"), &r)]);
     let reference = reference.map(of_path).transpose().map_err(raised)?;
     let reference =
         reference.map(|bytes| (DataFile::from(File::new("reference.csv", bytes)), ColumnSelection::default()));
     let (mut exception, mut notes) = (None, Vec::new());
+    let (call, plant) = played;
+    let plant = plant.map(|(name, plant)| (name, plant.get().actuator.clone()));
     let found = watched(py, progress, |progress| {
+        let reference = reference.as_ref().map(|(file, columns)| (file, columns));
+        let (mut folder, notes) = (Folder(folder), &mut notes);
+        let Some(call) = call else {
+            let (name, plant) = plant.as_ref().ok_or_else(|| Error::Content("there is nothing to measure".into()))?;
+            return options.rehearse((name, plant), reference, &mut folder, notes, progress);
+        };
+        let rule = "is needed: give the lowest and highest voltage";
+        let range = options.range.ok_or_else(|| Error::parameter("range", "(not given)", rule))?;
+        let limits = options.instrument.limits.limits()?.unwrap_or_default();
         shared(progress, |of_function, own| {
             let measure = measuring(&call, &mut exception);
             let function = Function::new(range, ts, Box::new(measure), of_function)?;
             let mut function = function.in_unit(unit).within(limits);
-            let reference = reference.as_ref().map(|(file, columns)| (file, columns));
-            options.on(&mut function, reference, &mut Folder(folder), &mut notes, own)
+            options.on(&mut function, reference, &mut folder, notes, own)
         })
     });
     // What the function itself raised is raised again.

@@ -4,6 +4,7 @@ use crate::compensation::inner;
 use crate::error::raised;
 use crate::json::{document, members, object, options, rows};
 use crate::model::Model;
+use crate::plant::Plant;
 use crate::samples::{Array, array};
 use piezoid::excitation::{EXCITATIONS, Excitation};
 use piezoid_host::files::FileSet;
@@ -64,17 +65,23 @@ pub(crate) fn plan<'py>(
     py: Python<'py>,
     settings: &Bound<'_, PyDict>,
     model: Option<&Bound<'_, Model>>,
+    plant: Option<(String, Py<Plant>)>,
     folder: Option<PathBuf>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (options, model) = (options::<PlanOptions>(settings)?, model.map(inner));
+    let plant = plant.map(|(name, plant)| (name, plant.get().actuator.clone()));
     let result = py.detach(|| {
-        let plan = options.run(model.as_ref())?;
+        let plan = match &plant {
+            Some((name, plant)) => options.rehearsed(model.as_ref(), (name, plant))?,
+            None => options.run(model.as_ref())?,
+        };
         folder.iter().try_for_each(|folder| FileSet::in_folder(folder, &plan.files()?)?.write())?;
         Ok(plan)
     });
     let plan = result.map_err(raised)?;
     let document = json!({
         "ts": plan.ts, "page": plan.page(), "notes": plan.notes, "advice": plan.advice, "uncertainty": plan.uncertainty,
+        "rehearsal": plan.rehearsal,
     });
     let drives = PyDict::new(py);
     plan.drives.into_iter().try_for_each(|drive| drives.set_item(drive.name, array(py, drive.u)))?;

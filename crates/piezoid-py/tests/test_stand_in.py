@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -48,3 +49,24 @@ def test_it_takes_the_place_of_a_twin(actuator: pz.Plant, model: pz.Model) -> No
     table = pz.control(actuator, model, r, controller=["gain", "feed-forward"]).table
     assert table["feed-forward"].iloc[0] < table["gain"].iloc[0]
     assert "stand-in, compensated" in pz.timing(model, r, plant=actuator).displacements
+
+
+def test_a_campaign_is_rehearsed_on_it(actuator: pz.Plant, tmp_path: Path) -> None:
+    found = pz.campaign(actuator, bandwidth=20, wait=2, operator="preisach", folder=tmp_path)
+    assert found.better > 20 and found.results["identity"] == "stand-in, simulated"
+    assert found.model.ts == TS and (tmp_path / "campaign.html").exists()
+    with pytest.raises(pz.PiezoidError, match="range is missing: a function needs it"):
+        pz.campaign(lambda u: 2 * u, ts=TS, bandwidth=20)
+    with pytest.raises(pz.PiezoidError, match="ts is missing: the path needs it"):
+        pz.campaign("pl140", bandwidth=20, reference=[0.0, 1.0])
+
+
+def test_a_plan_is_rehearsed_on_it(actuator: pz.Plant, rise: pz.Record) -> None:
+    plan = pz.plan(plant=actuator, bandwidth=20)
+    assert plan.rehearsal is not None and plan.rehearsal["plant"] == "stand-in"
+    low, high = np.min(rise.u), np.max(rise.u)
+    assert np.isclose(plan["rise1"].max(), 0.5 * (low + high) + 0.475 * (high - low), rtol=0.01)
+    assert 0.8 < plan.rehearsal["stroke"] / np.ptp(rise.y) < 1.2
+    assert "## Rehearsal" in plan.page and pz.plan(range=(-5, 5), bandwidth=20).rehearsal is None
+    with pytest.raises(pz.PiezoidError, match="must be a multiple of 0.001 s, the sampling period of the stand-in"):
+        pz.plan(plant=actuator, bandwidth=20, ts=1.5e-3)

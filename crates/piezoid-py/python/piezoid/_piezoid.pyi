@@ -127,7 +127,7 @@ class FeedForward:
         """Continues from a saved state; one of another model, delay or length is refused."""
 
 def campaign(
-    call: Callable[[Array], Any],
+    played: tuple[Any, tuple[str, Plant] | None],
     rig: tuple[float, str],
     settings: dict[str, Any],
     paths: tuple[str | os.PathLike[str] | None, list[float] | None],
@@ -215,7 +215,12 @@ def fit(
 ) -> tuple[Arx, dict[str, Any]]: ...
 def lists() -> dict[str, list[dict[str, Any]]]: ...
 def excite(name: str, common: dict[str, Any], own: dict[str, Any]) -> Array: ...
-def plan(settings: dict[str, Any], model: Model | None, folder: str | os.PathLike[str] | None) -> dict[str, Any]: ...
+def plan(
+    settings: dict[str, Any],
+    model: Model | None,
+    plant: tuple[str, Plant] | None,
+    folder: str | os.PathLike[str] | None,
+) -> dict[str, Any]: ...
 def follow(name: str, ts: float, n: int, peak: float, hz: float) -> Array: ...
 def compare(
     models: list[tuple[str, Model]], records: list[tuple[str, Record]], settings: dict[str, Any]

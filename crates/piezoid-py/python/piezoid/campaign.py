@@ -1,4 +1,4 @@
-"""A campaign: from a function that plays voltages to a model, and to a path that was measured."""
+"""A campaign: from a function that plays voltages, or a simulated actuator, to a model and a path that was measured."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import numpy as np
 from . import _piezoid
 from ._progress import watched
 from ._types import Array, Progress
+from ._piezoid import PiezoidError
 from .model import Model
+from .plants import Plant, plants
 
 __all__ = ["Campaign", "campaign"]
 
@@ -41,10 +43,10 @@ class Campaign:
 
 
 def campaign(
-    measure: Callable[[Array], Any],
+    measure: Callable[[Array], Any] | Plant | str,
     *,
-    ts: float,
-    range: tuple[float, float],
+    ts: float | None = None,
+    range: tuple[float, float] | None = None,
     bandwidth: float,
     unit: str = "um",
     wait: float = 10.0,
@@ -65,6 +67,9 @@ def campaign(
             output.write(u, auto_start=False); reading.start(); output.start()
             return 20.0 * np.asarray(reading.read(len(u), timeout=len(u) * ts + 5))
 
+    A simulated actuator in its place, a `stand_in` or a twin by name, is a rehearsal. Nothing waits then, and `ts` and
+    `range` are optional: they are those of the stand-in, or the plan and the driver of the twin give them.
+
     ts: sampling period [s]; range: lowest and highest voltage [V]; bandwidth: highest frequency of the application [Hz];
     unit: that of the displacement; wait: after each demagnetisation [s]; operator: as for `identify`; actuator: one of
     `lists()["actuators"]`; slew: largest change of the voltage [V/s]; reference: the path to follow [unit], every `ts`,
@@ -81,12 +86,23 @@ def campaign(
     >>> round(found.model.dc_gain, 2)
     2.0
     """
-    options: dict[str, Any] = {"range": list(range), "bandwidth": bandwidth, "wait": wait, "operator": operator}
-    options |= {name: value for name, value in [("actuator", actuator), ("slew", slew)] if value is not None}
-    options["period"] = ts
+    plant = plants[measure] if isinstance(measure, str) else measure if isinstance(measure, Plant) else None
+    if plant is not None:
+        ts, unit = plant._core.ts if ts is None else ts, plant._core.units[1]
+    missing = "ts" if ts is None and (plant is None or reference is not None) else "range"
+    if missing == "ts" or (plant is None and range is None):
+        why = "the path" if plant is not None else "a function"
+        raise PiezoidError(f"{missing} is missing: {why} needs it")
+    options: dict[str, Any] = {"bandwidth": bandwidth, "wait": wait, "operator": operator}
+    given = [("range", None if range is None else list(range)), ("period", ts), ("actuator", actuator), ("slew", slew)]
+    options |= {name: value for name, value in given if value is not None}
     path = None if reference is None else np.asarray(reference, dtype=float).tolist()
     with watched(progress) as watch:
         model, straight, compensated, results, page = _piezoid.campaign(
-            measure, (ts, unit), options, (folder, path), watch
+            (None, (plant.name, plant._core)) if plant is not None else (measure, None),
+            (ts or 0.0, unit),
+            options,
+            (folder, path),
+            watch,
         )
     return Campaign(Model._of(model), straight, compensated, results, page)
