@@ -43,7 +43,7 @@ pub use origin::{Origin, files_of, identify_again};
 pub use plan::{Plan, PlanOptions, PlannedDrive, Rehearsal, RehearsedDrive, UncertainParameter, Uncertainty};
 pub use prepare::{Source, Step};
 pub use simulate::{SimulateOptions, Simulated, Subject};
-pub use smoothing::Smoothing;
+pub use smoothing::{Faster, Smoothing};
 pub use split::{Split, Test};
 pub use stand_in::{stand_in, stand_in_from};
 pub use timing::{

@@ -33,6 +33,23 @@ const RUNS: f64 = 5.0;
 /// Longest smoothing [samples], as that of the option.
 const LONGEST: usize = 100_000;
 
+/// A voltage that changes faster than that of the training data.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Faster {
+    /// Its largest rate [input unit/s].
+    pub slew: f64,
+    /// Largest rate of the training data [input unit/s].
+    pub identified_slew: f64,
+}
+
+impl Faster {
+    /// `None` if the voltage `u` is not faster, or if the rates of the training data are not known.
+    pub(crate) fn of(model: &Model, u: &[f64]) -> Option<Self> {
+        let (slew, identified_slew) = (Domain::of_input(u, model.ts()).slew, model.identified()?.slew);
+        (slew > (1.0 + Domain::RATE_MARGIN) * identified_slew).then_some(Faster { slew, identified_slew })
+    }
+}
+
 /// The smoothing that keeps a voltage within the rates of the training data.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Smoothing {
@@ -102,10 +119,7 @@ impl Smoothing {
     /// The smoothing for the path `r` whose voltage was `found`; `None` if that is within the rates of the training
     /// data, if these are not known, and if the path is too long to look for it.
     pub(crate) fn of(options: &CompensateOptions, model: &Model, r: &[f64], found: &Compensated) -> Option<Self> {
-        let (slew, known) = (Domain::of_input(&found.u, model.ts()).slew, model.identified()?.slew);
-        if slew <= (1.0 + Domain::RATE_MARGIN) * known {
-            return None;
-        }
+        let Faster { slew, identified_slew: known } = Faster::of(model, &found.u)?;
         let (smooth, rms) =
             shortest(options, model, r, known).map(|(seconds, shaped)| (seconds, Metrics::of(r, &shaped).rmse)).unzip();
         Some(Smoothing {

@@ -17,7 +17,7 @@ pub use run::{RunTiming, ScanLag, StepTiming};
 use super::on_plant::played;
 use super::same_actuator::matched;
 use super::verdict::proven;
-use super::{DataFile, File, Verdict, blamed};
+use super::{DataFile, Faster, File, Verdict, blamed};
 use piezoid_control::compensation::FeedForwardSettings;
 use piezoid_control::compensation::shaping::Shaping;
 use piezoid_control::feedback::SimulatedActuator;
@@ -76,6 +76,8 @@ pub struct Timing {
     pub path: Vec<f64>,
     /// The compensated voltage [input unit].
     pub u: Vec<f64>,
+    /// Set if it changes faster than that of the training data: the timing is then that of the model alone.
+    pub faster: Option<Faster>,
     /// The timing of each run.
     pub runs: Vec<RunTiming>,
     /// The displacement of each run [output unit].
@@ -251,7 +253,7 @@ impl Timing {
     pub fn to_json(&self) -> Value {
         let best = |purpose| json!({"shortest": self.shortest(purpose), "least_overshoot": self.smoothest(purpose)});
         json!({
-            "unit": self.units.y, "ts": self.ts, "tolerance": self.tolerance, "runs": self.runs,
+            "unit": self.units.y, "ts": self.ts, "tolerance": self.tolerance, "faster": self.faster, "runs": self.runs,
             "fastest": self.fastest, "step": best("step"), "flyback": best("flyback"), "notes": self.notes,
             "verdict": self.verdict,
         })

@@ -11,7 +11,7 @@
 
 use super::fastest::{Mover, Player};
 use super::{MoveOptions, Players, RunTiming, Timing, Twin, cancelled, length};
-use crate::Compensation;
+use crate::{Compensation, Faster};
 use piezoid_control::compensation::{FeedForward, FeedForwardSettings};
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::error::{Error, finite};
@@ -220,6 +220,7 @@ impl PlannedMoves<'_> {
             tolerance,
             path: compensation.shaped.clone(),
             u: compensation.compensated.u.clone(),
+            faster: Faster::of(self.model, &compensation.compensated.u),
             runs: Vec::new(),
             displacements: Vec::new(),
             fastest: Vec::new(),

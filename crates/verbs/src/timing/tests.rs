@@ -129,6 +129,7 @@ fn times_predicted_by_a_model_identified_from_a_twin_are_those_on_the_twin() {
             timed(&options, &model, Some(r.clone()), &Players { plant: Some(("pl140", &spec)), measured: None });
         let names: Vec<&str> = timing.runs.iter().map(|run| &*run.name).collect();
         assert_eq!(names, ["model, compensated", "model, straight line", "pl140, compensated", "pl140, straight line"]);
+        assert_eq!(timing.faster.is_some(), smooth.is_none(), "{:?}", timing.faster);
         for (k, step) in timing.runs[0].steps.iter().enumerate() {
             let of = |run: usize| timing.runs[run].steps[k];
             println!(
