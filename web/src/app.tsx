@@ -18,12 +18,12 @@ import { WorkbenchView } from "./views/workbench.tsx";
 import type { Workspace } from "./workspace.ts";
 
 /** The views in the order of the work; some need instruments, which only `piezoid serve` reaches. */
-const VIEWS: { name: string; title: string; show(): JSX.Element; served?: true }[] = [
-  { name: "workbench", title: "Workbench", show: () => <WorkbenchView /> },
+const VIEWS: { name: string; title: string; show(): JSX.Element; served?: true; panes?: true }[] = [
+  { name: "workbench", title: "Workbench", show: () => <WorkbenchView />, panes: true },
   { name: "experiment", title: "Experiment", show: () => <ExperimentView /> },
   { name: "campaign", title: "Campaign", show: () => <CampaignView />, served: true },
   { name: "branches", title: "Branches", show: () => <BranchesView /> },
-  { name: "compensate", title: "Compensate", show: () => <CompensateView /> },
+  { name: "compensate", title: "Compensate", show: () => <CompensateView />, panes: true },
   { name: "control", title: "Control", show: () => <ControlView /> },
   { name: "export", title: "Export", show: () => <ExportView /> },
   { name: "study", title: "Study", show: () => <StudyView /> },
@@ -87,8 +87,8 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
         )}
         {lists ? (
           <SharedContext.Provider value={{ workspace, lists }}>
-            <div key={view.name} class={`view ${view.name}`}>
-              <h1 class={view.name === "workbench" ? "unseen" : ""}>{view.title}</h1>
+            <div key={view.name} class={`view ${view.panes ? "panes" : ""}`}>
+              <h1 class={view.panes ? "unseen" : ""}>{view.title}</h1>
               <Guard>{view.show()}</Guard>
             </div>
           </SharedContext.Provider>

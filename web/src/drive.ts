@@ -26,6 +26,13 @@ export interface Usage {
   current: Use | null;
 }
 
+/** What a drive uses of the limits of the voltage: "3 to 97 V of 0 to 100 V". */
+export function voltageUse({ lowest, highest }: Usage, of: string = highest.unit): string {
+  const [low, high] = [lowest.limit, highest.limit].map((limit) => (limit === null ? undefined : short(limit)));
+  const limits = low && high ? `${low} to ${high}` : low ? `at least ${low}` : high && `at most ${high}`;
+  return `${short(lowest.value)} to ${short(highest.value)} ${unit(of)}${limits ? ` of ${limits} ${unit(of)}` : ""}`;
+}
+
 /** A drive signal: samples `ts` seconds apart. */
 export interface Signal {
   name: string;

@@ -3,8 +3,8 @@
 import { changedSince, type ModelEntry, usedModel } from "./project.ts";
 import { useShared, Verdict } from "./ui.tsx";
 
-/** The choice of the model that is used, where there are several. */
-export function ModelChoice() {
+/** The choice of the model that is used, with what proves it unless the view has a verdict of its own. */
+export function ModelChoice({ proof = true }: { proof?: boolean }) {
   const { workspace } = useShared();
   const { models } = workspace.project;
   const entry = usedModel(workspace.project);
@@ -19,7 +19,7 @@ export function ModelChoice() {
         </label>
       </div>
       {entry && <Outdated entry={entry} />}
-      {entry && <Verdict of={entry.validated ? "Validated" : ""} text={entry.validated ?? "not validated on other records yet"} />}
+      {proof && entry && <Verdict of={entry.validated ? "Validated" : ""} text={entry.validated ?? "not validated on other records yet"} />}
     </>
   );
 }

@@ -43,6 +43,7 @@ test("moves are timed on the model, on a twin, and on a controller once its user
   await fill(limits, "driver", "pl140");
   await fill(limits, "smooth", "12ms");
 
+  await page.getByRole("button", { name: "Moves in time" }).click();
   const moves = page.getByRole("region", { name: "Moves in time" });
   await moves.getByRole("button", { name: "a step up and down" }).click();
   for (const [name, value] of [["tolerance", "5um"], ["step", "200um"]]) await fill(moves, name, value);

@@ -84,7 +84,7 @@ function Result({ answer, ts, model, stale }: Compared & { stale: boolean }) {
   const notes = schemes.flatMap(({ scheme, tracking }) => (tracking[at]?.notes ?? []).map((note) => `${scheme}: ${note}`));
   return (
     <>
-      <Section title="Errors" wide help="Root mean square of the error, in % of the height of the reference. The smallest of each column is bold; a dash marks a refused run.">
+      <Section title="Errors" wide help="Root mean square of the error, reference less displacement, in % of the height of the reference. “gain” is the best constant gain, with a shift in time. The smallest of each column is bold; a dash marks a refused run.">
         <Stale stale={stale} />
         <p>Tuned to the model {model}; played on {spokenPlant(result.plant)}{result.plant === "stand-in" ? " for its actuator" : ", which is another actuator unless the records are of it"}.</p>
         <Table caption="Errors by scheme and reference" head={["Scheme", ...references.map(({ name }) => name)]} rows={errors(schemes)} />

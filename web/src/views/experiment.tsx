@@ -1,11 +1,11 @@
 // Experiment: the drives of an identification within the limits of a driver, tried on a twin; and single signals.
 
 import { useMemo } from "preact/hooks";
-import { samplesOf, type Signal, spectrumFigure, timeFigure, type Usage, type Use } from "../drive.ts";
+import { samplesOf, type Signal, spectrumFigure, timeFigure, type Usage, type Use, voltageUse } from "../drive.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
-import { short, si, unit } from "../plot/ticks.ts";
+import { short, si } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
 import { SignalForm, useSignal } from "../signal.tsx";
 import { Chart, Download, Fault, Notes, Section, Stale, Table, TextFile, useKept, useSettings, useShared } from "../ui.tsx";
@@ -95,7 +95,7 @@ function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
       <Section title="Drives" wide help={`Sampled every ${si(result.ts, "s")}. The bars are shares of the limits of the driver.`}>
         <Stale stale={stale} />
         <Notes title="" notes={result.advice ? [result.advice] : []} />
-        <Table caption="Drives of the plan" head={["Drive", "Purpose", "Duration", "Of limits", "Voltage", "Slew", "Current", "File"]}
+        <Table caption="Drives of the plan" head={["Drive", "Purpose", "Duration", "Of limits", "Uses voltage", "Uses slew", "Uses current", "File"]}
           rows={rows} marked={shown ? drives.indexOf(shown) : -1} />
         <div class="row">
           <Download files={files} archive="plan.zip" title="Download all as zip" />
@@ -115,23 +115,24 @@ function Drives({ answer, stale, bandwidth, chosen, choose }: DrivesProps) {
   );
 }
 
-/** A part of a limit that is used, as words and as a bar. */
+/** What is used of a limit, as words and as a bar. */
 function Share({ use }: { use: Use | null }) {
   if (!use) return <>{"\u2013"}</>;
   return (
     <span class="share">
-      {si(use.value, use.unit)}
+      {si(use.value, use.unit)}{use.limit !== null && ` of ${si(use.limit, use.unit)}`}
       {use.share === null ? <small>no limit</small> : <Bar share={use.share} />}
     </span>
   );
 }
 
 /** The span of a voltage, and the larger of its two shares. */
-function Voltage({ usage: { lowest, highest } }: { usage: Usage }) {
+function Voltage({ usage }: { usage: Usage }) {
+  const { lowest, highest } = usage;
   const shares = [lowest.share, highest.share].filter((share) => share !== null);
   return (
     <span class="share">
-      {short(lowest.value)} to {short(highest.value)} {unit(highest.unit)}
+      {voltageUse(usage)}
       {shares.length === 0 ? <small>no limit</small> : <Bar share={Math.max(...shares)} />}
     </span>
   );

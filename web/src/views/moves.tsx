@@ -3,6 +3,7 @@
 
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { CallName } from "../catalogue.ts";
+import { beyondMeasured, type Faster } from "../compensate/beyond.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer, File } from "../packet.ts";
@@ -48,17 +49,17 @@ interface Props {
   model: any;
   /** What the moves are played on too. */
   plant: Plant | undefined;
-  /** The path above, and what it is made of. */
+  /** The path of the view, and what it is made of. */
   path: File;
   expected: string;
-  /** Limits and shaping, which the compensation above has too. */
+  /** Limits and shaping, which the compensation has too. */
   shared: Options;
   values: Options;
   change(values: Options): void;
 }
 
-/** What plays the path: the path above, or a step up and down. */
-const PATHS = ["the path above", "a step up and down"];
+/** What is played: the path of the view, or a step up and down. */
+const PATHS = ["this path", "a step up and down"];
 
 export function Moves({ file, model, plant, path, expected, shared, values, change }: Props) {
   const { workspace, lists } = useShared();
@@ -83,8 +84,8 @@ export function Moves({ file, model, plant, path, expected, shared, values, chan
   const busy = work.busy || measured.busy;
   return (
     <Section title="Moves in time" wide
-      help="When each step settles within the tolerance, how far it overshoots, and the fastest moves. Limits and shaping are those above; the voltage is clipped to the limits.">
-      <p class="help">Played on the model{plant ? `, and on ${spokenPlant(plant.name)}, which is chosen above` : "; choose a plant above to play them there too"}.</p>
+      help="When each step settles within the tolerance, how far it overshoots, and the fastest moves. Limits and shaping are those at the left; the voltage is clipped to the limits.">
+      <p class="help">Played on the model{plant ? `, and on ${spokenPlant(plant.name)}, which is the plant` : "; choose a plant to play them there too"}.</p>
       <Choice label="Path of the moves" names={PATHS} chosen={isStep ? PATHS[1] : PATHS[0]} choose={(along) => change({ ...values, along })} />
       <Form rows={rows} values={values} change={change} first={own} />
       <div class="row">
@@ -170,10 +171,15 @@ const ms = (seconds: number | null | undefined): string => (seconds === null || 
 /** Steps in the table. */
 const SHOWN = 8;
 
+/** The runs that are shown, with their numbers: the compensated ones. What they improve on stands beside the path. */
+const shownRuns = ({ result }: Answer): (Run & { k: number })[] =>
+  (result.runs as Run[]).map((run, k) => ({ ...run, k })).filter(({ name }) => !name.endsWith(", straight line"));
+
 function Result({ answer }: { answer: Answer }) {
   const { lists } = useShared();
   const { result } = answer;
-  const runs: Run[] = result.runs;
+  const runs = shownRuns(answer);
+  const faster: Faster | null | undefined = result.faster;
   const unit = unitOf(result.unit);
   const steps = runs[0]?.steps ?? [];
   // On the controller if it was measured there, or on the plant.
@@ -183,8 +189,9 @@ function Result({ answer }: { answer: Answer }) {
   const figure = useMemo(() => figureOf(answer, at), [answer, at]);
   return (
     <>
+      {faster && <p class="verdict poor" role="status">{beyondMeasured(faster, result.units.u)} Times and errors below are those of models.</p>}
       <dl class="readings">
-        {steps.length > 0 && last && <Fact value={ofSteps(last)[1]!} unit="ms" name={`slowest step, ${last.name}`} />}
+        {steps.length > 0 && last && <Fact value={ofSteps(last)[1]!} unit="ms" name={`slowest step, ${last.name}${faster ? "; beyond what was measured" : ""}`} />}
         <Fact value={ms(result.step.shortest?.settling_s)} unit="ms" name={`shortest step, ${result.step.shortest?.shape ?? "none settles"}`} />
         <Fact value={ms(result.flyback.shortest?.settling_s)} unit="ms" name={`shortest flyback, ${result.flyback.shortest?.shape ?? "none settles"}`} />
         <Fact value={short(result.tolerance)} unit={unit} name="tolerance" />
@@ -207,7 +214,10 @@ function Result({ answer }: { answer: Answer }) {
       <Chart figure={figure} height={440} />
       <FastestMoves moves={result.fastest} unit={unit} />
       <Notes title="Notes" notes={result.notes} />
-      <div class="row"><Download files={answer.files} title="Download timing.csv" /></div>
+      <div class="row">
+        <Download files={answer.files} title="Download timing.csv" />
+        <small>It holds the runs along the straight line between the ends of the stroke too.</small>
+      </div>
     </>
   );
 }
@@ -241,17 +251,17 @@ const FEWEST = 20;
 const ERRORS = 8;
 
 /** Displacement and error of each run, at first around a step, with the tolerance and when each run has settled. */
-function figureOf({ result, series }: Answer, at: number): Figure {
+function figureOf(answer: Answer, at: number): Figure {
+  const runs = shownRuns(answer);
+  const { result, series } = answer;
   const { ts, unit, tolerance }: { ts: number; unit: string; tolerance: number } = result;
-  const runs: Run[] = result.runs;
   const r = series.get("r")!;
   const step = runs[0]?.steps[at];
   const next = runs[0]?.steps[at + 1]?.at_s ?? ts * (r.length - 1);
   const settled = runs.flatMap(({ name, steps }) => (typeof steps[at]?.settling_s === "number" ? [{ name, time: steps[at]!.settling_s! }] : []));
   const length = step && AROUND * Math.max(step.move_s, FEWEST * ts, ...settled.map(({ time }) => time));
-  const look = (k: number) => ({ colour: 1 + (Math.floor(k / 2) % 7), ...(k % 2 === 1 && runs[k]!.name.endsWith("straight line") && { style: "dashed" as const }) });
-  const y = runs.map(({ name }, k) => ({ name, step: ts, y: series.get(`y/${k}`)!, ...look(k) }));
-  const errors = y.map(({ y, ...rest }) => ({ ...rest, y: y.map((value, k) => value - r[k]!) }));
+  const y = runs.map(({ name, k }, j) => ({ name, step: ts, y: series.get(`y/${k}`)!, colour: 1 + (j % 7) }));
+  const errors = y.map(({ y, ...rest }) => ({ ...rest, y: y.map((value, k) => r[k]! - value) }));
   const goal = step ? [{ at: step.to - tolerance, label: "" }, { at: step.to + tolerance, label: "" }] : [];
   const most = errors.reduce((most, { y }) => y.reduce((most, value) => Math.max(most, Math.abs(value)), most), tolerance);
   const high = Math.min(1.1 * most, ERRORS * tolerance);

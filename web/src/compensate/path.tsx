@@ -1,0 +1,82 @@
+// The left of Compensate: the model, the path, its limits and shaping.
+
+import { Form } from "../form.tsx";
+import { optionsOf } from "../lists.ts";
+import { ModelChoice } from "../models.tsx";
+import type { Handle } from "../plot/figure.ts";
+import { short } from "../plot/ticks.ts";
+import type { Options } from "../project.ts";
+import { inUnit } from "../signal.tsx";
+import { Entry, Section, useShared } from "../ui.tsx";
+import { type Path, recorded, type Settings } from "./request.ts";
+
+interface Props {
+  path: Path;
+  settings: Settings;
+  change(values: Partial<Settings>, passing?: boolean): void;
+}
+
+const KINDS = ["sine", "triangle", "staircase"];
+
+/** Points of a drawn path, at most. */
+const MOST = 40;
+
+export function PathForm({ path: { path, points, duration, usual, of }, settings, change }: Props) {
+  const { workspace, lists } = useShared();
+  const isKind = KINDS.includes(path ?? "");
+  const kind = lists.excitations.find((one) => one.name === path);
+  const number = (label: string, value: number, set: (value: number) => void) => (
+    <label>
+      {label}{" "}
+      <Entry inputMode="decimal" size={7} value={String(value)} entered={(text) => Number(text) > 0 && set(Number(text))} />
+    </label>
+  );
+  return (
+    <Section title="Path" help={path === "drawn" ? "Drag its points in the picture, or move them with the arrow keys." : ""}>
+      <ModelChoice proof={false} />
+      <div class="row">
+        <label>
+          Path{" "}
+          <select value={path} onChange={(event) => change({ path: event.currentTarget.value })}>
+            <option value="drawn">drawn by hand</option>
+            {KINDS.map((name) => <option key={name} value={name}>{name}</option>)}
+            {workspace.project.records.map((one) => <option key={one.file} value={one.file}>displacement of {one.file}</option>)}
+          </select>
+        </label>
+        {(path === "drawn" || isKind) && number("Duration [s]", duration, (value) => change({ duration: value }))}
+        {path === "drawn" && number("Points", points.length, (value) =>
+          change({ points: Array.from({ length: Math.max(2, Math.min(MOST, Math.round(value))) }, (_, k) => points[k] ?? 0) }))}
+      </div>
+      {isKind && kind && (
+        <Form rows={inUnit(kind.options, of).map((row) => ({ ...row, required: false, ...(row.name in usual && { usual: String(usual[row.name]) }) }))}
+          values={settings.signal ?? {}} change={(signal) => change({ signal })} />
+      )}
+    </Section>
+  );
+}
+
+/** Limits that are not set are those of the records. */
+export function Limits({ model, values, change }: { model: any; values: Options; change(values: Options): void }) {
+  const { lists } = useShared();
+  const known = values["driver"] === undefined ? recorded(model)?.u : undefined;
+  const usual = (name: string) => {
+    const at = known?.[name === "low" ? 0 : 1];
+    return (name === "low" || name === "high") && at !== undefined ? { usual: short(at) } : {};
+  };
+  return (
+    <Section title="Limits and shaping"
+      help={`${known ? "Voltages are those of the records as long as no others are set. " : ""}A path with corners is smoothed, or filtered at the resonance.`}>
+      <Form rows={optionsOf(lists, "compensate").filter(({ name }) => name !== "plant").map((row) => ({ ...row, ...usual(row.name) }))}
+        values={values} change={change} first={["driver", "low", "high", "clip", "smooth", "zvd"]} />
+    </Section>
+  );
+}
+
+/** The points of a drawn path, which are dragged in the picture. */
+export function pathHandles({ path, points, duration }: Path, change: Props["change"]): Handle[] {
+  if (path !== "drawn") return [];
+  const step = duration / (points.length - 1);
+  const moved = (k: number) => (_: number, y: number, done: boolean) =>
+    change({ points: points.map((one, j) => (j === k ? Number(y.toPrecision(3)) : one)) }, !done);
+  return points.map((y, k) => ({ label: `Height of the path at ${short(k * step)} s`, x: k * step, y, moves: "y", moved: moved(k) }));
+}
