@@ -183,6 +183,38 @@ test("a density that follows the shown time is the one that is counted anew", { 
     assert.ok(followed === anew && followed !== other);
   }));
 
+test("a loop scales to the samples of the shown time", { skip }, () =>
+  opened(async (page) => {
+    await page.evaluate(async () => {
+      globalThis.free = new plots.Plot(host("100%", 300, "free"), loopFigure(data), { link });
+      await drawn(free);
+    });
+    const whole = await ticks(page, "free");
+    // A tenth of a cycle about a reversal.
+    await page.evaluate(async () => (link.zoom({ from: 0.94, to: 0.96 }), await frame()));
+    const zoomed = await ticks(page, "free");
+    const inputs = await page.evaluate(() => [...data.u.slice(9400, 9601)].reduce(([low, high], u) => [Math.min(low, u), Math.max(high, u)], [Infinity, -Infinity]));
+    const [size, before] = [zoomed.at(-1) - zoomed[0], whole.at(-1) - whole[0]];
+    assert.ok(size < before / 2, `${zoomed} of ${whole}`);
+    assert.ok(zoomed[0] > inputs[0] - size / 2 && zoomed.at(-1) < inputs[1] + size / 2, `${zoomed} about ${inputs}`);
+  }));
+
+test("a wheel alone scrolls, and a hint says for a moment how it zooms", { skip }, () =>
+  opened(async (page) => {
+    await point(page, "time", 500, 60);
+    await page.mouse.wheel(0, 30);
+    await page.waitForTimeout(200);
+    const { x, width, height, canvas } = await marked(page, "time");
+    assert.ok(width > 100 && height >= 30 && height <= 34 && Math.abs(x - canvas / 2) < 2, `a hint of ${width} by ${height} px`);
+    assert.equal(await page.evaluate(() => link.span), undefined);
+    await page.waitForTimeout(1500);
+    assert.equal(await marked(page, "time"), undefined);
+    await page.keyboard.down("Control");
+    await page.mouse.wheel(0, -100);
+    await page.keyboard.up("Control");
+    assert.ok(await page.evaluate(() => link.span.to - link.span.from < 0.95));
+  }));
+
 test("a finger that taps puts the cursor, which stays", { skip }, () =>
   opened(async (page) => {
     const box = await page.locator("#time .stage").boundingBox();

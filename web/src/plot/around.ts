@@ -2,7 +2,7 @@
 
 import { csv, download } from "./download.ts";
 import type { Figure, Series } from "./figure.ts";
-import { COLOURS } from "./theme.ts";
+import { COLOURS, type Theme } from "./theme.ts";
 
 const all = (figure: Figure): Series[] => figure.panels.flatMap((panel) => panel.series);
 
@@ -66,4 +66,24 @@ export function sized(canvas: HTMLCanvasElement, width: number, height: number):
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
   return context;
+}
+
+/** How the wheel zooms, and how long that is written [ms]. */
+const HINT = "Ctrl + wheel zooms";
+const WRITTEN = 1200;
+
+const hinted = new WeakMap<HTMLCanvasElement, ReturnType<typeof setTimeout>>();
+
+/** Writes for a moment how the wheel zooms, which scrolls the page alone: into the middle of the cursor's canvas. */
+export function hint(canvas: HTMLCanvasElement, { clientWidth: width, clientHeight: height }: HTMLElement, theme: Theme): void {
+  const context = sized(canvas, width, height);
+  context.font = "14px system-ui, sans-serif";
+  context.textAlign = "center";
+  const wide = context.measureText(HINT).width + 24;
+  context.fillStyle = theme.grid;
+  context.fillRect((width - wide) / 2, height / 2 - 16, wide, 32);
+  context.fillStyle = theme.text;
+  context.fillText(HINT, width / 2, height / 2 + 5);
+  clearTimeout(hinted.get(canvas));
+  hinted.set(canvas, setTimeout(() => sized(canvas, width, height), WRITTEN));
 }

@@ -18,6 +18,8 @@ export interface Gestured {
   leave(): void;
   /** All is to be shown. */
   all(): void;
+  /** A wheel was turned that scrolls the page. */
+  scrolled(): void;
 }
 
 /** How far a finger moves at most that taps [pixels]. */
@@ -33,7 +35,7 @@ export function listen(canvas: HTMLCanvasElement, on: Gestured, middle: () => Po
   let start: Point | undefined;
   canvas.addEventListener("wheel", (event) => {
     // A page is scrolled over its plots, unless a plot has the focus or a key is held.
-    if (!event.ctrlKey && document.activeElement !== canvas) return;
+    if (!event.ctrlKey && document.activeElement !== canvas) return on.scrolled();
     event.preventDefault();
     on.change(1.0015 ** event.deltaY, at(event));
   }, { passive: false });

@@ -1,9 +1,9 @@
 // A plot that answers to the hand: zoom, cursor, legend, handles, download. The same in the page and in reports.
 //
-// Wheel or pinch: zoom about the pointer. Drag: zoom to a box; with Shift, or with a finger, move. Double click or 0: all.
+// Ctrl and wheel, or pinch: zoom about the pointer; a plot with the focus needs no Ctrl. Drag: zoom to a box; with Shift, or with a finger, move. Double click or 0: all.
 // Keys on the plot: arrows move, + and - zoom, 0 and Home show all.
 
-import { bar, description, legend, names, sized } from "./around.ts";
+import { bar, description, hint, legend, names, sized } from "./around.ts";
 import { mark, pointed, type Reading, readingAt, readingLoop, readingThen } from "./cursor.ts";
 import { draw } from "./draw.ts";
 import type { Figure, Span } from "./figure.ts";
@@ -151,10 +151,10 @@ export class Plot {
     const { clientWidth: width, clientHeight: height } = this.#stage;
     if (width < 40 || height < 40) return false;
     const [figure, { link }] = [this.#figure, this.#look];
-    const x = (link && !figure.loops ? link.span : this.#x) ?? spanX(figure, this.#hidden);
     const only = figure.loops ? link?.span : undefined;
+    const x = (link && !figure.loops ? link.span : this.#x) ?? spanX(figure, this.#hidden, only);
     const places = areas(figure, width, height);
-    const ys = spansY(figure, x, this.#hidden);
+    const ys = spansY(figure, x, this.#hidden, only);
     this.#frames = figure.panels.map((panel, k) => ({ panel, area: places[k]!, x, y: this.#y[this.#row(k)] ?? ys[k]!, only }));
     this.#stage.style.setProperty("--rows", String(figure.columns ? grid(figure, width).rows : 1));
     return true;
@@ -219,6 +219,7 @@ export class Plot {
       point: (at) => this.#point(at),
       leave: () => this.#left(),
       all: () => this.#all(),
+      scrolled: () => this.#theme && hint(this.#cursor, this.#stage, this.#theme),
     }, middle);
   }
 

@@ -40,17 +40,24 @@ function shown(span: Span, log: boolean): Span {
   return log ? { from: span.from / 2, to: span.to * 2 } : { from: span.from - half, to: span.to + half };
 }
 
-/** The x to show at first: all of the shown series, unless the axis says another span. */
-export function spanX(figure: Figure, hidden: Set<string>): Span {
+/** A span that keeps its ends while what it is of moves a little: a time is moved along loops, which would tremble. */
+function steady({ from, to }: Span): Span {
+  const step = 2 ** Math.floor(Math.log2(to - from)) / 8;
+  return step > 0 ? { from: Math.floor(from / step) * step, to: Math.ceil(to / step) * step } : { from, to };
+}
+
+/** The x to show at first: all of the shown series, of loops those of the time `only`, unless the axis says another span. */
+export function spanX(figure: Figure, hidden: Set<string>, only?: Span): Span {
   if (figure.x.span) return figure.x.span;
   const of = (series: Series): Span =>
-    partsOf(series)
+    (only ? drawn(figure, series, only, only) : partsOf(series))
       .map(([from, to]) => series.x
         ? ends(series.x, from, to, figure.x.log)
         : { from: place(series, from), to: place(series, to - 1) })
       .reduce(joined, EMPTY);
   const all = figure.panels.flatMap((panel) => panel.series).filter((series) => !hidden.has(series.name));
-  const { from, to } = shown(all.map(of).reduce(joined, EMPTY), figure.x.log ?? false);
+  const found = shown(all.map(of).reduce(joined, EMPTY), figure.x.log ?? false);
+  const { from, to } = only && !figure.x.log ? steady(found) : found;
   const margin = figure.loops && !figure.x.log ? 0.04 * (to - from) : 0;
   return { from: from - margin, to: to + margin };
 }
@@ -59,16 +66,17 @@ export function spanX(figure: Figure, hidden: Set<string>): Span {
 const NEAR = 30;
 
 /** All y of the shown series of a panel, with a margin and the limits that are near; of time series those in the span of
- * x. If the axis says another span, that one, as long as all is shown. */
-function spanY(figure: Figure, panel: Panel, x: Span, hidden: Set<string>): Span {
+ * x, of loops those of the time `only`. If the axis says another span, that one, as long as all is shown. */
+function spanY(figure: Figure, panel: Panel, x: Span, hidden: Set<string>, only?: Span): Span {
   if (panel.y.span && x === figure.x.span && !panel.series.some((one) => hidden.has(one.name))) return panel.y.span;
   const { log } = panel.y;
   const of = (series: Series): Span =>
-    drawn(figure, series, x)
+    drawn(figure, series, x, only)
       .flatMap(([from, to]) => [series.y, ...(series.lower ? [series.lower] : [])].map((y) => ends(y, from, to, log)))
       .reduce(joined, EMPTY);
   const series = panel.series.filter((one) => !hidden.has(one.name));
-  const { from, to } = shown(series.map(of).reduce(joined, EMPTY), log ?? false);
+  const found = shown(series.map(of).reduce(joined, EMPTY), log ?? false);
+  const { from, to } = only && !log ? steady(found) : found;
   const levels = (panel.levels ?? []).map(({ at }) => at);
   // Limits that are near are shown with their labels.
   if (log) {
@@ -86,8 +94,8 @@ function spanY(figure: Figure, panel: Panel, x: Span, hidden: Set<string>): Span
 }
 
 /** The y to show in each panel: its own; of panels side by side that of all that have samples. */
-export function spansY(figure: Figure, x: Span, hidden: Set<string>): Span[] {
-  const own = figure.panels.map((panel) => spanY(figure, panel, x, hidden));
+export function spansY(figure: Figure, x: Span, hidden: Set<string>, only?: Span): Span[] {
+  const own = figure.panels.map((panel) => spanY(figure, panel, x, hidden, only));
   if (!figure.columns) return own;
   const held = (panel: Panel) => panel.series.some((one) => one.y.length > 0 && !hidden.has(one.name));
   const some = own.filter((_, k) => held(figure.panels[k]!));
