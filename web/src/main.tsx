@@ -2,6 +2,7 @@
 
 import { render } from "preact";
 import { App } from "./app.tsx";
+import { keepFocus } from "./focus.ts";
 import { LocalLibrary } from "./library.ts";
 import { ServerLibrary, ServerStore } from "./server.ts";
 import { BrowserStore } from "./store.ts";
@@ -25,6 +26,7 @@ try {
 
 const page = document.getElementById("page")!;
 page.replaceChildren();
+keepFocus(page);
 render(<App workspace={workspace} served={served} />, page);
 addEventListener("pagehide", () => void workspace.flush());
 
