@@ -192,6 +192,14 @@ export const nameOf = ({ file }: Pick<ModelEntry, "file">): string => file.repla
 export const isTraining = ({ from }: ModelEntry, { file, use }: RecordEntry): boolean =>
   from ? from.some((one) => one.file === file) : use === "training" || use === "small-signal";
 
+/** The records that prove a model, and that its report is of: those that are meant for validation, else all that it was
+ * not identified from. */
+export function proofOf(entry: ModelEntry, records: RecordEntry[]): RecordEntry[] {
+  const unseen = records.filter((one) => one.use !== "none" && !isTraining(entry, one));
+  const meant = unseen.filter((one) => one.use === "validation");
+  return meant.length > 0 ? meant : unseen;
+}
+
 /** The records that are read or prepared in another way since the model was identified from them. */
 export const changedSince = ({ from = [] }: ModelEntry, { records }: Project): string[] => {
   const how = ({ columns, prepare }: RecordEntry) => JSON.stringify([columns, prepare]);

@@ -8,6 +8,7 @@ import { type Answer, Cancelled, type File, type Reading, type Request } from ".
 import {
   EMPTY, fileName, filesOf, free, History, isProject, type ModelEntry, PROJECT, type Project, read, type RecordEntry, withRecord, written,
 } from "./project.ts";
+import { type Mark, marked } from "./remaining.ts";
 import type { Store } from "./store.ts";
 import type { Search } from "./workbench/search.ts";
 
@@ -19,6 +20,8 @@ export interface Job {
   what: string;
   done: number;
   total: number;
+  /** When how many steps were done. */
+  marks: Mark[];
   cancel(): void;
 }
 
@@ -342,13 +345,13 @@ export class Workspace {
   /** The answer to a task, with its progress among the jobs. */
   async run({ name, request, files, onStage, quiet, beside }: Task): Promise<Answer> {
     const stop = new AbortController();
-    const job: Job = { name, what: "", done: 0, total: 0, cancel: () => stop.abort() };
+    const job: Job = { name, what: "", done: 0, total: 0, marks: [], cancel: () => stop.abort() };
     if (!quiet) this.jobs = [...this.jobs, job];
     this.changed();
     try {
       const progress = (stage: Stage) => {
         const { what, done, total } = stage;
-        Object.assign(job, { what, done, total });
+        Object.assign(job, { what, done, total, marks: marked(job.marks, { at: performance.now() / 1e3, done, total }) });
         const known = Object.fromEntries(Object.entries(stage.figures).filter(([, value]) => value !== null));
         onStage?.({ ...stage, figures: known as Record<string, number> });
         if (!quiet) this.changed();

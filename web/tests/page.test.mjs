@@ -15,12 +15,16 @@ test("a CSV, a MATLAB file and the export of an oscilloscope become a model, a p
   const [slow, fast] = [measured(5), measured(20)];
   await choose(page, [file("slow.csv", csv(slow)), file("fast.mat", mat(fast)), file("scope.csv", scope(measured(10, 25)))]);
   await page.getByRole("heading", { name: "scope.csv" }).waitFor();
+  await page.getByText("the roles of scope.csv are not decided: choose its channels at the left").waitFor();
+  const start = page.getByRole("button", { name: "Identify", exact: true });
+  assert.equal(await start.isDisabled(), true, "no identification while roles are not decided");
 
   await page.getByLabel("Role of CH2").selectOption("output");
   await page.getByLabel("Role of CH1").selectOption("input");
   await fill(page, "output_scale", "100um/V");
   await page.getByText(/4,000 samples.* output in .m/).waitFor();
   await page.getByLabel("Use of scope.csv").selectOption("validate");
+  assert.equal(await start.isDisabled(), false);
 
   await identify(page, "pi");
   await known(page, "prandtl-ishlinskii");

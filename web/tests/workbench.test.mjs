@@ -73,6 +73,32 @@ test("a search is seen over the data; a click on an operator draws it; one verdi
   await close();
 });
 
+test("the proof and the report are of the records whose use is validation, which the left says and changes", { skip }, async () => {
+  const { page, faults, close } = await bench();
+  await fill(page, "operator", "pi");
+  await page.getByRole("button", { name: "Identify", exact: true }).focus();
+  await page.keyboard.press("Enter");
+  await page.getByRole("heading", { name: "The search" }).waitFor();
+  assert.equal(await page.evaluate(() => document.activeElement.getAttribute("aria-label")), "What is known", "the focus stays beside the search");
+  await known(page, "prandtl-ishlinskii");
+  const proof = page.getByLabel("Errors on the records of the proof, of the stroke");
+  await proof.getByText("proof.csv").waitFor();
+  const line = (name) => page.getByRole("list", { name: "Records and their use" }).getByRole("listitem").filter({ hasText: name });
+  await line("proof.csv").getByText("proves prandtl-ishlinskii").waitFor();
+  await page.getByRole("button", { name: "Choose them by their use" }).click();
+  assert.equal(await page.evaluate(() => document.activeElement.getAttribute("aria-label")), "Use of slow.csv");
+  await page.getByLabel("Use of slow.csv").selectOption("validate");
+  await line("slow.csv").getByText("prandtl-ishlinskii was identified from it: no proof").waitFor();
+  await page.getByLabel("Use of proof.csv").selectOption("not used");
+  await page.getByText("Not validated on another record").waitFor();
+  assert.equal(await page.getByRole("button", { name: /^Report of/ }).count(), 0);
+  await page.getByLabel("Use of proof.csv").selectOption("validate");
+  const report = await download(page, () => page.getByRole("button", { name: "Report of prandtl-ishlinskii" }).click());
+  assert.ok(report.includes("proof.csv") && report.includes("<html"));
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("an operator is picked from the list, by keyboard, and identified; the next step is Compensate", { skip }, async () => {
   const { page, faults, close } = await bench();
   const press = async (locator, key = "Enter") => {

@@ -26,7 +26,8 @@ pub(super) const COMMITTED: [&str; 5] = [
 ];
 
 /// Tests that need no module, and those of the modules as they are handed out.
-const SERVED: [&str; 9] = ["campaign", "download", "linked", "plot", "project", "rig", "serve", "server", "words"];
+const SERVED: [&str; 10] =
+    ["campaign", "download", "linked", "plot", "project", "remaining", "rig", "serve", "server", "words"];
 const HANDED_OUT: [&str; 1] = ["sizes"];
 
 /// Builds everything, and tests it.

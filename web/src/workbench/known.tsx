@@ -1,13 +1,15 @@
 // The right of the workbench: the next step, and what is known of the actuator.
 
-import { useEffect, useMemo } from "preact/hooks";
+import { useEffect, useId, useMemo } from "preact/hooks";
+import { whole } from "../alike.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import { Outdated } from "../models.tsx";
 import { download } from "../plot/download.ts";
 import { operatorsOf } from "../pick.tsx";
 import { prose, rough, short } from "../plot/ticks.ts";
-import { isTraining, type ModelEntry, nameOf, type Options, type RecordEntry, withSettings } from "../project.ts";
+import { remaining, spokenTime } from "../remaining.ts";
+import { type ModelEntry, nameOf, type Options, proofOf, type RecordEntry, withSettings } from "../project.ts";
 import { Chart, Fault, Notes, type Outcome, Table, useModel, useOutcome, useShared, Verdict } from "../ui.tsx";
 import type { Workspace } from "../workspace.ts";
 import { convergence } from "./figures.ts";
@@ -50,6 +52,7 @@ function Running({ search }: { search: Search }) {
         <div class="row">
           <progress aria-label="identify" max={job.total || 1} value={job.total ? job.done : undefined} />
           <button type="button" onClick={() => job.cancel()}>Cancel</button>
+          <span aria-hidden="true">{spokenTime(remaining(job.marks, performance.now() / 1e3))}</span>
         </div>
       )}
       <p class="help" aria-hidden="true">{job?.what}</p>
@@ -59,12 +62,25 @@ function Running({ search }: { search: Search }) {
   );
 }
 
+/** The records that cannot be identified from as they are read, and why. */
+function useUndecided(entries: RecordEntry[]): string[] {
+  const { workspace } = useShared();
+  const state = async (entry: RecordEntry) => {
+    const { result } = await workspace.inspected(whole(entry));
+    return result.record ? [] : [`the roles of ${entry.file} are not decided`];
+  };
+  const key = JSON.stringify(entries.map(whole));
+  return useOutcome(key, async () => (await Promise.all(entries.map((entry) => state(entry).catch(() => [`${entry.file} cannot be read`])))).flat()).value ?? [];
+}
+
 /** What is identified, how, and its start. */
 function Identify({ hasModel }: { hasModel: boolean }) {
   const { workspace, lists } = useShared();
   const { records, settings } = workspace.project;
   const { small, large, all } = identifiedFrom(records);
+  const why = useId();
   const names = (entries: RecordEntry[]) => entries.map((entry) => entry.file).join(", ");
+  const undecided = useUndecided(all);
   return (
     <section aria-label="Identification">
       <h2>{hasModel ? "Identify again" : "Next: identify"}</h2>
@@ -72,7 +88,9 @@ function Identify({ hasModel }: { hasModel: boolean }) {
         ? <p>{large.length > 0 && `Large signals: ${names(large)}. `}{small.length > 0 && `Small signals: ${names(small)}.`}</p>
         : <p class="missing">No record is marked for identification: choose its use at the left.</p>}
       <div class="row">
-        <button type="button" class={hasModel ? "" : "main"} disabled={all.length === 0} onClick={() => void identify(workspace)}>Identify</button>
+        <button type="button" class={hasModel ? "" : "main"} disabled={all.length === 0 || undecided.length > 0} aria-describedby={why}
+          onClick={() => void identify(workspace)}>Identify</button>
+        <span id={why} class="bad">{undecided.length > 0 && `${undecided.join("; ")}: choose its channels at the left, or the use \u201cnot used\u201d`}</span>
       </div>
       {workspace.search?.of === recordsOf(workspace) && <Fault text={workspace.search.error} />}
       <details>
@@ -92,9 +110,7 @@ function Identify({ hasModel }: { hasModel: boolean }) {
 /** The proof of a model on records that it was not identified from; the verdict is kept with the model. */
 function useProof(entry: ModelEntry, records: RecordEntry[], options: Options): Outcome<any> & { proof: RecordEntry[] } {
   const { workspace } = useShared();
-  const unseen = records.filter((one) => one.use !== "none" && !isTraining(entry, one));
-  const meant = unseen.filter((one) => one.use === "validation");
-  const proof = meant.length > 0 ? meant : unseen;
+  const proof = proofOf(entry, records);
   const key = proof.length > 0 ? JSON.stringify([entry.file, proof, options]) : undefined;
   const outcome = useOutcome(key, () => validated(workspace, drawnModel(entry, 1), proof, options));
   const sentence = outcome.value?.result.sentence;
@@ -123,23 +139,13 @@ function Model({ entry, options, records, drawn }: { entry: ModelEntry; options:
     <section aria-label={`Model ${nameOf(entry)}`}>
       <h2>{nameOf(entry)}</h2>
       <Verdict text={entry.validated ?? entry.verdict} />
-      {proof.proof.length === 0 && <p class="help">Not validated on another record: add one, with the use \u201cvalidate\u201d.</p>}
       <Fault text={read.error ?? proof.error} />
       <Outdated entry={entry} />
       <div class="row">
         <a class="button main" href="#compensate">Compensate a path</a>
         <a class="button" href="#export">Export</a>
       </div>
-      {files.length > 0 && (
-        <dl class="errors" aria-label="Errors on other records, of the stroke">
-          {files.map((one, k) => (
-            <div key={proof.proof[k]?.file}>
-              <dt>{proof.proof[k]?.file}</dt>
-              <dd><b>{percent(one.rms_pp_percent)}</b>{one.floor && <small> noise {percent(one.floor.rms_pp_percent)}</small>}</dd>
-            </div>
-          ))}
-        </dl>
-      )}
+      <Proof records={proof.proof} files={proof.busy ? [] : files} />
       {trials.length > 1 && <Ranking trials={trials} search={search?.result === entry.file ? search : undefined} />}
       <details>
         <summary>Parameters and notes</summary>
@@ -156,6 +162,32 @@ function Model({ entry, options, records, drawn }: { entry: ModelEntry; options:
         {proof.proof.length > 0 && <Report models={drawn.includes(entry) ? drawn : [entry]} records={proof.proof} options={options} />}
       </div>
     </section>
+  );
+}
+
+/** The records of the proof, which the report is of too, each with its error; and where they are chosen. */
+function Proof({ records, files }: { records: RecordEntry[]; files: any[] }) {
+  const meant = records.some((one) => one.use === "validation");
+  const choose = () => document.querySelector<HTMLElement>(".records select")?.focus();
+  return (
+    <>
+      <h3>Records of the proof and the report</h3>
+      {records.length > 0 && (
+        <dl class="errors" aria-label="Errors on the records of the proof, of the stroke">
+          {records.map(({ file }, k) => (
+            <div key={file}>
+              <dt>{file}</dt>
+              <dd>{files[k] && <b>{percent(files[k].rms_pp_percent)}</b>}{files[k]?.floor && <small> noise {percent(files[k].floor.rms_pp_percent)}</small>}</dd>
+            </div>
+          ))}
+        </dl>
+      )}
+      <p class="help">
+        {records.length === 0 ? "Not validated on another record: add one, with the use \u201cvalidate\u201d."
+          : meant ? "Those of the use \u201cvalidate\u201d." : "No record has the use \u201cvalidate\u201d: these are all that the model was not identified from."}
+        {records.length > 0 && <>{" "}<button type="button" class="link" onClick={choose}>Choose them by their use</button></>}
+      </p>
+    </>
   );
 }
 

@@ -8,7 +8,7 @@ import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
 import { short, si, unit } from "../plot/ticks.ts";
-import { filesOf, type RecordEntry, type Use } from "../project.ts";
+import { filesOf, nameOf, proofOf, type RecordEntry, type Use, usedModel } from "../project.ts";
 import { RigLine } from "../rig.tsx";
 import { Notes, useOutcome, useShared } from "../ui.tsx";
 
@@ -75,6 +75,11 @@ const NO_RECORDS = /^\.|\.(json|zip|html|md|toml|png|svg|pdf|py|m|c|h)$/i;
 export function Records({ shown }: { shown: RecordEntry | undefined }) {
   const { workspace } = useShared();
   const { records } = workspace.project;
+  const model = usedModel(workspace.project);
+  const proof = model ? proofOf(model, records) : [];
+  /** What a record is to the model. */
+  const part = (entry: RecordEntry): string =>
+    proof.includes(entry) ? `; proves ${nameOf(model!)}` : model?.from?.some((one) => one.file === entry.file) && entry.use === "validation" ? `; ${nameOf(model)} was identified from it: no proof` : "";
   const remove = (file: string) =>
     workspace.change((project) => ({ ...project, records: project.records.filter((one) => one.file !== file) }));
   return (
@@ -85,7 +90,7 @@ export function Records({ shown }: { shown: RecordEntry | undefined }) {
             onClick={() => workspace.amend((project) => ({ ...project, record: entry.file }))}>
             {entry.file}
           </button>
-          <State entry={entry} />
+          <State entry={entry} part={part(entry)} />
           <select aria-label={`Use of ${entry.file}`} value={entry.use}
             onChange={(event) => workspace.tell({ ...entry, use: event.currentTarget.value as Use })}>
             {USES.map(([use, title]) => <option key={use} value={use}>{title}</option>)}
@@ -97,15 +102,15 @@ export function Records({ shown }: { shown: RecordEntry | undefined }) {
   );
 }
 
-/** Whether a record can be used. */
-function State({ entry }: { entry: RecordEntry }) {
+/** Whether a record can be used, and what it is to the model. */
+function State({ entry, part }: { entry: RecordEntry; part: string }) {
   const { workspace } = useShared();
   const inspection = useOutcome(JSON.stringify(whole(entry)), () => workspace.inspected(whole(entry)));
   const count = inspection.value?.result.problems.length ?? 0;
   if (inspection.error) return <small class="bad">cannot be read</small>;
   if (!inspection.value) return <small>{"\u2026"}</small>;
   if (!inspection.value.result.record) return <small class="bad">roles not decided</small>;
-  return <small>{count === 0 ? "read" : `read; ${count} ${count === 1 ? "problem" : "problems"}`}</small>;
+  return <small>{count === 0 ? "read" : `read; ${count} ${count === 1 ? "problem" : "problems"}`}{part}</small>;
 }
 
 interface Channel {
