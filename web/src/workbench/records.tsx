@@ -1,6 +1,6 @@
 // The left of the workbench: the records with their use, and how the one that is shown is read.
 
-import { useRef } from "preact/hooks";
+import { useRef, useState } from "preact/hooks";
 import { whole } from "../alike.ts";
 import { taken } from "../app.tsx";
 import { example } from "../example.ts";
@@ -128,6 +128,8 @@ const ROLES = { time: "time_col", input: "input_col", output: "output_col" } as 
 /** How the shown record is read and prepared. */
 export function Details({ entry, inspection, prepared }: { entry: RecordEntry; inspection: Answer | undefined; prepared: Answer | undefined }) {
   const { workspace, lists } = useShared();
+  // Roles that are chosen by hand stay in sight once they are decided.
+  const [choosing, choose] = useState(false);
   const result = inspection?.result;
   const record = result?.record;
   const rows = lists.columns.filter((row) => !Object.values(ROLES).includes(row.name as "time_col"));
@@ -143,9 +145,9 @@ export function Details({ entry, inspection, prepared }: { entry: RecordEntry; i
       {result && <Notes title="Problems" notes={result.problems} />}
       <RigLine entry={entry} />
       {result?.channels && (
-        <details open={!record}>
+        <details open={!record || choosing}>
           <summary>Channels</summary>
-          <Channels entry={entry} channels={result.channels} />
+          <Channels entry={entry} channels={result.channels} chosen={() => choose(true)} />
         </details>
       )}
       <details>
@@ -167,11 +169,12 @@ export function Details({ entry, inspection, prepared }: { entry: RecordEntry; i
   );
 }
 
-function Channels({ entry, channels }: { entry: RecordEntry; channels: Channel[] }) {
+function Channels({ entry, channels, chosen }: { entry: RecordEntry; channels: Channel[]; chosen(): void }) {
   const { workspace } = useShared();
   const lacking = (["input", "output"] as const).filter((role) => !channels.some((channel) => channel.role === role));
   const left = channels.filter(({ role, flaw }) => !role && !flaw);
   const choose = (channel: Channel, k: number, role: string) => {
+    chosen();
     const columns = { ...entry.columns };
     for (const option of Object.values(ROLES)) {
       if (columns[option] === channel.name || columns[option] === String(k + 1)) delete columns[option];
