@@ -90,7 +90,7 @@ function figuresOf({ result, series }: Answer): { path: Figure; along: Figure[] 
   const part = (name: string, { path: [from, to] }: Track) => series.get(name)!.slice(from, to);
   const line = { name: "straight line", colour: 2, step: ts, r: part("r_straight", straight), y: part("straight", straight) };
   const model = { name: "compensated", colour: 1, step: ts, r: part("r", compensated), y: part("compensated", compensated) };
-  const errors = [line, model].map(({ r, y, ...rest }) => ({ ...rest, y: y.map((value, k) => value - r[k]!) }));
+  const errors = [line, model].map(({ r, y, ...rest }) => ({ ...rest, y: y.map((value, k) => r[k]! - value) }));
   const requested: Series = { name: "requested", style: "pale", step: ts, y: model.r };
   const measured = [line, model].map(({ r: _, ...rest }): Series => rest);
   const along = ({ name, colour, r, y }: typeof line, title: string): Figure => ({

@@ -32,7 +32,7 @@ impl Campaign {
         let time = |track: &Track| -> Vec<f64> { track.path.clone().map(|t| t as f64 * track.ts).collect() };
         let of = |track: &Track, x: &[f64]| x[track.path.clone()].to_vec();
         let error =
-            |track: &Track| -> Vec<f64> { track.path.clone().map(|t| track.record.y()[t] - track.r[t]).collect() };
+            |track: &Track| -> Vec<f64> { track.path.clone().map(|t| track.r[t] - track.record.y()[t]).collect() };
         let path = Axes::new(Axis::new("t [s]").tight(), Axis::new(format!("y [{unit}]")))
             .with(
                 Series::line(&time(straight), &of(straight, straight.record.y()))
