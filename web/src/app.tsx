@@ -2,6 +2,7 @@
 
 import { Component, type ComponentChildren, type JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
+import { packed, unpack } from "./archive.ts";
 import { example } from "./example.ts";
 import type { Lists } from "./lists.ts";
 import { download } from "./plot/download.ts";
@@ -128,7 +129,7 @@ function Header({ workspace, served }: { workspace: Workspace; served: boolean }
         />
         <button
           type="button"
-          onClick={() => start(async () => download("piezoid-project.zip", (await workspace.packed()) as BlobPart, "application/zip"))}
+          onClick={() => start(async () => download("piezoid-project.zip", (await packed(workspace)) as BlobPart, "application/zip"))}
         >
           Save
         </button>
@@ -167,7 +168,7 @@ export async function taken(files: File[], workspace: Workspace, asProject = fal
   for (const file of files) {
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
-      if (asProject || file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await workspace.unpack(bytes);
+      if (asProject || file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await unpack(workspace, bytes);
       else if (file.name.endsWith(".json")) await takeModel(file.name, bytes, workspace);
       else records.push({ file: { name: file.name, bytes }, use: "training" });
     } catch (error) {

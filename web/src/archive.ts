@@ -1,8 +1,10 @@
 // A project in one file: a zip archive of its files and project.json.
 
 import { strFromU8, strToU8, unzipSync, zipSync } from "fflate";
-import { filesOf, PROJECT, type Project, read, written } from "./project.ts";
+import { profilesOf } from "./alike.ts";
 import type { File } from "./packet.ts";
+import { filesOf, PROJECT, type Project, read, written } from "./project.ts";
+import type { Workspace } from "./workspace.ts";
 
 /** Most bytes that an archive may hold, unpacked: as much as `piezoid serve` takes in one file. */
 const LIMIT = 512 * 2 ** 20;
@@ -46,3 +48,28 @@ function unzipped(bytes: Uint8Array): Record<string, Uint8Array> {
 /** Several files in one. */
 export const zipped = (files: File[]): Uint8Array =>
   zipSync(Object.fromEntries(files.map((file) => [file.name, file.bytes])), { mtime: "1980-01-01" });
+
+/** The project of the page in one file, with the profiles of its rigs. */
+export async function packed(workspace: Workspace): Promise<Uint8Array> {
+  const { project } = workspace;
+  const files = await Promise.all(filesOf(project).map((name) => workspace.file(name)));
+  return packedProject(project, [...files, ...(await profilesOf(workspace))]);
+}
+
+/** Takes up a project from one file; the present one can be gone back to. */
+export async function unpack(workspace: Workspace, bytes: Uint8Array): Promise<void> {
+  const { project, files } = unpackedProject(bytes);
+  const names = new Map<string, string>();
+  for (const file of files) names.set(file.name, await workspace.keep(file, true));
+  const named = <E extends { file: string }>(entry: E): E => ({ ...entry, file: names.get(entry.file) ?? entry.file });
+  const name = (old: string | undefined) => (old === undefined ? {} : names.get(old));
+  workspace.change(() => ({
+    ...project,
+    records: project.records.map(named),
+    models: project.models.map((entry) => ({
+      ...named(entry), ...(entry.from && { from: entry.from.map(named) }), ...(entry.standIn && { standIn: named(entry.standIn) }),
+    })),
+    ...(project.record && { record: name(project.record) as string }),
+    ...(project.model && { model: name(project.model) as string }),
+  }));
+}

@@ -15,6 +15,9 @@ export interface Store {
   soon?(): void;
 }
 
+/** True for the same content. */
+export const equal = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);
+
 const TABLE = "files";
 
 /** Files in the database of this browser. */

@@ -1,43 +1,15 @@
 // What all views share: the project with its history and files, the library, and the work under way.
 
-import { look as lookOf, profileName, profilesOf } from "./alike.ts";
-import { packedProject, unpackedProject } from "./archive.ts";
+import { look as lookOf } from "./alike.ts";
 import type { Library } from "./library.ts";
-import type { Stage } from "./module.ts";
-import { type Answer, Cancelled, type File, type Reading, type Request } from "./packet.ts";
+import type { Answer, File, Reading } from "./packet.ts";
+import { Profiles } from "./profiles.ts";
 import {
   EMPTY, fileName, filesOf, free, History, isProject, type ModelEntry, PROJECT, type Project, read, type RecordEntry, withRecord, written,
 } from "./project.ts";
-import { type Mark, marked } from "./remaining.ts";
-import type { Store } from "./store.ts";
+import { equal, type Store } from "./store.ts";
+import { Work } from "./work.ts";
 import type { Search } from "./workbench/search.ts";
-
-/** Work of the library under way. */
-export interface Job {
-  /** What the user started. */
-  name: string;
-  /** The present step. */
-  what: string;
-  done: number;
-  total: number;
-  /** When how many steps were done. */
-  marks: Mark[];
-  cancel(): void;
-}
-
-/** What is requested of the library, and how it is shown. */
-export interface Task {
-  /** What the user started, such as "identify". */
-  name: string;
-  request: Request;
-  files: File[];
-  /** Called after each step, with the figures that are numbers. */
-  onStage?(stage: Stage & { figures: Record<string, number> }): void;
-  /** Short work is not shown among the jobs. */
-  quiet?: boolean;
-  /** It does not wait for long work. */
-  beside?: boolean;
-}
 
 /** How long the project may differ from what is stored [ms]. */
 const DELAY = 200;
@@ -45,13 +17,7 @@ const DELAY = 200;
 /** Time until what could not be stored is tried again [ms]. */
 const AGAIN = 2000;
 
-/** Number of answers that are kept. */
-const KEPT = 24;
-
-export class Workspace {
-  readonly library: Library;
-  readonly store: Store;
-  jobs: Job[] = [];
+export class Workspace extends Work {
   /** The identification that is under way, or the last. */
   search: Search | undefined;
   /** The last fault of the store or the library that no view shows. */
@@ -65,20 +31,14 @@ export class Workspace {
   #beside = PROJECT;
   #history = new History<Project>(EMPTY);
   #files = new Map<string, Uint8Array>();
-  #answers = new Map<string, Promise<Answer>>();
-  #listeners = new Set<() => void>();
   /** The fault because of which the project could not be stored. */
   #untold = "";
   #conflict = false;
   #saving: ReturnType<typeof setTimeout> | undefined;
-  /** The rigs whose profiles are stored. */
-  #rigs = "[]";
-  /** The profiles of this project among the stored files, by name; true if they have been stored since it was opened. */
-  #profiles = new Map<string, boolean>();
+  readonly #profiles = new Profiles();
 
-  constructor(library: Library, store: Store) {
-    this.library = library;
-    this.store = store;
+  constructor(library: Library, readonly store: Store) {
+    super(library);
   }
 
   get project(): Project {
@@ -93,16 +53,6 @@ export class Workspace {
     return this.#history.canRedo;
   }
 
-  /** Calls after each change; the result ends that. */
-  subscribe(listener: () => void): () => void {
-    this.#listeners.add(listener);
-    return () => this.#listeners.delete(listener);
-  }
-
-  changed(): void {
-    this.#listeners.forEach((listener) => listener());
-  }
-
   /** Takes up what was stored: the first project that can be read. One that cannot be read stays as it is, with all files. */
   async open(): Promise<void> {
     const names = await this.store.names();
@@ -114,9 +64,7 @@ export class Workspace {
       try {
         this.#history = new History(read(text));
         this.#name = name;
-        const { rigs } = this.project;
-        rigs.forEach((rig) => this.#profiles.set(profileName(rig), false));
-        if (rigs.every((rig) => names.includes(profileName(rig)))) this.#rigs = JSON.stringify(rigs);
+        this.#profiles.opened(this.project.rigs, names);
         break;
       } catch (error) {
         whys.push(`${name} cannot be read: ${(error as Error).message}`);
@@ -176,31 +124,7 @@ export class Workspace {
     this.#saving = undefined;
     if (!this.#isOpen || this.unreadable) return;
     await this.store.write(this.#name, new TextEncoder().encode(written(this.project)));
-    if (!this.store.own) await this.#storeProfiles();
-  }
-
-  /** Stores the profiles of rigs that have changed beside the project, and removes those of rigs that are gone. */
-  async #storeProfiles(): Promise<void> {
-    const rigs = JSON.stringify(this.project.rigs);
-    if (rigs === this.#rigs) return;
-    const profiles = await profilesOf(this);
-    const stored = new Set(await this.store.names());
-    for (const [name, isNew] of this.#profiles) {
-      if (!isNew || profiles.some((one) => one.name === name)) continue;
-      // One that was changed elsewhere meanwhile stays.
-      if (stored.has(name)) await this.store.remove(name).catch(() => {});
-      this.#profiles.delete(name);
-    }
-    for (const { name, bytes } of profiles) {
-      const isSame = stored.has(name) && equal(await this.store.read(name), bytes);
-      if (stored.has(name) && !isSame && !this.#profiles.has(name)) {
-        this.failed(new Error(`${name} is another file of this folder, and stays as it is: give the rig another name to store its profile`));
-        continue;
-      }
-      if (!isSame) await this.store.write(name, bytes);
-      this.#profiles.set(name, this.#profiles.get(name) === true || !isSame);
-    }
-    this.#rigs = rigs;
+    if (!this.store.own) await this.#profiles.store(this);
   }
 
   /** True while the page says that another tab or program has written another version of the project. */
@@ -316,68 +240,7 @@ export class Workspace {
     return name;
   }
 
-  /** The project in one file, with the profiles of its rigs. */
-  async packed(): Promise<Uint8Array> {
-    const files = await Promise.all(filesOf(this.project).map((name) => this.file(name)));
-    return packedProject(this.project, [...files, ...(await profilesOf(this))]);
-  }
-
-  /** Takes up a project from one file; the present one can be gone back to. */
-  async unpack(bytes: Uint8Array): Promise<void> {
-    const { project, files } = unpackedProject(bytes);
-    const names = new Map<string, string>();
-    for (const file of files) names.set(file.name, await this.keep(file, true));
-    const named = <E extends { file: string }>(entry: E): E => ({ ...entry, file: names.get(entry.file) ?? entry.file });
-    const name = (old: string | undefined) => (old === undefined ? {} : names.get(old));
-    this.change(() => ({
-      ...project,
-      records: project.records.map(named),
-      models: project.models.map((entry) => ({
-        ...named(entry), ...(entry.from && { from: entry.from.map(named) }), ...(entry.standIn && { standIn: named(entry.standIn) }),
-      })),
-      ...(project.record && { record: name(project.record) as string }),
-      ...(project.model && { model: name(project.model) as string }),
-    }));
-  }
-
-  // Work.
-
-  /** The answer to a task, with its progress among the jobs. */
-  async run({ name, request, files, onStage, quiet, beside }: Task): Promise<Answer> {
-    const stop = new AbortController();
-    const job: Job = { name, what: "", done: 0, total: 0, marks: [], cancel: () => stop.abort() };
-    if (!quiet) this.jobs = [...this.jobs, job];
-    this.changed();
-    try {
-      const progress = (stage: Stage) => {
-        const { what, done, total } = stage;
-        Object.assign(job, { what, done, total, marks: marked(job.marks, { at: performance.now() / 1e3, done, total }) });
-        const known = Object.fromEntries(Object.entries(stage.figures).filter(([, value]) => value !== null));
-        onStage?.({ ...stage, figures: known as Record<string, number> });
-        if (!quiet) this.changed();
-      };
-      return await this.library.call(request, files, progress, stop.signal, beside);
-    } finally {
-      this.jobs = this.jobs.filter((other) => other !== job);
-      this.changed();
-    }
-  }
-
-  /** The answer to a short task, kept for the next time that the same is requested. `key` distinguishes tasks. */
-  answer(key: string, task: () => Promise<Task> | Task): Promise<Answer> {
-    const known = this.#answers.get(key);
-    if (known) {
-      this.#answers.delete(key);
-      this.#answers.set(key, known);
-      return known;
-    }
-    const requested = Promise.resolve(task()).then((ready) => this.run({ quiet: true, ...ready }));
-    this.#answers.set(key, requested);
-    requested.catch((error) => error instanceof Cancelled && this.#answers.delete(key));
-    const oldest = this.#answers.keys().next().value;
-    if (this.#answers.size > KEPT && oldest !== undefined) this.#answers.delete(oldest);
-    return requested;
-  }
+  // Records.
 
   /** What a record's file holds, as it is read with what was said of it. */
   inspected(entry: RecordEntry): Promise<Answer> {
@@ -422,5 +285,3 @@ export class Workspace {
     this.change((project) => withRecord(project, entry), passing);
   }
 }
-
-const equal = (a: Uint8Array, b: Uint8Array): boolean => a.length === b.length && a.every((byte, k) => byte === b[k]);

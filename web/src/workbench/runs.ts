@@ -2,7 +2,8 @@
 
 import type { Answer } from "../packet.ts";
 import { type ModelEntry, nameOf, type Options, type RecordEntry } from "../project.ts";
-import type { Task, Workspace } from "../workspace.ts";
+import type { Task } from "../work.ts";
+import type { Workspace } from "../workspace.ts";
 
 /** The free run of a model on a record. */
 export interface Run {
