@@ -90,6 +90,13 @@ test("a path is played on the stand-in, which is made once, by itself, and kept 
   await one.getByText("Within the rates that were measured.").waitFor();
   await one.getByText(/^The stand-in is the model and .* % of its difference from a model with/).waitFor();
   await one.getByRole("img", { name: /^The path on the stand-in.*requested, best constant gain, compensated/ }).waitFor();
+  // The error is the path less the displacement, as in Control, without a constant.
+  const text = String(await download(one, () => one.getByRole("button", { name: "CSV", exact: true }).first().click()));
+  const [head, ...rows] = text.trim().split("\n").map((row) => row.split(","));
+  const column = (name) => rows.map((row) => Number(row[head.indexOf(name)]));
+  const [r, y, e] = ["requested: Displacement [um]", "best constant gain: Displacement [um]", "best constant gain: Error [um]"].map(column);
+  const aside = e.map((value, k) => r[k] - y[k] - value);
+  assert.ok(Math.max(...aside) - Math.min(...aside) < 1e-9 && Math.max(...e) - Math.min(...e) > 1, `${aside.slice(0, 3)} of ${e.slice(0, 3)}`);
   assert.equal(of("stand-in").length, 2);
   const { records, model } = of("stand-in")[1].files;
   assert.deepEqual([model, records.toSorted()], [["prandtl-ishlinskii.json"], ["prbs.csv", "rising-20Hz.csv", "rising-5Hz.csv"]]);

@@ -5,11 +5,11 @@ import { Fault, Notes, Section, Stale, Table, useShared, Verdict } from "../ui.t
 import type { Answer } from "../packet.ts";
 import { download } from "../plot/download.ts";
 import { rough, short, si, unit } from "../plot/ticks.ts";
+import { recorded } from "../models.tsx";
 import type { ModelEntry } from "../project.ts";
 import { AboutPlant, type Plant, PlantChoice, spokenPlant } from "../stand-in.tsx";
 import { beyondMeasured } from "./beyond.ts";
 import type { Errors, OnPlant, Played } from "./played.ts";
-import { recorded } from "./request.ts";
 
 interface Props {
   entry: ModelEntry;

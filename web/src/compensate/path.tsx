@@ -2,13 +2,13 @@
 
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
-import { ModelChoice } from "../models.tsx";
+import { ModelChoice, recorded, withRecorded } from "../models.tsx";
 import type { Handle } from "../plot/figure.ts";
 import { short } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
 import { inUnit } from "../signal.tsx";
 import { Entry, Section, useShared } from "../ui.tsx";
-import { type Path, recorded, type Settings } from "./request.ts";
+import { type Path, type Settings } from "./request.ts";
 
 interface Props {
   path: Path;
@@ -58,15 +58,11 @@ export function PathForm({ path: { path, points, duration, usual, of }, settings
 /** Limits that are not set are those of the records. */
 export function Limits({ model, values, change }: { model: any; values: Options; change(values: Options): void }) {
   const { lists } = useShared();
-  const known = values["driver"] === undefined ? recorded(model)?.u : undefined;
-  const usual = (name: string) => {
-    const at = known?.[name === "low" ? 0 : 1];
-    return (name === "low" || name === "high") && at !== undefined ? { usual: short(at) } : {};
-  };
+  const rows = optionsOf(lists, "compensate").filter(({ name }) => name !== "plant");
   return (
     <Section title="Limits and shaping"
-      help={`${known ? "Voltages are those of the records as long as no others are set. " : ""}A path with corners is smoothed, or filtered at the resonance.`}>
-      <Form rows={optionsOf(lists, "compensate").filter(({ name }) => name !== "plant").map((row) => ({ ...row, ...usual(row.name) }))}
+      help={`${recorded(model) && values["driver"] === undefined ? "Voltages are those of the records as long as no others are set. " : ""}A path with corners is smoothed, or filtered at the resonance.`}>
+      <Form rows={withRecorded(rows, model, values)}
         values={values} change={change} first={["driver", "low", "high", "clip", "smooth", "zvd"]} />
     </Section>
   );

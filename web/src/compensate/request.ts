@@ -1,6 +1,7 @@
 // What is requested of the library for a path: its file, its voltage, and the displacements that it may ask for.
 
-import { type Lists } from "../lists.ts";
+import type { Lists } from "../lists.ts";
+import { recorded } from "../models.tsx";
 import type { Answer, File } from "../packet.ts";
 import { moves, pathFile } from "../path.ts";
 import type { Options } from "../project.ts";
@@ -33,9 +34,6 @@ export interface Path extends Pick<Settings, "path" | "signal"> {
   ts: number;
   of: string;
 }
-
-/** The voltages that a model was identified from, as its document states them. */
-export const recorded = (model: any): { u: [number, number]; slew: number } | undefined => model.identified;
 
 /** Share of what the model reaches that a path uses at first. */
 const SHARE = 0.3;

@@ -4,6 +4,9 @@ import type { Figure, Handle } from "./figure.ts";
 import { type Frame, pixelX, pixelY, valueX, valueY } from "./frame.ts";
 import { short } from "./ticks.ts";
 
+/** How far beyond the span that is shown a handle stands at its edge, over the span. */
+const SLACK = 0.005;
+
 /** The handles of a plot, on its stage. */
 export class Handles {
   readonly #stage: HTMLElement;
@@ -40,8 +43,9 @@ export class Handles {
       const button = this.#buttons[k];
       if (!frame || !button) return;
       const { area } = frame;
-      // What is out of the span that is shown is not at its edge.
-      button.hidden = handle.moves === "x" && (handle.x < frame.x.from || handle.x > frame.x.to);
+      // What is out of the span that is shown is not at its edge; the end of a record is a period after its last sample.
+      const slack = SLACK * (frame.x.to - frame.x.from);
+      button.hidden = handle.moves === "x" && (handle.x < frame.x.from - slack || handle.x > frame.x.to + slack);
       const clamp = (value: number, low: number, size: number) => Math.max(low, Math.min(low + size, value));
       button.style.left = `${clamp(pixelX(figure, frame, handle.x), area.x, area.width)}px`;
       const y = handle.moves === "x" ? area.y + area.height / 2 : pixelY(frame, handle.y);

@@ -3,7 +3,7 @@
 import { useMemo } from "preact/hooks";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
-import { ModelChoice } from "../models.tsx";
+import { ModelChoice, withRecorded } from "../models.tsx";
 import type { Answer } from "../packet.ts";
 import { withSchemes } from "../pick.tsx";
 import type { ModelEntry } from "../project.ts";
@@ -55,7 +55,7 @@ function Comparison({ entry }: { entry: ModelEntry }) {
         <ModelChoice />
         <PlantChoice entry={entry} />
         <AboutPlant entry={entry} />
-        <Form rows={optionsOf(lists, "control").filter(({ name }) => name !== "plant")} values={options} change={change}
+        <Form rows={withRecorded(optionsOf(lists, "control").filter(({ name }) => name !== "plant"), document.value, options)} values={options} change={change}
           names={{
             controller: withSchemes([...feedForwards, ...both, ...pairs]),
             reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),

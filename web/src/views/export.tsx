@@ -2,7 +2,7 @@
 
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
-import { ModelChoice } from "../models.tsx";
+import { ModelChoice, withRecorded } from "../models.tsx";
 import type { Answer } from "../packet.ts";
 import { short } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
@@ -23,7 +23,7 @@ function Exports({ model }: { model: string }) {
   const chosen = lists.targets.find(({ name }) => name === target) ?? lists.targets[0]!;
   const limited = lists.targets.flatMap(({ takes }) => takes);
   const taken = (name: string) => !limited.includes(name) || chosen.takes.includes(name);
-  const rows = optionsOf(lists, "export").filter(({ name }) => name !== "target" && taken(name));
+  const rows = withRecorded(optionsOf(lists, "export").filter(({ name }) => name !== "target" && taken(name)), document.value, options);
   const [input, kept] = [true, false].map((expected) =>
     Object.fromEntries(Object.entries(options).filter(([name]) => taken(name) === expected)),
   ) as [Options, Options];
