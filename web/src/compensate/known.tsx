@@ -111,17 +111,19 @@ function Used({ model, answer: { result }, smooth }: { model: any; answer: Answe
   const { low, high, slew, current } = { low: usage.lowest.limit, high: usage.highest.limit, slew: usage.slew.limit, current: usage.current };
   const records = known && { Voltage: `${short(known.u[0])} to ${short(known.u[1])} ${u}`, Rate: `${short(known.slew)} ${u}/s` };
   /** What is used, of its limit, or of what was recorded where none is set. */
-  const row = (name: string, uses: string, isLimited: boolean, recorded?: string) => (
+  const row = (name: string, uses: string, isLimited: boolean, recorded?: string, isBeyond = false) => (
     <div key={name}>
       <dt>{name}</dt>
-      <dd>uses {uses}{recorded && (isLimited ? <small> recorded {recorded}</small> : ` of the recorded ${recorded}`)}</dd>
+      <dd class={isBeyond ? "bad" : ""}>
+        uses {uses}{recorded && (isBeyond ? `, beyond the recorded ${recorded}` : isLimited ? <small> recorded {recorded}</small> : ` of the recorded ${recorded}`)}
+      </dd>
     </div>
   );
   return (
     <Section title="Voltage">
       <dl class="errors" aria-label="What the voltage uses of its limits">
         {row("Voltage", voltageUse(usage, units.u), low !== null || high !== null, records?.Voltage)}
-        {row("Rate", `${short(usage.slew.value)} ${u}/s${slew === null ? "" : ` of ${short(slew)} ${u}/s`}`, slew !== null, records?.Rate)}
+        {row("Rate", `${short(usage.slew.value)} ${u}/s${slew === null ? "" : ` of ${short(slew)} ${u}/s`}`, slew !== null, records?.Rate, smoothing != null)}
         {current && row("Current", `${si(current.value, "A")}${current.limit === null ? "" : ` of ${si(current.limit, "A")}`}`, true)}
       </dl>
       {!smoothing && known && <p class="help">Within the rates that were measured.</p>}

@@ -52,6 +52,8 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
   });
   const shown = error === undefined && played.value && !played.stale ? played.value : answer;
   const picture = settings.picture ?? PICTURES[0]!;
+  // What is shown is no change that Undo takes back.
+  const choose = (picture: string) => workspace.amend((project) => withSettings(project, "compensate", { ...project.settings["compensate"], picture }));
   return (
     <div class="bench">
       <div class="pane left" role="region" aria-label="What is asked for">
@@ -59,7 +61,7 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
         <div class="details"><Limits model={model} values={options} change={(options) => change({ options })} /></div>
       </div>
       <div class="pane" role="region" aria-label="Pictures">
-        <Choice label="Picture" names={PICTURES} chosen={picture} choose={(picture) => change({ picture })} />
+        <Choice label="Picture" names={PICTURES} chosen={picture} choose={choose} />
         {picture === PICTURES[0] && shown && <Pictures key={`${asked.path} ${asked.duration}`} answer={shown} handles={pathHandles(asked, change)} />}
         {picture === PICTURES[1] && path.value && (
           <Moves file={file} model={model} plant={plant} path={path.value.file} expected={path.value.expected} shared={options}

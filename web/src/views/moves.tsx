@@ -85,7 +85,7 @@ export function Moves({ file, model, plant, path, expected, shared, values, chan
   return (
     <Section title="Moves in time" wide
       help="When each step settles within the tolerance, how far it overshoots, and the fastest moves. Limits and shaping are those at the left; the voltage is clipped to the limits.">
-      <p class="help">Played on the model{plant ? `, and on ${spokenPlant(plant.name)}, which is the plant` : "; choose a plant to play them there too"}.</p>
+      <p class="help">Played on the model{plant ? ` and on ${spokenPlant(plant.name)}` : "; choose a plant to play them there too"}.</p>
       <Choice label="Path of the moves" names={PATHS} chosen={isStep ? PATHS[1] : PATHS[0]} choose={(along) => change({ ...values, along })} />
       <Form rows={rows} values={values} change={change} first={own} />
       <div class="row">
