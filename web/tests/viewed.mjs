@@ -10,6 +10,11 @@ if (SHOTS) mkdirSync(SHOTS, { recursive: true });
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 
+/** The views whose names do not stand in the header whole. */
+export const cut = (page) => page.evaluate(() => [...document.querySelectorAll("nav a")]
+  .filter((link) => link.scrollWidth > link.clientWidth || link.getBoundingClientRect().right > innerWidth || link.getBoundingClientRect().left < 0)
+  .map((link) => link.textContent));
+
 /** Looks at the page at two widths in both themes: nothing wider than the screen, no serious finding of axe-core. */
 export async function viewed(page, name, fullPage = true) {
   for (const [width, theme] of [[1280, "light"], [1280, "dark"], [380, "light"], [380, "dark"]]) {
@@ -23,6 +28,7 @@ export async function viewed(page, name, fullPage = true) {
     assert.deepEqual(grave.map(({ id, nodes }) => `${name}: ${id}: ${nodes[0].html.slice(0, 200)}`), []);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
     assert.ok(wide <= 0, `${name} is ${wide} px wider than the screen`);
+    assert.deepEqual(await cut(page), [], `${name}: views that are cut at ${width} px`);
   }
   await page.setViewportSize({ width: 1280, height: 900 });
   await page.emulateMedia({ colorScheme: "light" });

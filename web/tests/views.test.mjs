@@ -7,6 +7,7 @@ import { after, before, test } from "node:test";
 import { launched, opened, served, skip } from "./browser.mjs";
 import { csv, measured } from "./records.mjs";
 import { identify, known } from "./steps.mjs";
+import { cut } from "./viewed.mjs";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 const PICTURES = new URL("../dist/pictures/", import.meta.url).pathname;
@@ -51,6 +52,7 @@ for (const [width, theme] of [[1280, "light"], [1280, "dark"], [390, "light"], [
       await page.screenshot({ path: `${PICTURES}${view.toLowerCase()}-${width}-${theme}.png`, fullPage: true });
       const wide = await page.evaluate(() => document.documentElement.scrollWidth - innerWidth);
       assert.ok(wide <= 0, `${view} is ${wide} px wider than the screen`);
+      assert.deepEqual(await cut(page), [], `views that are cut at ${width} px`);
       await page.evaluate(AXE);
       const { violations } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
       const grave = violations.filter(({ impact }) => impact === "serious" || impact === "critical");
