@@ -8,7 +8,7 @@
 //! displacement of the slowest sine. It does not do: creep before a drive, several resonances, one above the band of the
 //! small signal, limits of the driver of a stand-in.
 
-use super::{Plan, PlanOptions, PlannedDrive};
+use super::{OVER_RESONANCE, Plan, PlanOptions, PlannedDrive, STATIC_RESONANCE_RATIO};
 use piezoid_control::feedback::SimulatedActuator;
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::complex::modulus;
@@ -134,6 +134,15 @@ impl Rehearsal {
                 "{}_u.csv: on {} it vibrates by {vibration} {unit} about the resonance of {hz}, {percent} % of the \
                  stroke: {remedy}, unless the actuator bears it",
                 drive.name, self.plant
+            ));
+        }
+        let needed = self.resonance_hz.filter(|f0| *f0 <= STATIC_RESONANCE_RATIO * plan.rig.bandwidth);
+        let needed = needed.map(|f0| 1.0 / (OVER_RESONANCE * f0));
+        if let Some(longest) = needed.filter(|longest| plan.ts > *longest) {
+            let (ts, hz, longest) = (quantity(plan.ts, "s"), quantity(self.hz(), "Hz"), quantity(longest, "s"));
+            notes.push(format!(
+                "The sampling period of {ts} does not resolve the resonance of {hz} on {}: take {longest} or less",
+                self.plant
             ));
         }
         let (known, whose) = match actuator {
@@ -315,6 +324,10 @@ mod tests {
             .map(|drive| drive.name)
             .collect();
         assert_eq!(excited, ["small"], "{:?}", far.rehearsal);
+        assert!(!far.notes.join("\n").contains("does not resolve"), "{:?}", far.notes);
+        let coarse = rehearsed(json!({"bandwidth": 20}), &stand_in(Some(150.0))).unwrap();
+        let notes = coarse.notes.join("\n");
+        assert!(notes.contains("The sampling period of 2 ms does not resolve the resonance of 15"), "{notes}");
     }
 
     #[test]
