@@ -16,6 +16,8 @@ export interface RecordEntry {
   /** How it is prepared. */
   prepare: Options;
   use: Use;
+  /** Why the library proposed this use. */
+  because?: string;
 }
 
 /** How the files of one rig are read: those that look alike. */
@@ -42,6 +44,8 @@ export interface ModelEntry {
   from?: RecordEntry[];
   /** The verdict of the last validation on records that it was not identified from. */
   validated?: string;
+  /** The largest error there [% of peak-to-peak]. */
+  error?: number;
   /** The stand-in for its actuator. */
   standIn?: StandIn;
 }

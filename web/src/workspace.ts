@@ -8,6 +8,7 @@ import {
   EMPTY, fileName, filesOf, free, History, isProject, type ModelEntry, PROJECT, type Project, read, type RecordEntry, withRecord, written,
 } from "./project.ts";
 import { equal, type Store } from "./store.ts";
+import { proposed } from "./uses.ts";
 import { Work } from "./work.ts";
 import type { Search } from "./workbench/search.ts";
 
@@ -206,7 +207,7 @@ export class Workspace extends Work {
   }
 
   /** The same for files that are in the store already. With `asRig`, those that look like the files of a rig are read
-   * like them. */
+   * like them, and each is used as the library proposes. */
   async addStored(stored: Pick<RecordEntry, "file" | "use">[], { look = true, passing = false, asRig = false } = {}): Promise<void> {
     const entries: RecordEntry[] = [];
     for (const { file, use } of stored) {
@@ -215,8 +216,9 @@ export class Workspace extends Work {
     }
     const last = entries.at(-1);
     if (!last) return;
+    const added = asRig ? await proposed(this, entries) : entries;
     const looked = look ? { record: last.file } : {};
-    this.change((project) => ({ ...project, records: [...project.records, ...entries], ...looked }), passing);
+    this.change((project) => ({ ...project, records: [...project.records, ...added], ...looked }), passing);
   }
 
   /** The entry; a file that cannot be read at all is not used. */

@@ -60,12 +60,15 @@ pub(crate) fn measuring<'a>(
 /// The model, the path with a straight line and the compensated one, the results as a document, and the page.
 type Found<'py> = (Model, Bound<'py, PyDict>, Bound<'py, PyDict>, Py<PyAny>, String);
 
+/// What plays the drives: a function, or a plant with its name.
+type Player = (Option<Py<PyAny>>, Option<(String, Py<Plant>)>);
+
 /// Runs a campaign on `call(u)`, which is sampled every `ts` [s] and returns displacements in `unit`; or on a plant by
 /// its name, of which only the reference needs both.
 #[pyfunction]
 pub(crate) fn campaign<'py>(
     py: Python<'py>,
-    played: (Option<Py<PyAny>>, Option<(String, Py<Plant>)>),
+    player: Player,
     rig: (f64, String),
     settings: &Bound<'py, PyDict>,
     paths: (Option<PathBuf>, Option<Vec<f64>>),
@@ -78,7 +81,7 @@ pub(crate) fn campaign<'py>(
     let reference =
         reference.map(|bytes| (DataFile::from(File::new("reference.csv", bytes)), ColumnSelection::default()));
     let (mut exception, mut notes) = (None, Vec::new());
-    let (call, plant) = played;
+    let (call, plant) = player;
     let plant = plant.map(|(name, plant)| (name, plant.get().actuator.clone()));
     let found = watched(py, progress, |progress| {
         let reference = reference.as_ref().map(|(file, columns)| (file, columns));

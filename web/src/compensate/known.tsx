@@ -4,7 +4,7 @@ import { voltageUse } from "../drive.ts";
 import { Fault, Notes, Section, Stale, Table, useShared, Verdict } from "../ui.tsx";
 import type { Answer } from "../packet.ts";
 import { download } from "../plot/download.ts";
-import { rough, short, si, unit } from "../plot/ticks.ts";
+import { prose, rough, short, si, unit } from "../plot/ticks.ts";
 import { recorded } from "../models.tsx";
 import type { ModelEntry } from "../project.ts";
 import { AboutPlant, type Plant, PlantChoice, spokenPlant } from "../stand-in.tsx";
@@ -38,6 +38,7 @@ export function KnownOfPath({ entry, model, plant, answer, current, error, playe
           <div class="row"><button type="button" class="main" disabled={played.busy} onClick={played.start}>Follow the path</button></div>
         )}
         <Stale stale={played.start !== undefined && played.stale} />
+        {!error && entry.verdict && <p class="help">The model: {prose(entry.validated ?? entry.verdict)}</p>}
         <PlantChoice entry={entry} />
         <AboutPlant entry={entry} />
       </Section>
@@ -50,10 +51,16 @@ export function KnownOfPath({ entry, model, plant, answer, current, error, playe
 /** The error that the records promise, while no plant has played the path. */
 function Promised({ answer: { result }, isPlayed }: { answer: Answer; isPlayed: boolean }) {
   const expected: number | null | undefined = result.expected_rms;
-  if (result.smoothing) return <Verdict text={beyondMeasured(result.smoothing, result.units.u)} />;
+  const least = result.is_beyond && expected != null ? ` The error is at least ${rough(expected)} ${unit(result.units.y)} rms.` : "";
+  if (result.smoothing) return <Verdict text={beyondMeasured(result.smoothing, result.units.u) + least} />;
   if (expected === null || expected === undefined) return isPlayed ? null : <p class="help">The model does not state how good it is: no error is promised.</p>;
-  return <Numbers rows={[[`${rough(expected)} ${unit(result.units.y)}`, "rms", "promised error, from the errors of the model on its records"]]} />;
+  return <Numbers rows={[[`${rough(expected)} ${unit(result.units.y)}`, "rms", promised(result.is_beyond)]]} />;
 }
+
+/** What the promised error is. */
+const promised = (isBeyond: boolean) => (isBeyond
+  ? "is the least error to expect: the voltage leaves the recorded range"
+  : "promised error, from the errors of the model on its records");
 
 /** The errors on the plant: one verdict, then the numbers. */
 function Proven({ answer }: { answer: Answer }) {

@@ -58,7 +58,7 @@ export function PathForm({ path: { path, points, duration, usual, of }, settings
 /** Limits that are not set are those of the records. */
 export function Limits({ model, values, change }: { model: any; values: Options; change(values: Options): void }) {
   const { lists } = useShared();
-  const rows = optionsOf(lists, "compensate").filter(({ name }) => name !== "plant");
+  const rows = optionsOf(lists, "compensate").filter(({ name }) => name !== "plant" && name !== "model_error");
   return (
     <Section title="Limits and shaping"
       help={`${recorded(model) && values["driver"] === undefined ? "Voltages are those of the records as long as no others are set. " : ""}A path with corners is smoothed, or filtered at the resonance.`}>

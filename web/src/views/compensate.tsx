@@ -36,19 +36,22 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
   const plant = usePlant(entry);
   const settings = (workspace.project.settings["compensate"] ?? {}) as Settings;
   const options = withoutPlant(settings.options ?? {});
+  // The error to expect is that of the validation, where it is larger than that of the identification.
+  const requested = entry.error === undefined ? options : { ...options, model_error: entry.error };
   const change = (values: Partial<Settings>, passing = false) =>
     workspace.change((project) => withSettings(project, "compensate", { ...settings, ...values } as Options), passing);
   const asked = pathOf(settings, model, stroke);
   const expected = JSON.stringify(asked);
   const path = useLatest(expected, async () => ({ expected, file: await fileOf(workspace, lists, asked) }));
   // Of the path that is there, which is the one before while another is made.
-  const input = path.value && JSON.stringify([file, path.value.expected, options]);
-  const result = useLatest(input, async () => ({ input, answer: await compensated(workspace, file, path.value!.file, options) }));
+  const input = path.value && JSON.stringify([file, path.value.expected, requested]);
+  const result = useLatest(input, async () => ({ input, answer: await compensated(workspace, file, path.value!.file, requested) }));
   const answer = result.value?.answer;
   const current = path.value?.expected === expected && result.value?.input === input;
   const error = path.error ?? result.error;
   const played = usePlayed({
-    entry, plant, path: path.value?.file, expected: path.value?.expected ?? "", samples: answer?.series.get("requested")?.length ?? 0, options,
+    entry, plant, path: path.value?.file, expected: path.value?.expected ?? "", samples: answer?.series.get("requested")?.length ?? 0,
+    options: requested,
   });
   const shown = error === undefined && played.value && !played.stale ? played.value : answer;
   const picture = settings.picture ?? PICTURES[0]!;

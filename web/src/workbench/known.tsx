@@ -113,11 +113,12 @@ function useProof(entry: ModelEntry, records: RecordEntry[], options: Options): 
   const proof = proofOf(entry, records);
   const key = proof.length > 0 ? JSON.stringify([entry.file, proof, options]) : undefined;
   const outcome = useOutcome(key, () => validated(workspace, drawnModel(entry, 1), proof, options));
-  const sentence = outcome.value?.result.sentence;
+  const { sentence, verdict } = outcome.value?.result ?? {};
   useEffect(() => {
     if (!sentence || entry.validated === sentence) return;
+    const found = { validated: sentence, error: verdict.worst_percent ?? verdict.error_percent };
     workspace.amend((project) => ({
-      ...project, models: project.models.map((one) => (one.file === entry.file ? { ...one, validated: sentence } : one)),
+      ...project, models: project.models.map((one) => (one.file === entry.file ? { ...one, ...found } : one)),
     }));
   }, [sentence]);
   return { ...outcome, proof };

@@ -92,14 +92,20 @@ export function Records({ shown }: { shown: RecordEntry | undefined }) {
           </button>
           <State entry={entry} part={part(entry)} />
           <select aria-label={`Use of ${entry.file}`} value={entry.use}
-            onChange={(event) => workspace.tell({ ...entry, use: event.currentTarget.value as Use })}>
+            onChange={(event) => workspace.tell(withUse(entry, event.currentTarget.value as Use))}>
             {USES.map(([use, title]) => <option key={use} value={use}>{title}</option>)}
           </select>
           <button type="button" class="quiet" aria-label={`Remove ${entry.file}`} title="Remove" onClick={() => remove(entry.file)}>{"\u00d7"}</button>
+          {entry.because && <small class="because">proposed: {entry.because}</small>}
         </li>
       ))}
     </ul>
   );
+}
+
+/** The record with a use that was chosen by hand, which needs no reason. */
+function withUse({ because: _, ...entry }: RecordEntry, use: Use): RecordEntry {
+  return { ...entry, use };
 }
 
 /** Whether a record can be used, and what it is to the model. */

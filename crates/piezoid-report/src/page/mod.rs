@@ -100,7 +100,8 @@ impl Page {
         let project = self.project.as_ref().map_or_else(String::new, |address| {
             format!("<p class=\"project\"><a href=\"{}\">Open the project</a></p>\n", escape(address))
         });
-        let _ = writeln!(out, "<header>\n<p class=\"mark\">piezoid</p>\n<h1>{title}</h1>\n{subtitle}{project}</header>");
+        let _ =
+            writeln!(out, "<header>\n<p class=\"mark\">piezoid</p>\n<h1>{title}</h1>\n{subtitle}{project}</header>");
         self.contents(&mut out);
         out.push_str("<main>\n");
         let (mut numbers, mut n) = (Numbering::default(), 0);
