@@ -68,6 +68,8 @@ function Proven({ answer }: { answer: Answer }) {
   const { plant, gain, compensated, line, spread, notes }: OnPlant = on_plant;
   const of = unit(units.y);
   const on = spokenPlant(plant);
+  // A twin is another actuator, and promises nothing.
+  const source = smoothing ? "beyond what was measured: error on" : spread ? "promised error, from" : "error on";
   const isBetter = compensated.rmse < gain.rmse && !smoothing;
   const row = (name: string, errors: Errors) => [name, rough(errors.rmse), rough(errors.max_abs), rough(errors.rms_pp_percent)];
   return (
@@ -77,7 +79,7 @@ function Proven({ answer }: { answer: Answer }) {
         <b>{rough(compensated.rmse)}&nbsp;{of}</b> with the compensated voltage.{smoothing && ` ${beyondMeasured(smoothing, units.u)}`}
       </p>
       <Numbers rows={[
-        [`${rough(compensated.rmse)} ${of}`, "rms", `${smoothing ? "beyond what was measured: error on" : "promised error, from"} ${on}${spread ? `; ${rough(spread[0], 3)} to ${rough(spread[1], 3)} ${of} in 8 of 10 random stand-ins, its spread and no confidence interval` : ""}`],
+        [`${rough(compensated.rmse)} ${of}`, "rms", `${source} ${on}${spread ? `; ${rough(spread[0], 3)} to ${rough(spread[1], 3)} ${of} in 8 of 10 random stand-ins, its spread and no confidence interval` : ""}`],
       ]} />
       <Table caption="Errors on the plant" head={["Voltage", `rms [${of}]`, `Largest [${of}]`, "% of height"]}
         rows={[row("best constant gain", gain), row("compensated", compensated)]} />
