@@ -183,4 +183,25 @@ mod tests {
         assert!(of(json!({"call": "inspect", "file": 1})).contains("a request is such as"));
         assert!(of(json!({"call": "inspect", "files": {"log": ["a"]}})).contains("role of files"));
     }
+
+    #[test]
+    fn the_files_of_a_rig_get_a_proposed_use_and_reasons_with_options_in_braces() {
+        let row = |k: u32, u: f64| format!("{},{u},{}\n", f64::from(k) * 1e-3, 0.1 * u);
+        let file = |u: &dyn Fn(u32) -> f64| {
+            String::from("t_s,u_V,y_um\n") + &(0..900).map(|k| row(k, u(k))).collect::<String>()
+        };
+        let large = file(&|k| 50.0 - 50.0 * (0.05 * f64::from(k)).cos());
+        let small = file(&|k| 50.0 + f64::from(k.wrapping_mul(2_654_435_761) >> 16) / 65536.0);
+        let unknown = "A,B,C\n1,5,2\n3,4,9\n7,1,5\n4,2,8\n";
+        let request = json!({"call": "inspect", "files": {"data": ["large.csv", "small.csv", "unknown.csv"]}});
+        let files = [("large.csv", &*large), ("small.csv", &small), ("unknown.csv", unknown)];
+        let answer = answered(&packed(&request, &files), &mut Stage::ignore);
+        let files = parts(&answer).0["result"]["files"].clone();
+        assert_eq!((&files[0]["use"]["use"], &files[1]["use"]["use"]), (&json!("training"), &json!("small-signal")));
+        assert!(files[1]["use"]["because"].as_str().unwrap().contains("1 % of the largest range, 100 V"), "{files}");
+        assert!(
+            files[2]["use"].is_null() && files[2]["problems"][0].as_str().unwrap().contains("`{input_col}`"),
+            "{files}"
+        );
+    }
 }
