@@ -278,6 +278,8 @@ export interface CallOptions {
     clip?: boolean;
     /** Largest number of iterations that correct the error left in the model's free run */
     iterations?: number;
+    /** Error of the model, if a validation found a larger one than its file states [% of peak-to-peak] [%] */
+    model_error?: number | string;
     /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;
     /** Capacitance of the load, for the current limit [F] */
@@ -387,9 +389,18 @@ export interface CallOptions {
     phase_margin?: number | string;
   };
   /** Write a self-contained HTML report on a model and its free-run errors on records. */
-  report: CallOptions["validate"];
+  report: {
+    /** Address of the page that has the project open, for a link to it */
+    project?: string;
+    /** Time at the start of each record that the error figures leave out [s] */
+    skip?: number | string;
+    /** Offset of the model */
+    offset?: "kept" | "free" | "drift";
+  };
   /** Compare models, operators and structures on the same records. */
   compare: {
+    /** Address of the page that has the project open, for a link to it */
+    project?: string;
     /** The record whose loops and residuals are drawn; by default the first */
     record?: string;
     /** Time at the start of each record that the error figures leave out [s] */

@@ -70,6 +70,7 @@ class CompensateOptions(TypedDict, total=False):
 
     clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
     iterations: Largest number of iterations that correct the error left in the model's free run; default: 0
+    model_error: Error of the model, if a validation found a larger one than its file states [% of peak-to-peak] [%]
     smooth: Smooth steps and corners to minimum-jerk moves of this duration [s]
     notch: Filter the reference with a notch at the model's resonance
     zvd: Shape the reference (ZVD) so that the resonance is not excited
@@ -86,6 +87,7 @@ class CompensateOptions(TypedDict, total=False):
 
     clip: bool
     iterations: int
+    model_error: float | str | None
     driver: str | None
     capacitance: float | str | None
     low: float | str | None
@@ -292,6 +294,7 @@ class InverseOptions(TypedDict, total=False):
     """Keywords of `Model.inverse`.
 
     clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
+    model_error: Error of the model, if a validation found a larger one than its file states [% of peak-to-peak] [%]
 
     Driver:
 
@@ -304,6 +307,7 @@ class InverseOptions(TypedDict, total=False):
     """
 
     clip: bool
+    model_error: float | str | None
     driver: str | None
     capacitance: float | str | None
     low: float | str | None
@@ -481,6 +485,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     "CompensateOptions": {
         "clip": False,
         "iterations": 0,
+        "model_error": None,
         "driver": None,
         "capacitance": None,
         "low": None,
@@ -568,6 +573,7 @@ DEFAULTS: dict[str, dict[str, Any]] = {
     },
     "InverseOptions": {
         "clip": False,
+        "model_error": None,
         "driver": None,
         "capacitance": None,
         "low": None,
