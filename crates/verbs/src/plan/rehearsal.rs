@@ -302,7 +302,7 @@ mod tests {
         }
         assert_close(&[rehearsal.stroke], &[38.0], 0.01, 0.0);
         let page = plan.page();
-        assert!(page.contains("## Rehearsal") && page.contains("the slowest sine moves by 38 um"), "{page}");
+        assert!(page.contains("## Rehearsal") && page.contains("the slowest sine moves by 38.00 um"), "{page}");
     }
 
     /// A sine of 80 Hz below a mode of 100 Hz is amplified by 1 / (1 - 0.64).
