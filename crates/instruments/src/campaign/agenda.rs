@@ -86,7 +86,7 @@ impl CampaignOptions {
 /// The record of a drive that was kept earlier, if the drive is still the same.
 ///
 /// # Errors
-/// Returns an error for the record of another instrument than the one with this identity: a rehearsal is no measurement.
+/// Returns an error for the record of an instrument with another identity: a rehearsal is no measurement.
 pub(super) fn kept(drive: &PlannedDrive, journal: &dyn Journal, identity: &str) -> Result<Option<File>, Error> {
     let [played, record] = [drive.file(), format!("{}.csv", drive.name)].map(|name| journal.earlier(&name));
     let same = played.is_some_and(|played| drive.written().is_ok_and(|file| file.bytes == played.bytes));

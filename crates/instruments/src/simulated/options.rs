@@ -63,8 +63,8 @@ impl Model {
 options! {
     /// How to simulate a controller.
     pub struct Simulation {
-        /// The plant of each axis: a twin by its name (see {list}), a JSON file, or records: a stand-in for the actuator
-        /// of a model.
+        /// The plant of each axis: a twin by its name (see {list}), a JSON file, or records: a stand-in for the
+        /// actuator of a model.
         plant: String = "pl140".into(), OptionRow::new(OptionKind::Text("NAME")).list("plants");
         /// Seed of the noise of the sensor of axis 1; that of axis 2 has the next one.
         seed: u64 = 1, OptionRow::new(OptionKind::Integer(0, u64::MAX));

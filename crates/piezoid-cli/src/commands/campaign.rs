@@ -38,8 +38,8 @@ pub(crate) struct Campaign {
     reference: Option<PathBuf>,
     #[command(flatten)]
     options: Flags<CampaignOptions>,
-    /// Rehearse on this plant, in place of a controller: records is a stand-in, a second model of the records of --model;
-    /// a name (see `piezoid plants`) or a JSON file is a twin.
+    /// Rehearse on this plant, in place of a controller: records is a stand-in, a second model of the records of
+    /// --model; a name (see `piezoid plants`) or a JSON file is a twin.
     #[arg(long, value_name = "NAME|FILE|records")]
     plant: Option<String>,
     /// The model of the actuator, for --plant records.

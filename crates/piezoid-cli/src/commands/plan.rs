@@ -34,8 +34,8 @@ pub(crate) struct Plan {
     /// and by how much.
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
-    /// Also play the drives on this plant: records is a stand-in, a second model of the records of --model; a name (see
-    /// `piezoid plants`) or a JSON file is a twin.
+    /// Also play the drives on this plant: records is a stand-in, a second model of the records of --model; a name
+    /// (see `piezoid plants`) or a JSON file is a twin.
     #[arg(long, value_name = "NAME|FILE|records")]
     plant: Option<String>,
     #[command(flatten)]

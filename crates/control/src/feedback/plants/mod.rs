@@ -129,7 +129,7 @@ impl SimulatedActuator {
     /// The plant for voltages [V] every `ts` [s], with noise of `seed`, and the unit of its displacements.
     ///
     /// # Errors
-    /// The errors of [`Plant::new`]; an error for a stand-in with another sampling period, or whose input is no voltage.
+    /// The errors of [`Plant::new`]; an error for a stand-in with another sampling period or whose input is no voltage.
     pub fn played(&self, ts: f64, seed: u64) -> Result<(Box<dyn System>, String), Error> {
         match self {
             SimulatedActuator::Twin(spec) => Ok((Box::new(Plant::new(spec, ts)?.with_seed(seed)), "um".into())),
