@@ -5,8 +5,8 @@
 //! vibration = largest |y| between f0 / sqrt(2) and sqrt(2) f0
 //! ```
 //! Each drive begins after the demagnetisation, as it is measured. The sensor is without noise. The stroke is the
-//! displacement of the slowest sine. It does not do: creep before a drive, several resonances, one above the band of the
-//! small signal, limits of the driver of a stand-in.
+//! displacement of the slowest sine. It does not do: creep before a drive, several resonances, one above the band of
+//! the small signal, limits of the driver of a stand-in.
 
 use super::{OVER_RESONANCE, Plan, PlanOptions, PlannedDrive, STATIC_RESONANCE_RATIO};
 use piezoid_control::feedback::SimulatedActuator;
@@ -156,8 +156,8 @@ impl Rehearsal {
         if let Some((low, high)) = known.filter(is_beyond) {
             let [from, to, low, high] = [from, to, low, high].map(round);
             notes.push(format!(
-                "The rehearsal from {from} to {to} V goes beyond the {low} to {high} V that {whose}: there it is no measure \
-                 of the actuator"
+                "The rehearsal from {from} to {to} V goes beyond the {low} to {high} V that {whose}: there it is no \
+                 measure of the actuator"
             ));
         }
         let SimulatedActuator::StandIn(stand_in) = actuator else { return notes };
@@ -165,8 +165,8 @@ impl Rehearsal {
         if let Some(highest) = highest.filter(|highest| plan.rig.bandwidth > (1.0 + BEYOND) * highest) {
             let [bandwidth, highest] = [plan.rig.bandwidth, highest].map(|hz| quantity(hz, "Hz"));
             notes.push(format!(
-                "The rehearsal up to {bandwidth} goes beyond the records of the stand-in, which end at {highest}: there \
-                 it is no measure of the actuator"
+                "The rehearsal up to {bandwidth} goes beyond the records of the stand-in, which end at {highest}: \
+                 there it is no measure of the actuator"
             ));
         }
         notes
@@ -207,8 +207,8 @@ impl Rehearsal {
     }
 }
 
-/// The voltages of a drive every `period`, of which its sampling period is a multiple: held, or joined by straight lines
-/// if it is sampled less often than the plan.
+/// The voltages of a drive every `period`, of which its sampling period is a multiple: held, or joined by straight
+/// lines if it is sampled less often than the plan.
 fn played(drive: &PlannedDrive, ts: f64, period: f64) -> Vec<f64> {
     let every = (drive.ts / period).round().max(1.0) as usize;
     let is_joined = drive.ts > 1.5 * ts;
