@@ -190,7 +190,7 @@ mod tests {
         let file = |u: &dyn Fn(u32) -> f64| {
             String::from("t_s,u_V,y_um\n") + &(0..900).map(|k| row(k, u(k))).collect::<String>()
         };
-        let large = file(&|k| 50.0 - 50.0 * (0.05 * f64::from(k)).cos());
+        let large = file(&|k| 100.0 - (f64::from(k % 128) - 64.0).abs() * 100.0 / 64.0);
         let small = file(&|k| 50.0 + f64::from(k.wrapping_mul(2_654_435_761) >> 16) / 65536.0);
         let unknown = "A,B,C\n1,5,2\n3,4,9\n7,1,5\n4,2,8\n";
         let request = json!({"call": "inspect", "files": {"data": ["large.csv", "small.csv", "unknown.csv"]}});

@@ -11,5 +11,4 @@ pub mod formats;
 pub mod preparation;
 pub mod quality;
 pub mod record;
-pub mod uses;
 pub mod waveform;

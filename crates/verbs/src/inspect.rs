@@ -4,8 +4,8 @@ use super::DataFile;
 use piezoid_numerics::error::Error;
 use piezoid_records::formats::{ColumnSelection, LongRecord, MAX_HELD_SAMPLES, Opened, Table};
 use piezoid_records::quality::{self, Finding, InSections};
+use piezoid_records::quality::{Drive, Proposal, uses};
 use piezoid_records::record::Record;
-use piezoid_records::uses::{Drive, Proposal, uses};
 use serde_json::{Value, json};
 use std::ops::Range;
 
@@ -18,8 +18,8 @@ impl DataFile {
     /// its `role` (`time`, `input`, `output` or null); `record` with sampling period, duration and units, or null;
     /// `history`, the steps from the channels to the record; `problems`, which are reasons why there is no record, and
     /// suspected defects of the record; `defects`, these with the spans of time [s] that they concern, the first
-    /// hundred of each; `use`, which [`propose`] sets. The second result is the record, or the error that prevents it. A long record in a text is read
-    /// in pieces, and its defects are looked for in each of its sections.
+    /// hundred of each; `use`, which [`propose`] sets. The second result is the record, or the error that prevents it.
+    /// A long record in a text is read in pieces, and its defects are looked for in each of its sections.
     ///
     /// ```
     /// use piezoid::formats::ColumnSelection;

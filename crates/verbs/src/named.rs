@@ -53,18 +53,18 @@ impl<'a> Named<'a> {
     /// An error about the first record whose units do not fit to those of the first one.
     fn units(self) -> Option<Error> {
         let (first, first_name) = self.all().next()?;
-        let (wanted, other) = (first.units(), self.all().find(|(record, _)| !fits(record.units(), first.units()))?);
+        let (expected, other) = (first.units(), self.all().find(|(record, _)| !fits(record.units(), first.units()))?);
         let (own, name) = (other.0.units(), other.1);
-        let (signal, option, own, wanted) = if own.u == wanted.u {
-            ("output", "output_scale", &own.y, &wanted.y)
+        let (signal, option, own, expected) = if own.u == expected.u {
+            ("output", "output_scale", &own.y, &expected.y)
         } else {
-            ("input", "input_scale", &own.u, &wanted.u)
+            ("input", "input_scale", &own.u, &expected.u)
         };
         let problem = format!(
-            "its {signal} is in {own}, but that of {first_name} is in {wanted}: if a unit is wrong, state the right one; \
+            "its {signal} is in {own}, but that of {first_name} is in {expected}: if a unit is wrong, state the right one; \
              else convert this file by `prepare` first; "
         );
-        let factor = Units::factor(own, wanted).map_or(Value::Null, |k| format!("{k}{wanted}/{own}").into());
+        let factor = Units::factor(own, expected).map_or(Value::Null, |k| format!("{k}{expected}/{own}").into());
         Some(Error::Content(problem).of(name).advised(vec![(option, factor)]))
     }
 }

@@ -40,9 +40,9 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
   const requested = entry.error === undefined ? options : { ...options, model_error: entry.error };
   const change = (values: Partial<Settings>, passing = false) =>
     workspace.change((project) => withSettings(project, "compensate", { ...settings, ...values } as Options), passing);
-  const asked = pathOf(settings, model, stroke);
-  const expected = JSON.stringify(asked);
-  const path = useLatest(expected, async () => ({ expected, file: await fileOf(workspace, lists, asked) }));
+  const target = pathOf(settings, model, stroke);
+  const expected = JSON.stringify(target);
+  const path = useLatest(expected, async () => ({ expected, file: await fileOf(workspace, lists, target) }));
   // Of the path that is there, which is the one before while another is made.
   const input = path.value && JSON.stringify([file, path.value.expected, requested]);
   const result = useLatest(input, async () => ({ input, answer: await compensated(workspace, file, path.value!.file, requested) }));
@@ -59,13 +59,13 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
   const choose = (picture: string) => workspace.amend((project) => withSettings(project, "compensate", { ...project.settings["compensate"], picture }));
   return (
     <div class="bench">
-      <div class="pane left" role="region" aria-label="What is asked for">
-        <PathForm path={asked} settings={settings} change={change} />
+      <div class="pane left" role="region" aria-label="Path and limits">
+        <PathForm path={target} settings={settings} change={change} />
         <div class="details"><Limits model={model} values={options} change={(options) => change({ options })} /></div>
       </div>
       <div class="pane" role="region" aria-label="Pictures">
         <Choice label="Picture" names={PICTURES} chosen={picture} choose={choose} />
-        {picture === PICTURES[0] && shown && <Pictures key={`${asked.path} ${asked.duration}`} answer={shown} handles={pathHandles(asked, change)} />}
+        {picture === PICTURES[0] && shown && <Pictures key={`${target.path} ${target.duration}`} answer={shown} handles={pathHandles(target, change)} />}
         {picture === PICTURES[1] && path.value && (
           <Moves file={file} model={model} plant={plant} path={path.value.file} expected={path.value.expected} shared={options}
             values={settings.moves ?? {}} change={(moves) => change({ moves })} />

@@ -94,8 +94,8 @@ def campaign(
         why = "the path" if plant is not None else "a function"
         raise PiezoidError(f"{missing} is missing: {why} needs it")
     options: dict[str, Any] = {"bandwidth": bandwidth, "wait": wait, "operator": operator}
-    given = [("range", None if range is None else list(range)), ("period", ts), ("actuator", actuator), ("slew", slew)]
-    options |= {name: value for name, value in given if value is not None}
+    rows = [("range", None if range is None else list(range)), ("period", ts), ("actuator", actuator), ("slew", slew)]
+    options |= {name: value for name, value in rows if value is not None}
     path = None if reference is None else np.asarray(reference, dtype=float).tolist()
     with watched(progress) as watch:
         model, straight, compensated, results, page = _piezoid.campaign(

@@ -131,23 +131,23 @@ mod tests {
         u.iter().zip(noise(3, u.len())).map(|(u, e)| u + deviation * e).collect()
     }
 
-    /// Steps to these levels, each held for 1000 samples. The voltage is measured, with noise: no two samples are equal.
+    /// Steps to these levels, each held for 1000 samples. The voltage is measured, with noise: no two are equal.
     #[test]
     fn steps_between_holds_are_no_missing_rows() {
         for levels in [&[0.0, 100.0][..], &[0.0, 60.0, 120.0, 0.0]] {
             let steps = || levels.iter().flat_map(|level| [*level; 1000]);
             for deviation in [0.0, 1e-3, 0.1] {
-                let creep =
-                    |u: &[f64]| play(u).iter().zip(0..).map(|(y, t)| y + 0.1 * f64::from(1 + t % 1000).ln()).collect();
+                let log = |t: u32| 0.1 * f64::from(1 + t % 1000).ln();
+                let creep = |u: &[f64]| play(u).iter().zip(0..).map(|(y, t)| y + log(t)).collect();
                 assert_eq!(found(with_noise(steps(), deviation), creep), None, "{levels:?} {deviation}");
             }
         }
     }
 
     #[test]
-    fn a_sawtooth_that_the_output_follows_late_or_with_ringing_has_all_rows() {
+    fn a_sawtooth_that_the_output_follows_with_delay_or_ringing_has_all_rows() {
         let saw: Vec<f64> = (0..4000).map(|t| 0.05 * f64::from(t % 2000)).collect();
-        let late = |u: &[f64]| [&[0.0, 0.0], &play(u)[..u.len() - 2]].concat();
+        let delayed = |u: &[f64]| [&[0.0, 0.0], &play(u)[..u.len() - 2]].concat();
         let ringing = |u: &[f64]| {
             let (mut x, mut v) = (0.0, 0.0);
             let swings = |z: &f64| {
@@ -157,7 +157,7 @@ mod tests {
             };
             play(u).iter().map(swings).collect()
         };
-        assert_eq!((found(saw.clone(), late), found(saw.clone(), ringing)), (None, None));
+        assert_eq!((found(saw.clone(), delayed), found(saw.clone(), ringing)), (None, None));
         // A pulse of the voltage that is too short to be followed.
         let pulse: Vec<f64> = saw[..2000].iter().zip(0..).map(|(u, t)| if t == 900 { u + 30.0 } else { *u }).collect();
         assert_eq!(found(pulse, |u| u.iter().zip(0..).map(|(_, t)| 0.01 * f64::from(t)).collect()), None);

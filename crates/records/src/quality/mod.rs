@@ -31,6 +31,7 @@ mod scale;
 mod sections;
 mod tone;
 mod units;
+mod uses;
 mod wild;
 
 pub use bridge::bridged;
@@ -43,6 +44,7 @@ pub use power::{around, excites};
 pub(crate) use runs::{places, runs};
 pub use scale::likely_cause;
 pub use sections::InSections;
+pub use uses::{Drive, Proposal, Use, uses};
 
 use crate::record::Record;
 
