@@ -129,7 +129,8 @@ const named = ({ file }: Options, at: string): string =>
 
 function readRecord(entry: Options, at: string): RecordEntry {
   const uses: unknown[] = ["training", "small-signal", "validation", "none"] satisfies Use[];
-  const { columns, prepare, use } = entry;
+  const { columns, prepare, use, because } = entry;
+  textOf(because, `${at}.because`);
   if (!uses.includes(use)) wrong(use, `${at}.use`, `one of ${uses.join(", ")}`);
   return { ...entry, file: named(entry, at), columns: object(columns, `${at}.columns`), prepare: object(prepare, `${at}.prepare`), use: use as Use };
 }
@@ -150,11 +151,13 @@ function isLayout(text: string): boolean {
 }
 
 function readModel(entry: Options, at: string): ModelEntry {
-  const { summary, verdict, notes, from, validated, standIn } = entry;
+  const { summary, verdict, notes, from, validated, error, standIn } = entry;
   if (notes !== undefined && !(Array.isArray(notes) && notes.every((note) => typeof note === "string"))) {
     wrong(notes, `${at}.notes`, "a list of texts");
   }
   textOf(validated, `${at}.validated`);
+  const isError = error === undefined || (typeof error === "number" && error >= 0);
+  if (!isError) wrong(error, `${at}.error`, "a number of percent");
   return {
     ...entry,
     file: named(entry, at),

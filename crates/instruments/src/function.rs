@@ -90,7 +90,11 @@ impl<'f> Function<'f> {
         let mut x = if start == 0.0 { plant.initial() } else { plant.settled(start) };
         let call = move |u: &[f64]| Ok(plant.resume(&mut x, u));
         let mut function = Function::new(range, ts, Box::new(call), progress)?.in_unit(unit).within(limits);
-        function.setup.identity = format!("{name}, simulated");
+        // Records of one stand-in are none of another.
+        function.setup.identity = match actuator {
+            SimulatedActuator::Twin(_) => format!("{name}, simulated"),
+            SimulatedActuator::StandIn(found) => format!("{name}, simulated. {found}"),
+        };
         Ok(function)
     }
 

@@ -74,7 +74,7 @@ pub(super) static RATE: Remark = Remark {
     text: |c| {
         let ((identified, domain), unit) = (c.domains()?, &c.model.units().u);
         let [here, known] = [domain.slew, identified.slew].map(short);
-        (domain.slew > (1.0 + Domain::RATE_MARGIN) * identified.slew).then(|| {
+        identified.is_slower_than(domain.slew).then(|| {
             format!(
                 "the input changes by up to {here} {unit}/s, but the model was identified up to {known} {unit}/s: \
                  above this rate it extrapolates"
@@ -112,11 +112,11 @@ pub(super) fn range(c: &Comparison) -> Option<String> {
     let unit = &c.model.units().u;
     let (low, high) = identified_range(c.model)?;
     let [lowest, highest] = c.facts.domain.u;
-    let slack = Domain::RANGE_MARGIN * (high - low);
     let times = (highest - lowest) / (high - low);
     let cause = || format!("; at {} times the range, {}", short(times), likely_cause(times, unit));
     let cause = (times > MAX_RANGE_RATIO).then(cause).unwrap_or_default();
-    (lowest < low - slack || highest > high + slack).then(|| {
+    let known = Domain { u: [low, high], ..c.facts.domain };
+    (!known.spans([lowest, highest])).then(|| {
         let [lowest, highest, low, high] = [lowest, highest, low, high].map(short);
         format!(
             "the input runs from {lowest} to {highest} {unit}, but the model was identified from {low} to {high} \

@@ -6,9 +6,10 @@ use libm::hypot;
 use piezoid_control::compensation::shaping::Shaping;
 use piezoid_control::compensation::{Compensated, FeedForward, FeedForwardSettings};
 use piezoid_control::feedback::SimulatedActuator;
-use piezoid_models::hammerstein::Model;
+use piezoid_models::hammerstein::{Domain, Model};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
+use piezoid_numerics::series::ends;
 use piezoid_numerics::system::System;
 use piezoid_records::excitation::LimitOptions;
 use piezoid_records::formats::{ColumnSelection, Table};
@@ -23,7 +24,7 @@ options! {
         clip: bool = false, OptionRow::new(OptionKind::Switch);
         /// Largest number of iterations that correct the error left in the model's free run.
         iterations: usize = 0, OptionRow::new(OptionKind::Integer(0, u64::MAX));
-        /// Error of the model, if a validation found a larger one than its file states [% of peak-to-peak].
+        /// Error of the model over peak-to-peak, if a validation found a larger one than its file states.
         model_error: Option<f64> = None, OptionRow::not_negative("%");
     } with limits: LimitOptions with shape: Shaping
 }
@@ -130,7 +131,10 @@ impl Compensation {
             shaped,
             reach,
             model_error: verdict.as_ref().map(|verdict| verdict.error_percent),
-            is_beyond: model.identified().is_some_and(|known| !known.contains(&compensated.u, ts)),
+            is_beyond: model.identified().is_some_and(|known| {
+                let (low, high) = ends(compensated.u.iter().copied());
+                !known.spans([low, high]) || known.is_slower_than(Domain::slew_of(&compensated.u, ts))
+            }),
             compensated,
             verdict,
             smoothing: None,
@@ -189,7 +193,6 @@ impl Compensation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use piezoid_models::hammerstein::Domain;
     use piezoid_models::hysteresis::Proportional;
     use piezoid_models::linear::Arx;
     use piezoid_numerics::options::Options;

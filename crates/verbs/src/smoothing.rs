@@ -45,8 +45,8 @@ pub struct Faster {
 impl Faster {
     /// `None` if the voltage `u` is not faster, or if the rates of the training data are not known.
     pub(crate) fn of(model: &Model, u: &[f64]) -> Option<Self> {
-        let (slew, identified_slew) = (Domain::of_input(u, model.ts()).slew, model.identified()?.slew);
-        (slew > (1.0 + Domain::RATE_MARGIN) * identified_slew).then_some(Faster { slew, identified_slew })
+        let (slew, known) = (Domain::slew_of(u, model.ts()), model.identified()?);
+        known.is_slower_than(slew).then_some(Faster { slew, identified_slew: known.slew })
     }
 }
 
@@ -84,7 +84,7 @@ fn shortest(options: &CompensateOptions, model: &Model, r: &[f64], fastest: f64)
     };
     let is_within = |half: usize| {
         let found = smoothed(half).and_then(|(_, shaped)| inverse.whole(&shaped).ok());
-        found.is_some_and(|found| Domain::of_input(&found.u, ts).slew <= fastest)
+        found.is_some_and(|found| Domain::slew_of(&found.u, ts) <= fastest)
     };
     let longest = LONGEST.min(r.len() / 2);
     let mut low = options.shape.smooth.map_or(0, |seconds| (0.5 * seconds / ts) as usize);

@@ -59,18 +59,19 @@ function Promised({ answer: { result }, isPlayed }: { answer: Answer; isPlayed: 
 
 /** What the promised error is. */
 const promised = (isBeyond: boolean) => (isBeyond
-  ? "is the least error to expect: the voltage leaves the recorded range"
+  ? "is the least error to expect: the voltage leaves what was recorded"
   : "promised error, from the errors of the model on its records");
 
 /** The errors on the plant: one verdict, then the numbers. */
 function Proven({ answer }: { answer: Answer }) {
-  const { units, on_plant, smoothing } = answer.result;
+  const { units, on_plant, smoothing, is_beyond } = answer.result;
   const { plant, gain, compensated, line, spread, notes }: OnPlant = on_plant;
   const of = unit(units.y);
   const on = spokenPlant(plant);
   // A twin is another actuator, and promises nothing.
-  const source = smoothing ? "beyond what was measured: error on" : spread ? "promised error, from" : "error on";
-  const isBetter = compensated.rmse < gain.rmse && !smoothing;
+  const isBeyond: boolean = smoothing != null || is_beyond;
+  const source = isBeyond ? "beyond what was measured: error on" : spread ? "promised error, from" : "error on";
+  const isBetter = compensated.rmse < gain.rmse && !isBeyond;
   const row = (name: string, errors: Errors) => [name, rough(errors.rmse), rough(errors.max_abs), rough(errors.rms_pp_percent)];
   return (
     <>
@@ -114,7 +115,7 @@ const Numbers = ({ rows }: { rows: [string, string, string][] }) => (
 
 /** What the voltage uses of its limits and of the records. */
 function Used({ model, answer: { result }, smooth }: { model: any; answer: Answer; smooth(seconds: number): void }) {
-  const { usage, smoothing, notes, units } = result;
+  const { usage, smoothing, is_beyond, notes, units } = result;
   const known = recorded(model);
   const u = unit(units.u);
   const { low, high, slew, current } = { low: usage.lowest.limit, high: usage.highest.limit, slew: usage.slew.limit, current: usage.current };
@@ -131,11 +132,11 @@ function Used({ model, answer: { result }, smooth }: { model: any; answer: Answe
   return (
     <Section title="Voltage">
       <dl class="errors" aria-label="What the voltage uses of its limits">
-        {row("Voltage", voltageUse(usage, units.u), low !== null || high !== null, records?.Voltage)}
+        {row("Voltage", voltageUse(usage, units.u), low !== null || high !== null, records?.Voltage, is_beyond && !smoothing)}
         {row("Rate", `${short(usage.slew.value)} ${u}/s${slew === null ? "" : ` of ${short(slew)} ${u}/s`}`, slew !== null, records?.Rate, smoothing != null)}
         {current && row("Current", `${si(current.value, "A")}${current.limit === null ? "" : ` of ${si(current.limit, "A")}`}`, true)}
       </dl>
-      {!smoothing && known && <p class="help">Within the rates that were measured.</p>}
+      {!is_beyond && known && <p class="help">Within what was measured.</p>}
       <Smoothing seconds={smoothing?.smooth} rms={smoothing?.rms && `${rough(smoothing.rms)} ${unit(units.y)}`} smooth={smooth} />
       {(notes ?? []).length > 0 && (
         <details open={smoothing != null && smoothing.smooth === null}>

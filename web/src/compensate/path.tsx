@@ -61,7 +61,7 @@ export function Limits({ model, values, change }: { model: any; values: Options;
   const rows = optionsOf(lists, "compensate").filter(({ name }) => name !== "plant" && name !== "model_error");
   return (
     <Section title="Limits and shaping"
-      help={`${recorded(model) && values["driver"] === undefined ? "Voltages are those of the records as long as no others are set. " : ""}A path with corners is smoothed, or filtered at the resonance.`}>
+      help={`${recorded(model) && values["driver"] === undefined ? "As long as no limits are set, voltages may leave those of the records, which are shown, by a twentieth of their range. " : ""}A path with corners is smoothed, or filtered at the resonance.`}>
       <Form rows={withRecorded(rows, model, values)}
         values={values} change={change} first={["driver", "low", "high", "clip", "smooth", "zvd"]} />
     </Section>

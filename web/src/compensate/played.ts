@@ -34,7 +34,7 @@ export interface Played extends Outcome<Answer> {
   start?: () => void;
 }
 
-interface Asked {
+interface Request {
   entry: ModelEntry;
   plant: Plant | undefined;
   path: File | undefined;
@@ -44,7 +44,7 @@ interface Asked {
   options: Options;
 }
 
-export function usePlayed({ entry, plant, path, expected, samples, options }: Asked): Played {
+export function usePlayed({ entry, plant, path, expected, samples, options }: Request): Played {
   const { workspace } = useShared();
   const key = JSON.stringify([entry.file, expected, options, plant?.key]);
   const isLong = samples > LONG;

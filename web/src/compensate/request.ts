@@ -1,4 +1,4 @@
-// What is requested of the library for a path: its file, its voltage, and the displacements that it may ask for.
+// What is requested of the library for a path: its file, its voltage, and the displacements that it can reach.
 
 import type { Lists } from "../lists.ts";
 import { recorded } from "../models.tsx";
@@ -24,7 +24,7 @@ export interface Settings {
   picture?: string;
 }
 
-/** A path as it is asked for, with what is left out filled in. */
+/** A requested path, with what is left out filled in. */
 export interface Path extends Pick<Settings, "path" | "signal"> {
   points: number[];
   duration: number;

@@ -57,8 +57,9 @@ export function description(figure: Figure): string {
   return `${figure.title}. ${panels.join("; ")} against ${figure.x.label} [${figure.x.unit}]`;
 }
 
-/** The drawing context of a canvas with this size in pixels of CSS, cleared. */
+/** The drawing context of a canvas with this size in pixels of CSS, cleared: also of a hint. */
 export function sized(canvas: HTMLCanvasElement, width: number, height: number): CanvasRenderingContext2D {
+  clearTimeout(hinted.get(canvas));
   const ratio = devicePixelRatio || 1;
   const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
@@ -84,6 +85,5 @@ export function hint(canvas: HTMLCanvasElement, { clientWidth: width, clientHeig
   context.fillRect((width - wide) / 2, height / 2 - 16, wide, 32);
   context.fillStyle = theme.text;
   context.fillText(HINT, width / 2, height / 2 + 5);
-  clearTimeout(hinted.get(canvas));
   hinted.set(canvas, setTimeout(() => sized(canvas, width, height), WRITTEN));
 }

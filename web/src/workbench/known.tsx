@@ -67,7 +67,7 @@ function useUndecided(entries: RecordEntry[]): string[] {
   const { workspace } = useShared();
   const state = async (entry: RecordEntry) => {
     const { result } = await workspace.inspected(whole(entry));
-    return result.record ? [] : [`the roles of ${entry.file} are not decided`];
+    return result.record ? [] : [`${entry.file}: ${prose(result.problems[0] ?? "its roles are not decided")}`];
   };
   const key = JSON.stringify(entries.map(whole));
   return useOutcome(key, async () => (await Promise.all(entries.map((entry) => state(entry).catch(() => [`${entry.file} cannot be read`])))).flat()).value ?? [];
@@ -115,8 +115,9 @@ function useProof(entry: ModelEntry, records: RecordEntry[], options: Options): 
   const outcome = useOutcome(key, () => validated(workspace, drawnModel(entry, 1), proof, options));
   const { sentence, verdict } = outcome.value?.result ?? {};
   useEffect(() => {
-    if (!sentence || entry.validated === sentence) return;
+    if (!sentence) return;
     const found = { validated: sentence, error: verdict.worst_percent ?? verdict.error_percent };
+    if (entry.validated === found.validated && entry.error === found.error) return;
     workspace.amend((project) => ({
       ...project, models: project.models.map((one) => (one.file === entry.file ? { ...one, ...found } : one)),
     }));
@@ -197,8 +198,8 @@ function Report({ models, records, options }: { models: ModelEntry[]; records: R
   const { workspace } = useShared();
   const call = models.length > 1 ? "compare" : "report";
   const make = async () => {
-    // A page that was opened from a file cannot be linked.
-    const linked = location.protocol.startsWith("http") ? { ...options, project: location.href } : options;
+    // Only a project in a folder is the same for whoever opens its page; a browser keeps its own.
+    const linked = workspace.store.own ? options : { ...options, project: location.href };
     const answer = await workspace.run(await task(workspace, call, models.map(({ file }) => file), records, linked));
     for (const file of answer.files) download(file.name, file.bytes as BlobPart, "text/html");
   };

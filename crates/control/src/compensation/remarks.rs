@@ -64,17 +64,17 @@ impl FeedForward {
     pub fn beyond(&self, u: &[f64]) -> Vec<String> {
         let mut notes = Vec::new();
         if let Some(known) = self.model.identified() {
-            let used = Domain::of_input(u, self.model.ts());
+            let ((low, high), slew) = (ends(u.iter().copied()), Domain::slew_of(u, self.model.ts()));
             let input = &self.model.units().u;
-            let [low, high, known_low, known_high] = [used.u[0], used.u[1], known.u[0], known.u[1]].map(round);
-            if used.u[0] < known.u[0] || used.u[1] > known.u[1] {
+            if !known.spans([low, high]) {
+                let [low, high, known_low, known_high] = [low, high, known.u[0], known.u[1]].map(round);
                 notes.push(format!(
                     "inputs from {low} to {high} {input} are used, but the model was identified from {known_low} to \
                     {known_high}"
                 ));
             }
-            if used.slew > known.slew {
-                let [slew, known] = [used.slew, known.slew].map(round);
+            if known.is_slower_than(slew) {
+                let [slew, known] = [slew, known.slew].map(round);
                 notes.push(format!(
                     "the input changes by {slew} {input}/s, but at most by {known} in the identification data"
                 ));

@@ -33,10 +33,10 @@ pub struct Domain {
 
 impl Domain {
     /// How far an input may leave the range without a remark, as a share of its width.
-    pub const RANGE_MARGIN: f64 = 0.01;
+    const RANGE_MARGIN: f64 = 0.01;
 
     /// How much faster an input may change without a remark, as a share of the largest rate.
-    pub const RATE_MARGIN: f64 = 0.1;
+    const RATE_MARGIN: f64 = 0.1;
 
     /// The domain of these records together; `None` if there are none.
     pub fn of<'a>(records: impl IntoIterator<Item = &'a Record>) -> Option<Self> {
@@ -56,15 +56,24 @@ impl Domain {
     /// The domain of one input, not empty, sampled every `ts` [s].
     pub fn of_input(u: &[f64], ts: f64) -> Self {
         let (low, high) = ends(u.iter().copied());
-        let slew = u.windows(2).fold(0.0, |m: f64, w| m.max((w[1] - w[0]).abs())) / ts;
-        Domain { u: [low, high], hz: band(u, ts).map(|(low, high)| [low, high]), slew, mean: [mean(u); 2] }
+        let hz = band(u, ts).map(|(low, high)| [low, high]);
+        Domain { u: [low, high], hz, slew: Domain::slew_of(u, ts), mean: [mean(u); 2] }
     }
 
-    /// True if an input that is sampled every `ts` [s] leaves neither the range nor the rates of this domain.
-    pub fn contains(&self, u: &[f64], ts: f64) -> bool {
-        let (used, slack) = (Domain::of_input(u, ts), Domain::RANGE_MARGIN * (self.u[1] - self.u[0]));
-        let is_in_range = used.u[0] >= self.u[0] - slack && used.u[1] <= self.u[1] + slack;
-        is_in_range && used.slew <= (1.0 + Domain::RATE_MARGIN) * self.slew
+    /// True if no input from `low` to `high` leaves the range by more than the margin.
+    pub fn spans(&self, [low, high]: [f64; 2]) -> bool {
+        let slack = Domain::RANGE_MARGIN * (self.u[1] - self.u[0]);
+        low >= self.u[0] - slack && high <= self.u[1] + slack
+    }
+
+    /// True if an input that changes so fast [input unit/s] exceeds the rates by more than the margin.
+    pub fn is_slower_than(&self, slew: f64) -> bool {
+        slew > (1.0 + Domain::RATE_MARGIN) * self.slew
+    }
+
+    /// The largest change of an input from one sample to the next [input unit/s].
+    pub fn slew_of(u: &[f64], ts: f64) -> f64 {
+        u.windows(2).fold(0.0, |m: f64, w| m.max((w[1] - w[0]).abs())) / ts
     }
 
     /// Checks the order of the ends, which come from a file.

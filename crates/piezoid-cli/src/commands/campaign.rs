@@ -39,7 +39,7 @@ pub(crate) struct Campaign {
     #[command(flatten)]
     options: Flags<CampaignOptions>,
     /// Rehearse on this plant, in place of a controller: records is a stand-in, a second model of the records of
-    /// --model; a name (see `piezoid plants`) or a JSON file is a twin.
+    /// --model; a name (see `piezoid plants`) is a twin, a JSON file a twin or a stand-in.
     #[arg(long, value_name = "NAME|FILE|records")]
     plant: Option<String>,
     /// The model of the actuator, for --plant records.

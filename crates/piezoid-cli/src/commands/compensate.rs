@@ -34,7 +34,7 @@ pub(crate) struct Compensate {
     #[arg(long, value_name = "FILE", conflicts_with = "file")]
     reference: Option<PathBuf>,
     /// Also play the path on this plant, with and without compensation: records is a stand-in, a second model of the
-    /// records of the model; a name (see `piezoid plants`) or a JSON file is a twin.
+    /// records of the model; a name (see `piezoid plants`) is a twin, a JSON file a twin or a stand-in.
     #[arg(long, value_name = "NAME|FILE|records")]
     plant: Option<String>,
     #[command(flatten)]

@@ -33,7 +33,7 @@ y_*, or sine, triangle, staircase or random with a frequency in Hz, such as sine
 #[command(override_usage = "piezoid control --plant <NAME|FILE|records> --model <FILE>\n           [OPTIONS]")]
 pub(crate) struct Control {
     /// The actuator: records is a stand-in, a second model of the records of the model; a name (see `piezoid plants`)
-    /// or a JSON file is a twin.
+    /// is a twin, a JSON file a twin or a stand-in.
     #[arg(long, value_name = "NAME|FILE|records")]
     plant: String,
     #[command(flatten)]

@@ -35,7 +35,7 @@ pub(crate) struct Plan {
     #[arg(long, value_name = "FILE")]
     model: Option<PathBuf>,
     /// Also play the drives on this plant: records is a stand-in, a second model of the records of --model; a name
-    /// (see `piezoid plants`) or a JSON file is a twin.
+    /// (see `piezoid plants`) is a twin, a JSON file a twin or a stand-in.
     #[arg(long, value_name = "NAME|FILE|records")]
     plant: Option<String>,
     #[command(flatten)]

@@ -43,7 +43,7 @@ pub(crate) struct TimingCall {
     #[arg(long, value_name = "FILE", requires = "path")]
     measured: Option<PathBuf>,
     /// Also play the path on this plant: records is a stand-in, a second model of the records of the model; a name (see
-    /// `piezoid plants`) or a JSON file is a twin.
+    /// `piezoid plants`) is a twin, a JSON file a twin or a stand-in.
     #[arg(long, value_name = "NAME|FILE|records")]
     plant: Option<String>,
     #[command(flatten)]

@@ -8,6 +8,7 @@ use piezoid::excitation::Excitation;
 use piezoid::formats::{ColumnSelection, Table};
 use piezoid::{Error, PrepareOptions, Record};
 use piezoid_numerics::options::{OptionRow, Options, options};
+use piezoid_records::quality::Drive;
 use piezoid_records::waveform::spectrum;
 use piezoid_verbs::{ExciteOptions, File, PlanOptions, Source, Step, propose};
 use serde_json::{Value, json};
@@ -68,9 +69,12 @@ fn inspect(inputs: &Inputs) -> Result<Output, Error> {
 /// The files of a rig. One that cannot be read has its name and the reason alone.
 fn rig(sources: &[Source]) -> Output {
     let (mut files, mut drives) = (Vec::new(), Vec::new());
-    for Source { file, columns, .. } in sources {
+    for source in sources {
+        let Source { file, columns, preparation, .. } = source;
         let wrong = |error: Error| json!([error.message(&Marks)]);
+        let prepared = || source.record().map(|record| Drive::of(&record));
         let (document, drive) = match file.inspect(columns) {
+            Ok((document, Ok(_))) if !preparation.is_empty() => (document, prepared().ok()),
             Ok((document, Ok(record))) => (document, record.drive().ok()),
             Ok((mut document, Err(error))) => {
                 document["problems"] = wrong(error);

@@ -29,6 +29,9 @@ const MAX_SLOWING_SHARE: f64 = 0.35;
 /// A trend must exceed the standard deviation of the blocks by this factor.
 const MIN_DRIFT_DEVIATIONS: f64 = 6.0;
 
+/// Share of a trend that must be left when plays explain what they can.
+const MIN_LEFT_SHARE: f64 = 0.6;
+
 /// Lags and ridge of the regression on the input.
 const INPUT_LAGS: std::ops::Range<isize> = 0..16;
 const RIDGE: f64 = 1e-3;
@@ -85,16 +88,19 @@ fn drift(record: &Record) -> Option<Detection> {
         trend.total.abs() >= least * stroke && trend.total.abs() >= MIN_DRIFT_DEVIATIONS * trend.scatter
     };
     // The fit of hysteresis takes time, and is poor near a resonance: both trends count.
-    let found = Some(trend(y)).filter(is_clear).and_then(|_| {
-        let hysteresis = plays::explained(u, y)?;
-        Some(trend(&left(y, &hysteresis))).filter(is_clear)
-    })?;
+    let plain = Some(trend(y)).filter(is_clear)?;
+    let found = trend(&left(y, &plays::explained(u, y)?));
+    let is_scattered = found.total.abs() < MIN_DRIFT_DEVIATIONS * found.scatter;
+    if is_scattered || found.total / plain.total < MIN_LEFT_SHARE || (found.slows() && !is_clear(&found)) {
+        return None;
+    }
     let unit = &record.units().y;
     let seconds = (blocks - 1) as f64 * periods * period * record.ts();
     let kind = if found.slows() {
         "it slows down like creep"
     } else {
-        "it does not slow down like creep, so the sensor may drift"
+        "it does not slow down like creep that begins with the record: the sensor may drift, or the actuator creeps \
+         after a larger movement before"
     };
     let [total, seconds, percent] = [found.total, seconds, 100.0 * found.total.abs() / stroke].map(short);
     let drift = format!("the output drifts by {total} {unit} in {seconds} s ({percent} % of stroke)");

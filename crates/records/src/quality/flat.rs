@@ -9,7 +9,7 @@ use super::detector::{Consequence, Detector};
 use super::runs::{places, resolution, runs};
 use crate::record::Record;
 use piezoid_numerics::number::short;
-use piezoid_numerics::series::{ends, range};
+use piezoid_numerics::series::{ends, mean, range};
 use std::ops::Range;
 
 /// Height below an extreme, relative to the range.
@@ -23,6 +23,9 @@ const CLIPPED_REST_SHARE: f64 = 0.8;
 
 /// The other signal must move by this share of its range.
 pub(super) const MIN_MOVEMENT_SHARE: f64 = 0.02;
+
+/// Number of parts of an interval, of whose means the movement is taken.
+const PART_COUNT: usize = 32;
 
 /// Minimum length of a reported interval [samples].
 const MIN_RUN_SAMPLES: usize = 8;
@@ -172,9 +175,11 @@ fn moved_before(u: &[f64], run: &Range<usize>) -> f64 {
     moved(u, run.start..run.end.saturating_sub(MAX_DELAY_SAMPLES))
 }
 
-/// Movement of `u` during a run, relative to its range.
+/// Movement of `u` during a run, relative to its range: of the means of its parts, because noise is no movement.
 fn moved(u: &[f64], run: Range<usize>) -> f64 {
-    range(&u[run.start..run.end.max(run.start + 1)]) / range(u)
+    let run = &u[run.start..run.end.max(run.start + 1)];
+    let parts: Vec<f64> = run.chunks(run.len().div_ceil(PART_COUNT)).map(mean).collect();
+    range(&parts) / range(u)
 }
 
 /// True if `u` reaches the run no faster than it moved before: a clipped wave, not a step.

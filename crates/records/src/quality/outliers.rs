@@ -94,10 +94,10 @@ fn outliers(record: &Record, usable: &[bool]) -> Option<Detection> {
     found.retain(|_, size| size.abs() > smallest);
     let most = largest(found.values());
     // Many spikes are a property of the output: ripple, or a sensor that misses every second step.
-    if found.is_empty() || found.len() > 1 + n / 50 {
+    let ranges = runs(n, 0, |t| found.contains_key(&t));
+    if ranges.is_empty() || ranges.len() > 1 + n / 50 {
         return None;
     }
-    let ranges = runs(n, 0, |t| found.contains_key(&t));
     let (places, unit) = (places(&ranges, record.ts()), &record.units().y);
     let [most, percent] = [most, 100.0 * most / stroke].map(short);
     let text = format!(

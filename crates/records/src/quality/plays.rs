@@ -37,16 +37,18 @@ pub(super) fn residuals(u: &[f64], y: &[f64], reach: usize) -> Option<Vec<f64>> 
     (0..=2 * reach).map(share).collect()
 }
 
-/// The part of `y` that hysteresis of `u` explains. The line over time is fitted but not returned. `None` if one of the
-/// signals is constant.
+/// The part of `y` that hysteresis of `u` explains. The line over time is fitted but not returned. `None` if `u` is
+/// constant.
 pub(super) fn explained(u: &[f64], y: &[f64]) -> Option<Vec<f64>> {
     let columns = responses(u)?;
     let flat: Vec<Vec<f64>> = columns.iter().map(|column| detrended(column)).collect();
     let n = u.len() as f64;
     let gram = DMatrix::from_fn(COLUMN_COUNT, COLUMN_COUNT, |i, j| dot(&flat[i], &flat[j]) / n);
     let damped = &gram + DMatrix::identity(COLUMN_COUNT, COLUMN_COUNT) * (RIDGE * gram.trace());
-    let sign = if dot(&flat[2], &detrended(y)) < 0.0 { -1.0 } else { 1.0 };
-    let y: Vec<f64> = detrended(y).iter().map(|y| sign * y).collect();
+    let y = detrended(y);
+    // The first play has no width: it is the input itself.
+    let sign = if dot(&flat[COLUMN_COUNT - PLAY_COUNT], &y) < 0.0 { -1.0 } else { 1.0 };
+    let y: Vec<f64> = y.iter().map(|y| sign * y).collect();
     let w = weights(&damped, &DVector::from_fn(COLUMN_COUNT, |i, _| dot(&flat[i], &y) / n));
     Some((0..u.len()).map(|t| columns.iter().zip(&w).map(|(column, w)| sign * w * column[t]).sum()).collect())
 }

@@ -4,7 +4,7 @@
 //! exercise the hysteresis. One of them is proposed for validation if its waveform is of another kind than those of the
 //! others, and lies within their range: a model that predicts it has not learnt one waveform by heart.
 
-use crate::record::Record;
+use crate::record::{Record, Units};
 use crate::waveform::{CycleGroups, band, reversals};
 use piezoid_numerics::number::round;
 use piezoid_numerics::series::{ends, range};
@@ -103,13 +103,16 @@ impl Drive {
             true if reversals(u, MIN_REVERSAL_SHARE).len() >= MIN_REVERSALS => Waveform::Irregular,
             true => Waveform::Few,
         };
-        let unit = record.units().u.clone();
-        Drive { ends: ends(u.iter().copied()), unit, band: band(u, ts), waveform }
+        let drive = Drive { ends: (0.0, 0.0), unit: record.units().u.clone(), band: band(u, ts), waveform };
+        drive.between(ends(u.iter().copied()))
     }
 
-    /// The same for a longer record, whose input has these ends.
-    pub fn between(self, ends: (f64, f64)) -> Self {
-        Drive { ends, ..self }
+    /// The same for a longer record, whose input has these ends. Files of one rig may have other units: ends are in V.
+    pub fn between(self, (low, high): (f64, f64)) -> Self {
+        match Units::factor(&self.unit, "V") {
+            Some(volts) => Drive { ends: (volts * low, volts * high), unit: "V".into(), ..self },
+            None => Drive { ends: (low, high), ..self },
+        }
     }
 
     fn range(&self) -> f64 {
@@ -123,12 +126,18 @@ impl Drive {
 
 /// The proposed use of each record of a rig. One that is alone is for training.
 pub fn uses(drives: &[&Drive]) -> Vec<Proposal> {
-    let largest = drives.iter().map(|drive| drive.range()).fold(0.0, f64::max);
-    let is_small = |drive: &Drive| drive.range() <= MAX_SMALL_RANGE_SHARE * largest && drive.is_rich();
+    let largest = |of: &Drive| {
+        let same = drives.iter().filter(|drive| drive.unit == of.unit);
+        same.map(|drive| drive.range()).fold(0.0, f64::max)
+    };
+    let is_small = |drive: &Drive| drive.range() <= MAX_SMALL_RANGE_SHARE * largest(drive) && drive.is_rich();
     let validates = validation(drives, &is_small);
     let proposal = |(k, drive): (usize, &&Drive)| {
-        let percent = round((100.0 * drive.range() / largest).round());
-        let size = format!("its input has {percent} % of the largest range, {} {}", round(largest), drive.unit);
+        let (largest, unit) = (largest(drive), &drive.unit);
+        let size = match round((100.0 * drive.range() / largest).round()) {
+            _ if largest == 0.0 => "its input does not move".into(),
+            percent => format!("its input has {percent} % of the largest range, {} {unit}", round(largest)),
+        };
         let (of, because) = if is_small(drive) {
             let (low, high) = drive.band.unwrap_or_default();
             let band = [low, high].map(|hz| round((hz * 10.0).round() / 10.0));
@@ -149,7 +158,8 @@ pub fn uses(drives: &[&Drive]) -> Vec<Proposal> {
 fn validation(drives: &[&Drive], is_small: &dyn Fn(&Drive) -> bool) -> Option<usize> {
     let large: Vec<usize> = (0..drives.len()).filter(|k| !is_small(drives[*k])).collect();
     let is_within = |k: usize| {
-        let others = large.iter().filter(|other| **other != k).map(|other| drives[*other].ends);
+        let others = large.iter().filter(|other| **other != k && drives[**other].unit == drives[k].unit);
+        let others = others.map(|other| drives[*other].ends);
         let (low, high) = others.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), (a, b)| (l.min(a), h.max(b)));
         let margin = MAX_BEYOND_SHARE * (high - low);
         drives[k].ends.0 >= low - margin && drives[k].ends.1 <= high + margin
@@ -225,8 +235,21 @@ mod tests {
     }
 
     #[test]
+    fn ranges_are_compared_in_one_unit() {
+        let millivolts = |drive: Vec<f64>| {
+            let u: Vec<f64> = drive.iter().map(|u| 1e3 * u).collect();
+            let units = Units { u: "mV".into(), y: "um".into() };
+            Drive::of(&Record::new(TS, u.clone(), u).unwrap().with_units(units))
+        };
+        let wave = Prbs::default().samples(TS, 4000).unwrap();
+        assert_eq!(names(&[sine(50.0, 2.0), millivolts(wave)]), ["training", "small-signal"]);
+    }
+
+    #[test]
     fn records_without_a_movement_have_a_use_too() {
-        assert_eq!(names(&[about(2.0, vec![0.0; 50]), about(2.0, vec![0.0])]), ["training"; 2]);
+        let still = [about(2.0, vec![0.0; 50]), about(2.0, vec![0.0])];
+        assert_eq!(names(&still), ["training"; 2]);
+        assert_eq!(uses(&[&still[0], &still[1]])[0].because, "its input does not move, and few reversals");
         assert!(uses(&[]).is_empty());
     }
 }

@@ -121,11 +121,15 @@ impl Rehearsal {
     /// What to watch, one sentence each.
     fn notes(&self, actuator: &SimulatedActuator, plan: &Plan) -> Vec<String> {
         let mut notes = Vec::new();
+        let needed = self.resonance_hz.filter(|f0| *f0 <= STATIC_RESONANCE_RATIO * plan.rig.bandwidth);
+        let needed = needed.map(|f0| 1.0 / (OVER_RESONANCE * f0));
         for drive in self.drives.iter().filter(|drive| drive.excites) {
             let vibration = drive.vibration.unwrap_or_default();
             let percent = short(100.0 * vibration / self.stroke);
             let (vibration, unit, hz) = (short(vibration), &self.unit, quantity(self.hz(), "Hz"));
             let remedy = match drive.name {
+                // The model needs the resonance, which a longer sampling period would leave out.
+                "small" if needed.is_some() => "scale its voltages down",
                 "small" => "give a longer sampling period, so that it ends below the resonance",
                 "creep" => "lower the bandwidth, so that its moves are slower",
                 _ => "lower the bandwidth",
@@ -136,8 +140,6 @@ impl Rehearsal {
                 drive.name, self.plant
             ));
         }
-        let needed = self.resonance_hz.filter(|f0| *f0 <= STATIC_RESONANCE_RATIO * plan.rig.bandwidth);
-        let needed = needed.map(|f0| 1.0 / (OVER_RESONANCE * f0));
         if let Some(longest) = needed.filter(|longest| plan.ts > *longest) {
             let (ts, hz, longest) = (quantity(plan.ts, "s"), quantity(self.hz(), "Hz"), quantity(longest, "s"));
             notes.push(format!(
@@ -327,6 +329,7 @@ mod tests {
         assert!(!far.notes.join("\n").contains("does not resolve"), "{:?}", far.notes);
         let coarse = rehearsed(json!({"bandwidth": 20}), &stand_in(Some(150.0))).unwrap();
         let notes = coarse.notes.join("\n");
+        assert!(!notes.contains("longer sampling period"), "{notes}");
         assert!(notes.contains("The sampling period of 2 ms does not resolve the resonance of 15"), "{notes}");
     }
 

@@ -14,10 +14,11 @@
 //! Reference: T. Flash & N. Hogan, J. Neurosci. 5, 1688 (1985), DOI 10.1523/JNEUROSCI.05-07-01688.1985.
 
 use super::run::{overshoot, settled_after};
+use crate::Faster;
 use libm::log;
 use piezoid_control::compensation::FeedForward;
 use piezoid_control::compensation::shaping::Shaping;
-use piezoid_models::hammerstein::{Domain, Model};
+use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
 use serde::Serialize;
@@ -53,8 +54,8 @@ pub struct FastestMove {
     pub overshoot: Option<f64>,
     /// The same on the plant, if there is one.
     pub on_plant: Option<Landing>,
-    /// Largest rate of its voltage over that of the training data; `None` if either is not known.
-    pub slew_ratio: Option<f64>,
+    /// Set if its voltage changes faster than that of the training data: the actuator may settle later.
+    pub faster: Option<Faster>,
     /// Why there is no such move; empty if there is.
     pub because: String,
 }
@@ -112,7 +113,7 @@ impl Mover<'_> {
                 settling_s: None,
                 overshoot: None,
                 on_plant: None,
-                slew_ratio: None,
+                faster: None,
                 because: String::new(),
             };
             match found {
@@ -121,18 +122,13 @@ impl Mover<'_> {
                     move_s: Some((trial.end - trial.begin) as f64 * self.model.ts()),
                     settling_s: trial.on_model.settling_s,
                     overshoot: Some(trial.on_model.overshoot),
-                    slew_ratio: self.slew_ratio(&trial.u),
+                    faster: Faster::of(self.model, &trial.u),
                     on_plant: self.plant.map(|plant| self.landing(&plant(&trial.u)[trial.begin..], (from, to))),
                     ..none
                 },
             }
         };
         shapes.map(of).collect()
-    }
-
-    fn slew_ratio(&self, u: &[f64]) -> Option<f64> {
-        let known = self.model.identified()?.slew;
-        Some(Domain::of_input(u, self.model.ts()).slew / known).filter(|ratio| ratio.is_finite())
     }
 
     /// The shortest minimum-jerk move that settles at once.

@@ -21,7 +21,7 @@ use super::{DataFile, Faster, File, Verdict, blamed};
 use piezoid_control::compensation::FeedForwardSettings;
 use piezoid_control::compensation::shaping::Shaping;
 use piezoid_control::feedback::SimulatedActuator;
-use piezoid_models::hammerstein::{Domain, Model};
+use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::ascii_unit;
 use piezoid_numerics::options::{OptionKind, OptionRow, options};
@@ -239,8 +239,8 @@ impl Timing {
     fn beyond(&self) -> Vec<String> {
         let shortest = ["step", "flyback"].into_iter().filter_map(|purpose| self.shortest(purpose));
         let note = |m: &FastestMove| {
-            let ratio = m.slew_ratio.filter(|ratio| *ratio > 1.0 + Domain::RATE_MARGIN)?;
-            let (purpose, ratio) = (m.purpose, rough(ratio));
+            let Faster { slew, identified_slew } = m.faster?;
+            let (purpose, ratio) = (m.purpose, rough(slew / identified_slew));
             Some(format!(
                 "the shortest {purpose} changes the voltage {ratio} times as fast as the training data: on the actuator it \
                  may settle later; identify on a record that is as fast, or take a slower move"

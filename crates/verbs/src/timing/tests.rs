@@ -87,11 +87,12 @@ fn the_shortest_minimum_jerk_move_settles_at_once_and_a_shorter_one_does_not() {
         assert!(found.settling_s <= found.move_s && found.because.is_empty());
     }
     // This model was identified from jumps over its whole range; one from slow records does not know such rates.
-    assert!(timing.fastest.iter().flat_map(|m| m.slew_ratio).all(|ratio| ratio < 1.0), "{:?}", timing.fastest);
+    assert!(timing.fastest.iter().all(|m| m.faster.is_none()), "{:?}", timing.fastest);
     assert!(!timing.notes.iter().any(|note| note.contains("as fast as the training data")), "{:?}", timing.notes);
     let known = Domain { slew: 100.0, ..*model.identified().unwrap() };
     let beyond = timed(&options("50nm"), &model.clone().with_identified(known), None, &Players::default());
-    assert!(beyond.shortest("step").unwrap().slew_ratio > Some(2.0), "{:?}", beyond.fastest);
+    let faster = beyond.shortest("step").unwrap().faster.unwrap();
+    assert!(faster.identified_slew == 100.0 && faster.slew > 200.0, "{faster:?}");
     let note = beyond.notes.iter().find(|note| note.starts_with("the shortest step changes the voltage ")).unwrap();
     assert!(note.contains(" times as fast as the training data: on the actuator it may settle later"), "{note}");
     // A longer way takes longer, and so does a slow driver, at least the way over its slew.

@@ -46,8 +46,8 @@ pub(crate) fn simulated(simulation: &Simulation, name: &str, plant: &SimulatedAc
     (axis.slew, axis.velocity) = speeds(&axis, UNLIMITED);
     let device = Device {
         plant: name.to_uppercase(),
+        set: axis.goal,
         axis,
-        set: 0.0,
         source: SET,
         generator: Generator::default(),
         recorder: Recorder::default(),
