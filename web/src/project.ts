@@ -16,7 +16,7 @@ export interface RecordEntry {
   /** How it is prepared. */
   prepare: Options;
   use: Use;
-  /** Why the library proposed this use. */
+  /** Why the library proposes this use; missing once it was chosen by hand. */
   because?: string;
 }
 

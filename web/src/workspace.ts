@@ -8,7 +8,6 @@ import {
   EMPTY, fileName, filesOf, free, History, isProject, type ModelEntry, PROJECT, type Project, read, type RecordEntry, withRecord, written,
 } from "./project.ts";
 import { equal, type Store } from "./store.ts";
-import { proposed } from "./uses.ts";
 import { Work } from "./work.ts";
 import type { Search } from "./workbench/search.ts";
 
@@ -207,18 +206,17 @@ export class Workspace extends Work {
   }
 
   /** The same for files that are in the store already. With `asRig`, those that look like the files of a rig are read
-   * like them, and each is used as the library proposes. */
+   * like them, and the library proposes their uses. */
   async addStored(stored: Pick<RecordEntry, "file" | "use">[], { look = true, passing = false, asRig = false } = {}): Promise<void> {
     const entries: RecordEntry[] = [];
     for (const { file, use } of stored) {
       const entry = await this.#usable({ file, columns: {}, prepare: {}, use });
-      entries.push(asRig ? await this.#asRig(entry) : entry);
+      entries.push(asRig ? await this.#asRig({ ...entry, because: "" }) : entry);
     }
     const last = entries.at(-1);
     if (!last) return;
-    const added = asRig ? await proposed(this, entries) : entries;
     const looked = look ? { record: last.file } : {};
-    this.change((project) => ({ ...project, records: [...project.records, ...added], ...looked }), passing);
+    this.change((project) => ({ ...project, records: [...project.records, ...entries], ...looked }), passing);
   }
 
   /** The entry; a file that cannot be read at all is not used. */

@@ -87,7 +87,7 @@ test("a path is played on the stand-in, which is made once, by itself, and kept 
   assert.equal(await one.locator(".verdict").count(), 1, "one verdict");
   await one.getByText(/^promised error, from the stand-in; [\d.]+ to [\d.]+ .m in 8 of 10 random stand-ins, its spread and no confidence interval$/).waitFor();
   await one.getByText(/^The best constant gain for this path, by the model: [\d.]+ V\/.m, offset .+ V, .* (ahead of the path|without a lead)\.$/).waitFor();
-  await one.getByText("Within the rates that were measured.").waitFor();
+  await one.getByText("Within what was measured.").waitFor();
   await one.getByText(/^The stand-in is the model and .* % of its difference from a model with/).waitFor();
   await one.getByRole("img", { name: /^The path on the stand-in.*requested, best constant gain, compensated/ }).waitFor();
   // The error is the path less the displacement, as in Control, without a constant.

@@ -119,6 +119,7 @@ function Used({ model, answer: { result }, smooth }: { model: any; answer: Answe
   const known = recorded(model);
   const u = unit(units.u);
   const { low, high, slew, current } = { low: usage.lowest.limit, high: usage.highest.limit, slew: usage.slew.limit, current: usage.current };
+  const isWithin = known && usage.slew.value <= known.slew && usage.lowest.value >= known.u[0] && usage.highest.value <= known.u[1];
   const records = known && { Voltage: `${short(known.u[0])} to ${short(known.u[1])} ${u}`, Rate: `${short(known.slew)} ${u}/s` };
   /** What is used, of its limit, or of what was recorded where none is set. */
   const row = (name: string, uses: string, isLimited: boolean, recorded?: string, isBeyond = false) => (
@@ -136,7 +137,7 @@ function Used({ model, answer: { result }, smooth }: { model: any; answer: Answe
         {row("Rate", `${short(usage.slew.value)} ${u}/s${slew === null ? "" : ` of ${short(slew)} ${u}/s`}`, slew !== null, records?.Rate, smoothing != null)}
         {current && row("Current", `${si(current.value, "A")}${current.limit === null ? "" : ` of ${si(current.limit, "A")}`}`, true)}
       </dl>
-      {!is_beyond && known && <p class="help">Within what was measured.</p>}
+      {isWithin && <p class="help">Within what was measured.</p>}
       <Smoothing seconds={smoothing?.smooth} rms={smoothing?.rms && `${rough(smoothing.rms)} ${unit(units.y)}`} smooth={smooth} />
       {(notes ?? []).length > 0 && (
         <details open={smoothing != null && smoothing.smooth === null}>

@@ -32,7 +32,7 @@ export function PathForm({ path: { path, points, duration, usual, of }, settings
     </label>
   );
   return (
-    <Section title="Path" help={path === "drawn" ? "Drag its points in the picture, or move them with the arrow keys." : ""}>
+    <Section title="Path" help={path === "drawn" ? "Drag its points in the picture, or move them with the arrow keys. A file of your own, with time and displacement, is dropped on the page." : ""}>
       <ModelChoice proof={false} />
       <div class="row">
         <label>
@@ -40,7 +40,7 @@ export function PathForm({ path: { path, points, duration, usual, of }, settings
           <select value={path} onChange={(event) => change({ path: event.currentTarget.value })}>
             <option value="drawn">drawn by hand</option>
             {KINDS.map((name) => <option key={name} value={name}>{name}</option>)}
-            {workspace.project.records.map((one) => <option key={one.file} value={one.file}>displacement of {one.file}</option>)}
+            {workspace.project.records.map((one) => <option key={one.file} value={one.file}>displacement in {one.file}</option>)}
           </select>
         </label>
         {(path === "drawn" || isKind) && number("Duration [s]", duration, (value) => change({ duration: value }))}

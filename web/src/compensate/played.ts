@@ -1,8 +1,9 @@
 // A path on the plant that was chosen: with the best constant gain, and with the compensated voltage.
 
-import type { Answer, File } from "../packet.ts";
+import type { Answer } from "../packet.ts";
 import type { ModelEntry, Options } from "../project.ts";
 import type { Plant } from "../stand-in.tsx";
+import { type PathFile, reading } from "./request.ts";
 import { type Outcome, useKept, useLatest, useShared } from "../ui.tsx";
 
 /** Errors of a path on a plant, as `compensate` answers. */
@@ -37,7 +38,7 @@ export interface Played extends Outcome<Answer> {
 interface Request {
   entry: ModelEntry;
   plant: Plant | undefined;
-  path: File | undefined;
+  path: PathFile | undefined;
   /** What the path is made of, and how many samples it has if that is known. */
   expected: string;
   samples: number;
@@ -49,7 +50,7 @@ export function usePlayed({ entry, plant, path, expected, samples, options }: Re
   const key = JSON.stringify([entry.file, expected, options, plant?.key]);
   const isLong = samples > LONG;
   const play = async (quiet: boolean) => {
-    const request = { call: "compensate", options, files: { model: [entry.file], reference: [path!.name] } };
+    const request = { call: "compensate", options, ...reading(path!), files: { model: [entry.file], reference: [path!.name] } };
     const answer = await workspace.run({
       name: "before and after", ...(await plant!.on(request, [await workspace.file(entry.file), path!])), beside: true, quiet,
     });

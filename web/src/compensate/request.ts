@@ -73,18 +73,28 @@ function ofKind(path: string, signal: Options, lists: Lists): Options {
   return Object.fromEntries(Object.entries(signal).filter(([name]) => known.some((row) => row.name === name)));
 }
 
+/** The file of a path, with how its columns are read if it is not of our own. */
+export interface PathFile extends File {
+  columns?: Options;
+}
+
+/** What a call states of a path. */
+export const reading = ({ columns }: PathFile): { columns?: Options } => (columns ? { columns } : {});
+
 /** The file of a path. */
-export async function fileOf(workspace: Workspace, lists: Lists, { path = "drawn", signal = {}, points, duration, usual, ts, of }: Path): Promise<File> {
+export async function fileOf(workspace: Workspace, lists: Lists, { path = "drawn", signal = {}, points, duration, usual, ts, of }: Path): Promise<PathFile> {
   const record = workspace.project.records.find((one) => one.file === path);
-  if (record) return { ...(await workspace.ready(record)), name: "path.csv" };
+  if (record && (await workspace.inspected(record)).result.record) return { ...(await workspace.ready(record)), name: "path.csv" };
+  // A file without a voltage is no record, but it has a path.
+  if (record) return { ...(await workspace.file(record.file)), columns: record.columns };
   return pathFile(workspace, path === "drawn" ? moves(points, duration) : { kind: path, duration, ...usual, ...ofKind(path, signal, lists) }, ts, of);
 }
 
 /** The voltage for a path. */
-export const compensated = async (workspace: Workspace, file: string, path: File, options: Options): Promise<Answer> =>
+export const compensated = async (workspace: Workspace, file: string, path: PathFile, options: Options): Promise<Answer> =>
   workspace.run({
     name: "compensate",
-    request: { call: "compensate", options, files: { model: [file], reference: [path.name] } },
+    request: { call: "compensate", options, ...reading(path), files: { model: [file], reference: [path.name] } },
     files: [await workspace.file(file), path],
     quiet: true,
   });

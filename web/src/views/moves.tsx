@@ -4,9 +4,10 @@
 import { useEffect, useMemo, useRef, useState } from "preact/hooks";
 import type { CallName } from "../catalogue.ts";
 import { beyondMeasured, type Faster } from "../compensate/beyond.ts";
+import { type PathFile, reading } from "../compensate/request.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
-import type { Answer, File } from "../packet.ts";
+import type { Answer } from "../packet.ts";
 import type { Figure } from "../plot/figure.ts";
 import { short, unit as unitOf } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
@@ -50,7 +51,7 @@ interface Props {
   /** What the moves are played on too. */
   plant: Plant | undefined;
   /** The path of the view, and what it is made of. */
-  path: File;
+  path: PathFile;
   expected: string;
   /** Limits and shaping, which the compensation has too. */
   shared: Options;
@@ -70,7 +71,7 @@ export function Moves({ file, model, plant, path, expected, shared, values, chan
   };
   const files = { model: [file], ...(!isStep && { path: [path.name] }) };
   const start = (call: CallName, name: string) => async () => {
-    const request = { call, options: optionsFor(call), files };
+    const request = { call, options: optionsFor(call), ...(isStep ? {} : reading(path)), files };
     const sent = [await workspace.file(file), ...(isStep ? [] : [path])];
     return workspace.run({ name, ...(plant ? await plant.on(request, sent) : { request, files: sent }) });
   };

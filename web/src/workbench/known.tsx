@@ -11,6 +11,7 @@ import { prose, rough, short } from "../plot/ticks.ts";
 import { remaining, spokenTime } from "../remaining.ts";
 import { type ModelEntry, nameOf, type Options, proofOf, type RecordEntry, withSettings } from "../project.ts";
 import { Chart, Fault, Notes, type Outcome, Table, useModel, useOutcome, useShared, Verdict } from "../ui.tsx";
+import { worded } from "../words.ts";
 import type { Workspace } from "../workspace.ts";
 import { convergence } from "./figures.ts";
 import { Ranking } from "./ranking.tsx";
@@ -64,10 +65,13 @@ function Running({ search }: { search: Search }) {
 
 /** The records that cannot be identified from as they are read, and why. */
 function useUndecided(entries: RecordEntry[]): string[] {
-  const { workspace } = useShared();
+  const { workspace, lists } = useShared();
   const state = async (entry: RecordEntry) => {
     const { result } = await workspace.inspected(whole(entry));
-    return result.record ? [] : [`${entry.file}: ${prose(result.problems[0] ?? "its roles are not decided")}`];
+    if (result.record) return [];
+    const has = (role: string) => result.channels.some((channel: { role: string | null }) => channel.role === role);
+    const isDecided = has("input") && has("output");
+    return [isDecided ? `${entry.file}: ${worded(result.problems[0] ?? "it is no record", lists)}` : `the roles of ${entry.file} are not decided`];
   };
   const key = JSON.stringify(entries.map(whole));
   return useOutcome(key, async () => (await Promise.all(entries.map((entry) => state(entry).catch(() => [`${entry.file} cannot be read`])))).flat()).value ?? [];

@@ -11,6 +11,7 @@ import { short, si, unit } from "../plot/ticks.ts";
 import { filesOf, nameOf, proofOf, type RecordEntry, type Use, usedModel } from "../project.ts";
 import { RigLine } from "../rig.tsx";
 import { Notes, useOutcome, useShared } from "../ui.tsx";
+import { useProposals } from "../uses.ts";
 
 const USES: [Use, string][] = [
   ["training", "identify: large signal"],
@@ -75,6 +76,7 @@ const NO_RECORDS = /^\.|\.(json|zip|html|md|toml|png|svg|pdf|py|m|c|h)$/i;
 export function Records({ shown }: { shown: RecordEntry | undefined }) {
   const { workspace } = useShared();
   const { records } = workspace.project;
+  useProposals();
   const model = usedModel(workspace.project);
   const proof = model ? proofOf(model, records) : [];
   /** What a record is to the model. */

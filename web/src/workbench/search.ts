@@ -57,17 +57,22 @@ export const identifiedFrom = (records: RecordEntry[]) => {
 /** The records of an identification, as they are read and prepared. */
 export const recordsOf = ({ project }: Workspace): string => JSON.stringify(identifiedFrom(project.records).all);
 
+/** The browser asks before it leaves the page: the search would be lost. */
+const leaves = (event: Event) => event.preventDefault();
+
 /** Identifies a model and adds it to the project. Cancelled, the best model until then is added. */
 export async function identify(workspace: Workspace): Promise<void> {
   const search: Search = { of: recordsOf(workspace), isRunning: true, trials: [], fits: new Map(), errors: [], costs: [], drawn: [] };
   workspace.search = search;
   workspace.changed();
+  addEventListener("beforeunload", leaves);
   try {
     await searched(workspace, search);
   } catch (error) {
     if (!(error instanceof Cancelled)) search.error = error instanceof Error ? error.message : String(error);
   } finally {
     search.isRunning = false;
+    removeEventListener("beforeunload", leaves);
     workspace.changed();
   }
 }
