@@ -68,6 +68,9 @@ function Proven({ answer }: { answer: Answer }) {
   const { plant, gain, compensated, line, spread, notes }: OnPlant = on_plant;
   const of = unit(units.y);
   const on = spokenPlant(plant);
+  const [low, high] = [spread?.[0] ?? 0, spread?.[1] ?? 0].map((error) => rough(error, 3));
+  // Without standard errors of the parameters all stand-ins are one.
+  const isSpread = spread !== null && low !== high;
   // A twin is another actuator, and promises nothing.
   const isBeyond: boolean = smoothing != null || is_beyond;
   const source = isBeyond ? "beyond what was measured: error on" : spread ? "promised error, from" : "error on";
@@ -80,7 +83,7 @@ function Proven({ answer }: { answer: Answer }) {
         <b>{rough(compensated.rmse)}&nbsp;{of}</b> with the compensated voltage.{smoothing && ` ${beyondMeasured(smoothing, units.u)}`}
       </p>
       <Numbers rows={[
-        [`${rough(compensated.rmse)} ${of}`, "rms", `${source} ${on}${spread ? `; ${rough(spread[0], 3)} to ${rough(spread[1], 3)} ${of} in 8 of 10 random stand-ins, its spread and no confidence interval` : ""}`],
+        [`${rough(compensated.rmse)} ${of}`, "rms", `${source} ${on}${isSpread ? `; ${low} to ${high} ${of} in 8 of 10 random stand-ins, its spread and no confidence interval` : ""}`],
       ]} />
       <Table caption="Errors on the plant" head={["Voltage", `rms [${of}]`, `Largest [${of}]`, "% of height"]}
         rows={[row("best constant gain", gain), row("compensated", compensated)]} />
