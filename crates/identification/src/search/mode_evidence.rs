@@ -6,7 +6,6 @@ use libm::log;
 use piezoid_models::linear::{Arx, Pole, PoleShare, free_decay_modes};
 use piezoid_records::record::Record;
 use piezoid_records::waveform::dominant_frequency;
-use std::f64::consts::{LN_2, TAU};
 
 /// Evidence for modes in the records.
 pub(super) struct ModeEvidence {
@@ -39,11 +38,8 @@ impl ModeEvidence {
         let lowest = broad.iter().chain(input_hz.iter().filter(|_| is_many)).copied().fold(above, f64::min);
         let fastest = spread.iter().map(|one| one.high).fold(0.0, f64::max);
         let is_one = input_hz.first().is_some_and(|slowest| fastest < POLICY.above_inputs_ratio * slowest);
-        // A tone that does not decay within a record is none of the actuator: pickup of the mains.
-        let longest = records.iter().map(Record::duration).fold(0.0, f64::max);
-        let decays = |mode: &Pole| mode.damping * TAU * mode.hz * longest > LN_2;
         ModeEvidence {
-            free_decays: free_decay_modes(records).into_iter().filter(decays).collect(),
+            free_decays: free_decay_modes(records),
             lowest: if is_order_specified { 0.0 } else { lowest },
             above,
             one_frequency: broad.is_empty() && is_one,
@@ -99,24 +95,6 @@ impl ModeEvidence {
 mod tests {
     use super::super::fit::pair;
     use super::*;
-
-    /// Steps with rests, in which a mode decays or a tone does not.
-    #[test]
-    fn a_tone_that_does_not_decay_is_no_free_decay() {
-        let ts = 5e-4;
-        let evidence = |damping: f64| {
-            let u: Vec<f64> = (0..8000).map(|t| if t / 2000 % 2 == 0 { 0.0 } else { 10.0 }).collect();
-            let rings = |t: usize| {
-                let t = (t % 2000) as f64 * ts;
-                (-damping * TAU * 50.0 * t).exp() * (TAU * 50.0 * t).sin()
-            };
-            let noise = piezoid_testing::noise(3, u.len());
-            let y = u.iter().enumerate().map(|(t, u)| u + rings(t) + 1e-3 * noise[t]).collect();
-            ModeEvidence::of(&[Record::new(ts, u, y).unwrap()], false)
-        };
-        assert!(evidence(0.01).is_in_free_decays(50.0));
-        assert!(!evidence(0.0).is_in_free_decays(50.0));
-    }
 
     #[test]
     fn a_mode_at_the_least_damping_is_at_a_limit_unless_a_free_decay_shows_it() {
