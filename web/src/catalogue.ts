@@ -278,7 +278,7 @@ export interface CallOptions {
     clip?: boolean;
     /** Largest number of iterations that correct the error left in the model's free run */
     iterations?: number;
-    /** Error of the model, if a validation found a larger one than its file states [% of peak-to-peak] [%] */
+    /** Error of the model over peak-to-peak, if a validation found a larger one than its file states [%] */
     model_error?: number | string;
     /** The driver whose limits the voltage must keep (see {list}) */
     driver?: string;

@@ -70,7 +70,7 @@ class CompensateOptions(TypedDict, total=False):
 
     clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
     iterations: Largest number of iterations that correct the error left in the model's free run; default: 0
-    model_error: Error of the model, if a validation found a larger one than its file states [% of peak-to-peak] [%]
+    model_error: Error of the model over peak-to-peak, if a validation found a larger one than its file states [%]
     smooth: Smooth steps and corners to minimum-jerk moves of this duration [s]
     notch: Filter the reference with a notch at the model's resonance
     zvd: Shape the reference (ZVD) so that the resonance is not excited
@@ -294,7 +294,7 @@ class InverseOptions(TypedDict, total=False):
     """Keywords of `Model.inverse`.
 
     clip: Clip the voltage to the limits, instead of refusing a reference that exceeds them
-    model_error: Error of the model, if a validation found a larger one than its file states [% of peak-to-peak] [%]
+    model_error: Error of the model over peak-to-peak, if a validation found a larger one than its file states [%]
 
     Driver:
 
