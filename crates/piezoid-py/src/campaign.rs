@@ -68,7 +68,7 @@ type Player = (Option<Py<PyAny>>, Option<(String, Py<Plant>)>);
 #[pyfunction]
 pub(crate) fn campaign<'py>(
     py: Python<'py>,
-    player: Player,
+    played: Player,
     rig: (f64, String),
     settings: &Bound<'py, PyDict>,
     paths: (Option<PathBuf>, Option<Vec<f64>>),
@@ -81,7 +81,7 @@ pub(crate) fn campaign<'py>(
     let reference =
         reference.map(|bytes| (DataFile::from(File::new("reference.csv", bytes)), ColumnSelection::default()));
     let (mut exception, mut notes) = (None, Vec::new());
-    let (call, plant) = player;
+    let (call, plant) = played;
     let plant = plant.map(|(name, plant)| (name, plant.get().actuator.clone()));
     let found = watched(py, progress, |progress| {
         let reference = reference.as_ref().map(|(file, columns)| (file, columns));
