@@ -2,7 +2,9 @@
 //! the place of a controller.
 
 use crate::checks;
+use crate::instrument::measured_by;
 use crate::moves::{half_cosine, way};
+use crate::rest::{at_rest, nearest_to_zero};
 use crate::simulated::CYCLE;
 use crate::watch::within;
 use crate::{Drive, Instrument, Left, Rest, Setup};
@@ -10,6 +12,7 @@ use piezoid::control::SimulatedActuator;
 use piezoid::excitation::Limits;
 use piezoid::progress::{Progress, Stage};
 use piezoid::{Error, Record, Units};
+use piezoid_numerics::series::upsampled;
 
 /// Voltages [V], one a sampling period, in; the displacement at each of them out.
 type Call<'f> = dyn FnMut(&[f64]) -> Result<Vec<f64>, Error> + 'f;
@@ -68,7 +71,7 @@ impl<'f> Function<'f> {
             joins: true,
             servo: None,
         };
-        let start = low.max(0.0).min(high);
+        let start = nearest_to_zero(range);
         Ok(Function { setup, call, progress, unit: "um".into(), start, at: start, ramp: 0.0 })
     }
 
@@ -86,8 +89,7 @@ impl<'f> Function<'f> {
         let range = checks::range(&limits, Some(actuator.voltages()?))?;
         let ts = actuator.period().unwrap_or(CYCLE);
         let (plant, unit) = actuator.played(ts, SEED)?;
-        let start = range.0.max(0.0).min(range.1);
-        let mut x = if start == 0.0 { plant.initial() } else { plant.settled(start) };
+        let (_, mut x) = at_rest(&*plant, range);
         let call = move |u: &[f64]| Ok(plant.resume(&mut x, u));
         let mut function = Function::new(range, ts, Box::new(call), progress)?.in_unit(unit).within(limits);
         // Records of one stand-in are none of another.
@@ -145,21 +147,16 @@ impl Instrument for Function<'_> {
 
     fn play(&mut self, drive: &Drive) -> Result<Record, Error> {
         let every = (drive.ts / self.setup.cycle).round().max(1.0) as usize;
-        let voltage = |k: usize, part: f64| {
-            let (from, next) = (drive.u[k], drive.u.get(k + 1).copied().unwrap_or(drive.u[k]));
-            if drive.joined { from + part * (next - from) } else { from }
-        };
-        let held = |k: usize| (0..every).map(move |j| voltage(k, j as f64 / every as f64));
         let first = drive.u.first().copied().unwrap_or(self.at);
         let mut u = self.lead(first, drive.ramp, drive.settle);
         let lead = u.len();
-        u.extend((0..drive.u.len()).flat_map(held));
+        u.extend(upsampled(drive.u, every, drive.joined));
         self.ramp = drive.ramp;
         let y = self.call(&within(drive.what, "the drive is played"), &u)?;
         let rows = lead..u.len();
         let [u, y] = [&u, &y].map(|x| x[rows.clone()].iter().step_by(every).copied().collect());
         let units = Units { u: "V".into(), y: self.unit.clone() };
-        Ok(Record::new(drive.ts, u, y)?.with_units(units).with_step(format!("measured by {}", self.setup.identity)))
+        Ok(measured_by(&self.setup.identity, Record::new(drive.ts, u, y)?.with_units(units)))
     }
 
     fn rest(&mut self, rest: Rest) -> Result<Left, Error> {

@@ -93,3 +93,23 @@ impl Left {
         format!("axis {axis} is {place}, in {state} loop")
     }
 }
+
+/// Begins the step of a record that names its instrument.
+const MEASURED: &str = "measured by ";
+const CONTROLLER: &str = "the controller ";
+
+/// The record, with the instrument that measured it.
+pub(crate) fn measured_by(instrument: &str, record: Record) -> Record {
+    record.with_step(format!("{MEASURED}{instrument}"))
+}
+
+/// The same of a controller.
+pub(crate) fn measured_by_controller(identity: &str, record: Record) -> Record {
+    measured_by(&format!("{CONTROLLER}{identity}"), record)
+}
+
+/// The identity of the instrument that measured a record, if the record states it.
+pub(crate) fn measuring(record: &Record) -> Option<&str> {
+    let by = record.history().iter().find_map(|step| step.strip_prefix(MEASURED))?;
+    Some(by.strip_prefix(CONTROLLER).unwrap_or(by).trim())
+}

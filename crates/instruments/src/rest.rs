@@ -1,5 +1,6 @@
 //! Where an axis goes after a drive.
 
+use piezoid::System;
 use piezoid_numerics::options::OptionKind;
 use serde::{Deserialize, Serialize};
 
@@ -21,6 +22,17 @@ impl Rest {
     pub(crate) fn with(self, (low, high): (f64, f64)) -> (f64, f64) {
         if self == Rest::Zero { (low.min(0.0), high.max(0.0)) } else { (low, high) }
     }
+}
+
+/// The voltage of a range that is nearest to 0 [V].
+pub(crate) fn nearest_to_zero((low, high): (f64, f64)) -> f64 {
+    low.max(0.0).min(high)
+}
+
+/// That voltage, and the state of a plant that has rested there.
+pub(crate) fn at_rest(plant: &dyn System, range: (f64, f64)) -> (f64, Vec<f64>) {
+    let start = nearest_to_zero(range);
+    (start, if start == 0.0 { plant.initial() } else { plant.settled(start) })
 }
 
 pub(crate) const RESTS: OptionKind = OptionKind::Choice(&[

@@ -31,6 +31,17 @@ pub fn mean(x: &[f64]) -> f64 {
     x.iter().sum::<f64>() / x.len() as f64
 }
 
+/// So many samples for each one of `x`, beginning with it: on the straight line to the next one, or all equal to it.
+/// The last one is held.
+pub fn upsampled(x: &[f64], every: usize, is_joined: bool) -> Vec<f64> {
+    let of = |k: usize| {
+        let from = x[k];
+        let to = x.get(k + 1).filter(|_| is_joined).copied().unwrap_or(from);
+        (0..every).map(move |j| from + j as f64 / every as f64 * (to - from))
+    };
+    (0..x.len()).flat_map(of).collect()
+}
+
 /// The series without its mean.
 pub fn centred(x: &[f64]) -> Vec<f64> {
     let mean = mean(x);
@@ -102,6 +113,13 @@ mod tests {
         assert_eq!((ends(x), mean(&x), scatter(&x)), ((-1.0, 4.0), 2.0, 14.0));
         assert_eq!((range(&x), largest(&x), centred(&x)), (5.0, 4.0, vec![1.0, -3.0, 2.0]));
         assert_eq!((dot(&x, &x), dot_wide::<2>(&x, &x)), (26.0, 26.0));
+    }
+
+    #[test]
+    fn samples_between_others_are_on_a_line_or_held() {
+        assert_eq!(upsampled(&[1.0, 3.0], 4, true), [1.0, 1.5, 2.0, 2.5, 3.0, 3.0, 3.0, 3.0]);
+        assert_eq!(upsampled(&[1.0, 3.0], 2, false), [1.0, 1.0, 3.0, 3.0]);
+        assert!(upsampled(&[], 3, true).is_empty());
     }
 
     #[test]

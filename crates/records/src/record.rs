@@ -4,6 +4,7 @@
 
 use piezoid_numerics::error::{Error, finite, positive};
 use piezoid_numerics::number::{ascii_unit, exact, round};
+use piezoid_numerics::series::upsampled;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -218,11 +219,9 @@ impl Record {
             return Ok(self.clone());
         }
         let joined = |x: &[f64]| {
-            let between = |w: &[f64]| {
-                let (from, to) = (w[0], w[1]);
-                (0..every).map(move |k| from + (to - from) * (k as f64 / every as f64))
-            };
-            x.windows(2).flat_map(between).chain(x.last().copied()).collect()
+            let mut all = upsampled(x, every, true);
+            all.truncate(every * (x.len() - 1) + 1);
+            all
         };
         Ok(Record { every: every * self.every, ..self.with_samples(ts, joined(&self.u), joined(&self.y))? })
     }

@@ -92,9 +92,9 @@ impl Measured<'_> {
             y.extend_from_slice(outputs);
             if u.len() < SHOWN_SAMPLES { Ok(()) } else { Err(enough()) }
         });
-        match read {
-            Ok(()) | Err(Error::Cancelled { .. }) => {}
-            Err(error) => return Err(error),
+        // An error after these samples is that of ending the reading.
+        if u.len() < SHOWN_SAMPLES {
+            read?;
         }
         let shown = Record::new(record.ts(), u, y)?.with_units(record.units().clone());
         Ok(Drive::of(&shown).between(record.ends()[0]))

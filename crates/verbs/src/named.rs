@@ -96,7 +96,7 @@ mod tests {
     }
 
     #[test]
-    fn records_of_two_rates_are_told_by_the_names_of_their_files() {
+    fn records_of_two_rates_are_named_by_their_files() {
         assert_eq!(
             error(7e-4, "u_V,y_um", |k| ((0.1 * k).sin(), k % 7.0)),
             "a.csv is sampled every 0.0005 s but b.csv every 0.0007 s: resample one of them; `prepare` does, with the \
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn records_of_two_units_are_told_by_the_names_of_their_files_with_the_factor() {
+    fn records_of_two_units_are_named_by_their_files_with_the_factor() {
         let of = |names: &str| error(5e-4, names, |k| ((0.1 * k).sin(), k % 7.0));
         let what = "if a unit is wrong, state the right one; else convert this file by `prepare` first; give";
         let expected = |problem: &str, option: &str| format!("b.csv: {problem}: {what} {option}");
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_defect_of_one_of_several_records_is_told_by_the_name_of_its_file() {
+    fn a_defect_of_one_of_several_records_names_its_file() {
         let constant = error(5e-4, "u_V,y_um", |k| (3.0, k % 7.0));
         assert!(
             constant.starts_with("b.csv: a model cannot be identified: large-signal record 2: the input is"),

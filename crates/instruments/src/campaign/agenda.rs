@@ -2,6 +2,7 @@
 
 use super::{CampaignOptions, Journal};
 use crate::bench::{drive_of, to_move};
+use crate::instrument::measuring;
 use crate::{Instrument, Rest, Setup};
 use piezoid::Error;
 use piezoid::formats::ColumnSelection;
@@ -92,9 +93,7 @@ pub(super) fn kept(drive: &PlannedDrive, journal: &dyn Journal, identity: &str) 
     let same = played.is_some_and(|played| drive.written().is_ok_and(|file| file.bytes == played.bytes));
     let Some(file) = record.filter(|_| same) else { return Ok(None) };
     let Ok(record) = DataFile::from(file.clone()).record(&ColumnSelection::default()) else { return Ok(None) };
-    // As the instruments write it.
-    let by = record.history().iter().find_map(|step| step.strip_prefix("measured by "));
-    match by.map(|by| by.strip_prefix("the controller ").unwrap_or(by).trim()) {
+    match measuring(&record) {
         Some(other) if other != identity.trim() => Err(Error::Content(format!(
             "{} was measured by `{other}`, not by `{identity}`: take another folder for this campaign",
             file.name

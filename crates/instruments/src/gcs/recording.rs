@@ -1,6 +1,7 @@
 //! The recorder of a controller: which of its quantities are recorded, and the tables it answers.
 
 use crate::gcs::line::Line;
+use crate::instrument::measured_by_controller;
 use piezoid::formats::ColumnSelection;
 use piezoid::{Error, Record};
 use piezoid_verbs::{DataFile, File};
@@ -78,5 +79,5 @@ pub(crate) fn read(line: &mut Line, count: usize, unit: &str, identity: &str) ->
     }
     let (ts, units) = period.ok_or_else(|| Error::Content("the drive has no samples".into()))?;
     let record = Record::new(ts, u, y)?.with_units(units);
-    Ok(record.with_step(format!("measured by the controller {identity}")))
+    Ok(measured_by_controller(identity, record))
 }

@@ -3,6 +3,7 @@
 use super::look::{AXIS, check, connect, target};
 use super::run::Run;
 use crate::checks::{at_place, cycles, range};
+use crate::instrument::measured_by_controller;
 use crate::moves::Moves;
 use crate::{Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
 use piezoid::progress::Progress;
@@ -123,7 +124,7 @@ impl Instrument for Nv200<'_> {
         let (u, y) = (run.read(0, drive.u.len())?, run.read(1, drive.u.len())?);
         let units = Units { u: "V".into(), y: self.run.unit.clone() };
         let record = Record::new(drive.ts, u, y)?.with_units(units);
-        Ok(record.with_step(format!("measured by the controller {}", self.setup.identity)))
+        Ok(measured_by_controller(&self.setup.identity, record))
     }
 
     fn rest(&mut self, rest: Rest) -> Result<Left, Error> {

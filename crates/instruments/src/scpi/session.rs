@@ -6,6 +6,7 @@ use super::oscilloscope::{Oscilloscope, Probe};
 use super::wave::{HIGHEST, MEMORY, Wave};
 use crate::checks::{at_place, range};
 use crate::gcs::{Axis, Controller};
+use crate::instrument::measured_by;
 use crate::moves::Moves;
 use crate::watch::Watch;
 use crate::{ConnectOptions, Drive, Instrument, InstrumentOptions, Left, Rest, Setup};
@@ -147,7 +148,7 @@ impl Instrument for Scpi<'_> {
         let (u, y) = self.oscilloscope.read(drive, wave)?;
         let units = Units { u: "V".into(), y: "um".into() };
         let record = Record::new(drive.ts, u.unwrap_or_else(|| drive.u.to_vec()), y)?.with_units(units);
-        Ok(record.with_step(format!("measured by {}", self.setup.identity)))
+        Ok(measured_by(&self.setup.identity, record))
     }
 
     fn rest(&mut self, rest: Rest) -> Result<Left, Error> {

@@ -8,6 +8,7 @@
 use crate::Drive;
 use crate::moves::{LARGEST_STEP, half_cosine, way};
 use piezoid::Error;
+use piezoid_numerics::series::upsampled;
 
 /// Highest voltage of the generator into a high impedance [V].
 pub(crate) const HIGHEST: f64 = 10.0;
@@ -64,12 +65,8 @@ impl Wave {
                  drive or --ramp shorter, or sample it less often"
             )));
         }
-        let joined = (0..v.len()).flat_map(|k| {
-            let (from, to) = (v[k], v.get(k + 1).copied().unwrap_or(v[k]));
-            (0..every).map(move |j| from + j as f64 / every as f64 * (to - from))
-        });
         let before = half_cosine(offset, first, there).chain(std::iter::repeat_n(first, settle));
-        let whole = before.chain(joined).chain(half_cosine(last, offset, back));
+        let whole = before.chain(upsampled(&v, every, drive.joined)).chain(half_cosine(last, offset, back));
         let mut codes: Vec<i16> =
             whole.map(|v| (FULL * (v - offset) / half).round().clamp(-FULL, FULL) as i16).collect();
         // The level before and after the burst is that of the first sample.

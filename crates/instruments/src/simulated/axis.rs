@@ -10,6 +10,7 @@
 
 use super::clocked::plants;
 use super::{COARSE, CYCLE};
+use crate::rest::at_rest;
 use piezoid::control::SimulatedActuator;
 use piezoid::{Error, System};
 use piezoid_numerics::number::short;
@@ -99,8 +100,7 @@ impl Axis {
             return Err(Error::Content(format!("the plant does not move between {low} and {high} V: take another")));
         }
         let travel = inner(ends[0].min(ends[1]), ends[0].max(ends[1]));
-        let start = range.0.max(0.0).min(range.1);
-        let x = if start == 0.0 { plant.initial() } else { plant.settled(start) };
+        let (start, x) = at_rest(&*plant, range);
         let width = travel.1 - travel.0;
         Ok(Axis {
             name: name.into(),

@@ -38,9 +38,9 @@ const MIN_TREND_DEVIATIONS: f64 = 4.0;
 /// hide the rest.
 const MIN_OUTPUT_JUMP_SHARE: f64 = 0.25;
 
-/// The output answers a step if it moves faster than usual by this factor in one of so many samples after the jump.
-const MIN_ANSWER_RATIO: f64 = 3.0;
-const ANSWER_SAMPLES: usize = 8;
+/// The output responds to a step if it moves faster than usual by this factor in one of so many samples after the jump.
+const MIN_RESPONSE_RATIO: f64 = 3.0;
+const RESPONSE_SAMPLES: usize = 8;
 
 pub(super) static MISSING_ROWS: Detector = Detector {
     name: "missing-rows",
@@ -54,7 +54,7 @@ pub(super) static MISSING_ROWS: Detector = Detector {
 fn missing(record: &Record) -> Option<Detection> {
     let (u, y) = (record.u(), record.y());
     let steps = |x: &[f64]| x.windows(2).map(|w| (w[1] - w[0]).abs()).collect::<Vec<f64>>();
-    let (steps, answers) = (steps(u), steps(y));
+    let (steps, responses) = (steps(u), steps(y));
     let usual = quantile(steps.clone(), USUAL_SHARE);
     let mut jumps: Vec<usize> = (1..u.len()).filter(|&t| steps[t - 1] > MIN_JUMP_RATIO * usual).collect();
     let still = steps.iter().filter(|step| **step == 0.0).count();
@@ -67,10 +67,10 @@ fn missing(record: &Record) -> Option<Detection> {
     let moves_before = |t: usize| INTERVALS.iter().any(|n| moves(&u[t.saturating_sub(*n)..t]));
     let moves_after = |t: usize| INTERVALS.iter().any(|n| moves(&u[t..(t + n).min(u.len())]));
     let gain = range(y) / range(u);
-    let usual_answer = quantile(answers.clone(), USUAL_SHARE);
+    let usual_response = quantile(responses.clone(), USUAL_SHARE);
     let follows = |t: usize| {
-        let after = largest(&answers[t..(t + ANSWER_SAMPLES).min(answers.len())]);
-        answers[t - 1] > MIN_OUTPUT_JUMP_SHARE * gain * steps[t - 1] && after < MIN_ANSWER_RATIO * usual_answer
+        let after = largest(&responses[t..(t + RESPONSE_SAMPLES).min(responses.len())]);
+        responses[t - 1] > MIN_OUTPUT_JUMP_SHARE * gain * steps[t - 1] && after < MIN_RESPONSE_RATIO * usual_response
     };
     jumps.retain(|t| moves_before(*t) && moves_after(*t) && follows(*t));
     let least = MIN_MOVEMENT_SHARE * range(u);
@@ -112,9 +112,9 @@ mod tests {
 
     const TS: f64 = 1e-3;
 
-    /// The output of a fast actuator: a play, and what `answer` makes of the input.
-    fn found(u: Vec<f64>, answer: impl Fn(&[f64]) -> Vec<f64>) -> Option<Detection> {
-        let y = answer(&u);
+    /// The output of a fast actuator: a play, and what `response` makes of the input.
+    fn found(u: Vec<f64>, response: impl Fn(&[f64]) -> Vec<f64>) -> Option<Detection> {
+        let y = response(&u);
         missing(&Record::new(TS, u, y).unwrap())
     }
 

@@ -15,7 +15,7 @@ use piezoid_numerics::complex::modulus;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::fourier::{Transform, windowed};
 use piezoid_numerics::number::{quantity, round, short};
-use piezoid_numerics::series::{ends, largest, quantile, range};
+use piezoid_numerics::series::{ends, largest, quantile, range, upsampled};
 use serde::Serialize;
 use std::f64::consts::SQRT_2;
 
@@ -213,12 +213,7 @@ impl Rehearsal {
 /// lines if it is sampled less often than the plan.
 fn played(drive: &PlannedDrive, ts: f64, period: f64) -> Vec<f64> {
     let every = (drive.ts / period).round().max(1.0) as usize;
-    let is_joined = drive.ts > 1.5 * ts;
-    let voltage = |k: usize, j: usize| {
-        let next = drive.u.get(k + 1).filter(|_| is_joined).copied().unwrap_or(drive.u[k]);
-        drive.u[k] + j as f64 / every as f64 * (next - drive.u[k])
-    };
-    (0..drive.u.len()).flat_map(|k| (0..every).map(move |j| (k, j))).map(|(k, j)| voltage(k, j)).collect()
+    upsampled(&drive.u, every, drive.ts > 1.5 * ts)
 }
 
 /// The frequency of the largest gain, as a share of the sampling rate; `None` if it is no resonance.
