@@ -59,6 +59,8 @@ def test_a_campaign_is_rehearsed_on_it(actuator: pz.Plant, tmp_path: Path) -> No
         pz.campaign(lambda u: 2 * u, ts=TS, bandwidth=20)
     with pytest.raises(pz.PiezoidError, match="ts is missing: the path needs it"):
         pz.campaign("pl140", bandwidth=20, reference=[0.0, 1.0])
+    with pytest.raises(pz.PiezoidError, match="unit = nm: the displacement of pl140 is in um"):
+        pz.campaign("pl140", bandwidth=20, unit="nm")
 
 
 def test_a_plan_is_rehearsed_on_it(actuator: pz.Plant, rise: pz.Record) -> None:

@@ -167,19 +167,23 @@ impl ControlOptions {
         let (settings, mut drives) = (self.settings()?, Vec::new());
         let (actuator, note) = matched(plant, model, &settings)?;
         let mut notes: Vec<String> = note.into_iter().collect();
+        let mut refused = None;
         for scheme in self.schemes()? {
             match self.tuning.drive(scheme, model, settings) {
-                // Default schemes that the model does not allow are left out.
-                Err(e) if self.controller.is_empty() && scheme.law.is_some() => {
-                    notes.push(format!("{} is left out: {e}", scheme.name()));
-                }
-                Err(e @ Error::Parameter { .. }) => return Err(e),
-                result => {
-                    let mut drive = result.map_err(|e| e.of(&scheme.name()))?;
+                Ok(mut drive) => {
                     drive.ahead = self.preview.unwrap_or(usize::MAX);
                     drives.push(drive);
                 }
+                // The others are worth seeing without a controller that the model does not allow.
+                Err(e) if scheme.law.is_some() => {
+                    notes.push(format!("{} is left out: {e}", scheme.name()));
+                    refused = refused.or(Some(e.about(&scheme.name())));
+                }
+                Err(e) => return Err(e.about(&scheme.name())),
             }
+        }
+        if let (true, Some(e)) = (drives.is_empty(), refused) {
+            return Err(e);
         }
         for NamedReference { name, r, .. } in &reference {
             drives.first().map_or(Ok(()), |drive| drive.check(r)).map_err(|e| e.of(name))?;

@@ -58,14 +58,22 @@ pub struct Smoothing {
     /// Largest rate of the training data [input unit/s].
     pub identified_slew: f64,
     /// Its duration, the value of the option `smooth` [s]; `None` if none keeps the voltage within, or only one that
-    /// makes another path.
+    /// makes another path, and if the path is too long to look for it.
     pub smooth: Option<f64>,
     /// Rms difference of the smoothed path from the requested one [output unit].
     pub rms: Option<f64>,
     /// The same over the peak-to-peak of the requested path [%].
     pub rms_pp_percent: Option<f64>,
+    /// True if the path is too long to look for a smoothing.
+    pub is_too_long: bool,
     #[serde(skip)]
     units: [String; 2],
+}
+
+/// True if the inversions of a search take too long for a path of `n` samples.
+fn is_too_long(options: &CompensateOptions, model: &Model, n: usize) -> bool {
+    let runs = RUNS * INVERSIONS * (options.iterations as f64 + 1.0);
+    model.effort().is_ok_and(|effort| runs * n as f64 * effort > OPERATIONS)
 }
 
 /// The shortest smoothing whose voltage there is and changes at most so fast [input unit/s]: its duration [s], and the
@@ -73,8 +81,7 @@ pub struct Smoothing {
 fn shortest(options: &CompensateOptions, model: &Model, r: &[f64], fastest: f64) -> Option<(f64, Vec<f64>)> {
     let ts = model.ts();
     let inverse = FeedForward::new(model, options.settings().ok()?).ok()?;
-    let operations = RUNS * INVERSIONS * (options.iterations as f64 + 1.0) * r.len() as f64 * model.effort().ok()?;
-    if operations > OPERATIONS {
+    if is_too_long(options, model, r.len()) {
         return None;
     }
     let smoothed = |half: usize| {
@@ -117,7 +124,7 @@ pub(crate) fn advised(options: &CompensateOptions, model: &Model, r: &[f64], err
 
 impl Smoothing {
     /// The smoothing for the path `r` whose voltage was `found`; `None` if that is within the rates of the training
-    /// data, if these are not known, and if the path is too long to look for it.
+    /// data, and if these are not known.
     pub(crate) fn of(options: &CompensateOptions, model: &Model, r: &[f64], found: &Compensated) -> Option<Self> {
         let Faster { slew, identified_slew: known } = Faster::of(model, &found.u)?;
         let (smooth, rms) =
@@ -128,6 +135,7 @@ impl Smoothing {
             smooth,
             rms,
             rms_pp_percent: rms.map(|rms| 100.0 * rms / range(r)),
+            is_too_long: is_too_long(options, model, r.len()),
             units: [model.units().u.clone(), model.units().y.clone()],
         })
     }
@@ -145,9 +153,14 @@ impl Smoothing {
                 rough(percent)
             ),
             _ => format!(
-                "no smoothing {within} without changing the path by more than {} % of its peak-to-peak (rms): slow the \
-                 path down, by about {} times, or add a record that is as fast to the training data",
-                100.0 * ANOTHER_PATH,
+                "{}: slow the path down, by about {} times, or add a record that is as fast to the training data",
+                match self.is_too_long {
+                    true => format!("the path is too long to look for the smoothing that {within}"),
+                    false => format!(
+                        "no smoothing {within} without changing the path by more than {} % of its peak-to-peak (rms)",
+                        100.0 * ANOTHER_PATH
+                    ),
+                },
                 rough(self.slew / self.identified_slew)
             ),
         }
@@ -242,6 +255,15 @@ mod tests {
         assert_eq!((found.smooth, found.rms), (None, None));
         let note = found.note(&Flags);
         assert!(note.starts_with("no smoothing keeps") && note.contains("slow the path down, by about "), "{note}");
+    }
+
+    #[test]
+    fn a_path_too_long_to_search_is_not_called_one_without_a_smoothing() {
+        let (model, r) = (model(), triangle(5.0, 60.0));
+        assert!(!is_too_long(&options(None), &model, r.len()) && is_too_long(&options(None), &model, 1_000_000_000));
+        let found = compensated(None, &model, &r).1.unwrap();
+        let note = Smoothing { smooth: None, is_too_long: true, ..found }.note(&Flags);
+        assert!(note.starts_with("the path is too long to look for the smoothing that keeps the input"), "{note}");
     }
 
     #[test]

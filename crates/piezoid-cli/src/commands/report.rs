@@ -3,6 +3,7 @@
 use super::prelude::*;
 use super::validate::ValidationFlags;
 use crate::tables::verdict;
+use piezoid_report::page::Address;
 use piezoid_report::report::report;
 
 const EXAMPLES: &str = "\
@@ -19,14 +20,14 @@ pub(crate) struct Report {
     output: PathBuf,
     /// Address of the page that has the project open, for a link to it.
     #[arg(long, value_name = "ADDRESS")]
-    project: Option<String>,
+    project: Option<Address>,
 }
 
 impl Run for Report {
     fn run(self, console: &Console) -> Result<()> {
         let is_free = files::check(&[Some(&self.output)], &self.flags.inputs())?;
         let (model, validated) = self.flags.run()?;
-        let page = report(&model, &validated).of_project(self.project).map_err(failed)?;
+        let page = report(&model, &validated).of_project(self.project);
         Results::default().file(Some(&self.output), page.html()).write(console)?;
         let verdict = verdict(validated.verdict(&model).as_ref());
         if is_free { console.sentence(&format!("{verdict}; wrote {}", self.output.display())) } else { Ok(()) }

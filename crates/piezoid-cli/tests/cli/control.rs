@@ -116,6 +116,9 @@ fn what_makes_no_sense_is_named() {
     bench
         .refused(&format!("{RUN} --controller pi --phase-margin 200"))
         .says(&["no controller is possible", "no gain meets the margins"]);
+    // One that is refused does not cost the others.
+    let line = format!("{RUN} --reference sine:5 --amplitude 200 --controller gain pi --phase-margin 200");
+    bench.run(&line).ok().says(&["pi is left out", "no gain meets the margins"]);
     bench.refused(&format!("{RUN} --reference sine:5 --amplitude 5000")).says(&["cannot be reached", "um", "--clip"]);
     bench.run(&format!("{RUN} --reference sine:5 --amplitude 5000 --clip --controller pi")).ok().says(&["at a limit"]);
     bench.write("r.csv", "t_s,r_um\n0,1\n0.0005,nan\n");

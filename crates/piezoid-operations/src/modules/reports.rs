@@ -6,6 +6,7 @@ use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
 use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
+use piezoid_report::page::Address;
 use piezoid_report::report::{comparison, leaderboard, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
 use piezoid_verbs::{CompareOptions, ComparisonReport, ControlOptions, DataFile, File, ValidateRecords};
@@ -91,20 +92,27 @@ fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     Ok(Output { result, series, files: vec![File::new("control.html", tracking(&outcome).html())] })
 }
 
+/// The address of a project. A wrong one is an error before the work of a report, not after it.
+fn address(project: Option<String>) -> Result<Option<Address>, Error> {
+    project.map(|text| text.parse()).transpose()
+}
+
 fn page(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
     let ReportCall { project, validation } = inputs.options()?;
+    let project = address(project)?;
     let outcome = validation.run(&model, inputs.sources("data")?)?;
     let result = json!({"sentence": outcome.verdict(&model).map(|verdict| verdict.to_string())});
-    let page = report(&model, &outcome).of_project(project)?;
+    let page = report(&model, &outcome).of_project(project);
     Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", page.html())] })
 }
 
 fn compare(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let CompareCall { project, comparison: options } = inputs.options()?;
+    let project = address(project)?;
     let [training, small_signal, data] = ["training", "small_signal", "data"].map(|role| inputs.sources(role));
     let outcome = options.run_all((inputs.all("model")?, [training?, small_signal?, data?]), None, progress)?;
-    let mut files = vec![File::new("compare.html", comparison(&outcome).of_project(project)?.html())];
+    let mut files = vec![File::new("compare.html", comparison(&outcome).of_project(project).html())];
     if outcome.split.is_some() {
         files.extend(leaderboard(&outcome).map(|figure| File::new("compare.svg", figure.svg())));
     }

@@ -48,7 +48,7 @@ def campaign(
     ts: float | None = None,
     range: tuple[float, float] | None = None,
     bandwidth: float,
-    unit: str = "um",
+    unit: str | None = None,
     wait: float = 10.0,
     operator: str = "auto",
     actuator: str | None = None,
@@ -71,7 +71,7 @@ def campaign(
     `range` are optional: they are those of the stand-in, or the plan and the driver of the twin give them.
 
     ts: sampling period [s]; range: lowest and highest voltage [V]; bandwidth: highest frequency of the application [Hz];
-    unit: that of the displacement; wait: after each demagnetisation [s]; operator: as for `identify`; actuator: one of
+    unit: that of the displacement, um by default; wait: after each demagnetisation [s]; operator: as for `identify`; actuator: one of
     `lists()["actuators"]`; slew: largest change of the voltage [V/s]; reference: the path to follow [unit], every `ts`,
     instead of one of its own; folder: gets each record once it is measured, and the page; what it holds is not
     measured again; progress: as for `identify`
@@ -87,8 +87,11 @@ def campaign(
     2.0
     """
     plant = plants[measure] if isinstance(measure, str) else measure if isinstance(measure, Plant) else None
+    own = "um" if plant is None else plant._core.units[1]
     if plant is not None:
-        ts, unit = plant._core.ts if ts is None else ts, plant._core.units[1]
+        if unit not in (None, own):
+            raise PiezoidError(f"unit = {unit}: the displacement of {plant.name} is in {own}: leave unit out")
+        ts = plant._core.ts if ts is None else ts
     missing = "ts" if ts is None and (plant is None or reference is not None) else "range"
     if missing == "ts" or (plant is None and range is None):
         why = "the path" if plant is not None else "a function"
@@ -100,7 +103,7 @@ def campaign(
     with watched(progress) as watch:
         model, straight, compensated, results, page = _piezoid.campaign(
             (None, (plant.name, plant._core)) if plant is not None else (measure, None),
-            (ts or 0.0, unit),
+            (ts or 0.0, unit or own),
             options,
             (folder, path),
             watch,

@@ -18,17 +18,18 @@
 //! assert!(page.html().starts_with("<!DOCTYPE html>"));
 //! ```
 
+mod address;
 mod section;
 mod table;
 mod text;
 
+pub use address::Address;
 pub use section::{Fact, Section};
 pub use table::{Cell, PageTable};
 pub use text::Text;
 pub(crate) use text::sentence;
 
 use crate::plot::{Figure, escape, shown};
-use piezoid::Error;
 use section::Numbering;
 use std::fmt::Write;
 
@@ -44,7 +45,7 @@ const PLOTS: &str = concat!("<script>//<![CDATA[\n", include_str!("figures.js"),
 pub struct Page {
     title: String,
     subtitle: String,
-    project: Option<String>,
+    project: Option<Address>,
     sections: Vec<Section>,
 }
 
@@ -59,19 +60,9 @@ impl Page {
         Page { subtitle: text.into(), ..self }
     }
 
-    /// With a link that opens the project of the report, at this address if there is one.
-    ///
-    /// # Errors
-    /// [`Error::Parameter`] unless the address begins with http:// or https:// and has no spaces.
-    pub fn of_project(self, address: Option<String>) -> Result<Self, Error> {
-        let is_address = |text: &str| {
-            let is_web = ["http://", "https://"].iter().any(|start| text.starts_with(start));
-            is_web && !text.contains(|c: char| c.is_whitespace() || c.is_control())
-        };
-        if let Some(wrong) = address.iter().find(|address| !is_address(address)) {
-            return Err(Error::parameter("project", wrong, "must begin with http:// or https://, without spaces"));
-        }
-        Ok(Page { project: address, ..self })
+    /// With a link that opens the project of the report, if there is an address of it.
+    pub fn of_project(self, address: Option<Address>) -> Self {
+        Page { project: address, ..self }
     }
 
     /// The sections of another page after those of this one.
@@ -98,7 +89,7 @@ impl Page {
         );
         let subtitle = if subtitle.is_empty() { subtitle } else { format!("<p class=\"subtitle\">{subtitle}</p>\n") };
         let project = self.project.as_ref().map_or_else(String::new, |address| {
-            format!("<p class=\"project\"><a href=\"{}\">Open the project</a></p>\n", escape(address))
+            format!("<p class=\"project\"><a href=\"{}\">Open the project</a></p>\n", escape(address.as_ref()))
         });
         let _ =
             writeln!(out, "<header>\n<p class=\"mark\">piezoid</p>\n<h1>{title}</h1>\n{subtitle}{project}</header>");
@@ -165,14 +156,14 @@ mod tests {
     #[test]
     fn the_project_is_linked_only_at_an_address_of_the_web() {
         let address = "http://127.0.0.1:7440/?a=1&b=\"2\"#workbench";
-        let html = page().of_project(Some(address.into())).unwrap().html();
+        let html = page().of_project(Some(address.parse().unwrap())).html();
         let options = roxmltree::ParsingOptions { allow_dtd: true, ..Default::default() };
         let document = roxmltree::Document::parse_with_options(&html, options).unwrap();
         let mut links = document.descendants().filter_map(|n| n.attribute("href"));
         assert!(links.any(|link| link == address));
-        assert_eq!(page().of_project(None).unwrap(), page());
+        assert_eq!(page().of_project(None), page());
         for wrong in ["javascript:alert(1)", "", "/tmp/a", "http://a b"] {
-            let error = page().of_project(Some(wrong.into())).unwrap_err().to_string();
+            let error = wrong.parse::<Address>().unwrap_err().to_string();
             assert!(error.contains("project") && error.contains("must begin with http://"), "{error}");
         }
     }
