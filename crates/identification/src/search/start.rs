@@ -9,8 +9,8 @@
 
 use super::candidate::SelectedStructure;
 use super::fit::{
-    Estimate, FreeParameters, Hidden, StepCallback, creep_pole, is_lag, refine, slowest_observable, slowest_pole,
-    with_slow_lags_limited, without_factor,
+    Estimate, FreeParameters, Hidden, MIN_MODE_DAMPING, StepCallback, creep_pole, is_lag, refine, slowest_observable,
+    slowest_pole, with_slow_lags_limited, without_factor,
 };
 use super::initial_conditions::fit_with_initial_conditions;
 use super::structure::{Selected, Structure, rescaled, select};
@@ -22,7 +22,7 @@ use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::Model;
 use piezoid_models::hysteresis::{BasisDesign, Operator, Proportional};
 use piezoid_models::linear::{
-    Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, Root, refine as refine_alone, select as select_order,
+    Arx, Estimator, OrderSearch, Orders, OutputError, Refinement, Root, refine as refine_alone, select_beside_tones,
 };
 use piezoid_numerics::error::Error;
 use piezoid_numerics::optimize::swarm;
@@ -82,13 +82,14 @@ fn select_on_small_signal(search: &mut Search) -> Result<(Arx, String), Error> {
     }
     let limits = OrderSearch { order: max_order, delay: POLICY.max_delay, parallel: true };
     let creeps = |arx: &Arx| creep_pole(arx, slowest).is_some();
-    let found = select_order(&with_driver, &limits)?;
+    let select_order = |records: &[Record]| select_beside_tones(records, &limits, MIN_MODE_DAMPING);
+    let found = select_order(&with_driver)?;
     if !creeps(&found.fit.arx) {
         return Ok((found.fit.arx, found.reason));
     }
     // A slow lag of the linear block is creep, which has its own block.
     let behind = behind_creep(search, without_creep(&found.fit.arx, slowest)?);
-    let behind = behind.and_then(|records| Ok((select_order(&records, &limits)?, records)));
+    let behind = behind.and_then(|records| Ok((select_order(&records)?, records)));
     let (found, records) = match behind {
         Ok((found, _)) if !creeps(&found.fit.arx) => {
             return Ok((found.fit.arx, format!("{}, behind creep", found.reason)));

@@ -16,6 +16,7 @@ mod modes;
 mod output_error;
 mod regression;
 pub mod select;
+mod tones;
 mod uncertainty;
 
 #[doc(hidden)]
@@ -34,4 +35,5 @@ pub use regression::Orders;
 #[doc(hidden)]
 pub use regression::Regression;
 pub use select::{OrderSearch, select};
+pub use tones::select_beside_tones;
 pub use uncertainty::{Bootstrap, Uncertain};
