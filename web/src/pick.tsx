@@ -35,7 +35,7 @@ export const operatorsOf = (lists: Lists): Pickable[] => [
   ...lists.operators.map(({ name, summary, picture }) => ({
     name,
     summary,
-    picture: <svg viewBox="0 0 96 64" aria-hidden="true"><path d={picture} /></svg>,
+    picture: <svg viewBox="0 0 192 128" aria-hidden="true"><path d={picture} /></svg>,
   })),
 ];
 

@@ -17,21 +17,26 @@ const DRAWN: usize = 3;
 /// Share of the straight line that is subtracted.
 const LESS: f64 = 0.7;
 
-/// Width and height of the picture.
-const SIZE: (f64, f64) = (96.0, 64.0);
+/// Width and height of the picture, and what stays free at its edges.
+const SIZE: (f64, f64) = (192.0, 128.0);
+const MARGIN: f64 = 4.0;
 
-/// The path data of an SVG of 96 by 64: the loop of the typical operator, major, then minor.
+/// The path data of an SVG of 192 by 128: the loop of the typical operator, major, then minor. Whole steps from point to
+/// point are short: a browser loads the pictures of all operators.
 pub(crate) fn of(operator: &Operator) -> String {
     let (u, y) = path(operator);
     let slope = LESS * range(&y) / range(&u);
     let bare: Vec<f64> = u.iter().zip(&y).map(|(u, y)| y - slope * u).collect();
-    let scaled = |samples: &[f64], size: f64| -> Vec<f64> {
+    let scaled = |samples: &[f64], size: f64| -> Vec<i64> {
         let (low, high) = ends(samples.iter().copied());
-        samples.iter().map(|value| 2.0 + (size - 4.0) * (value - low) / (high - low)).collect()
+        let scaled = |value: &f64| MARGIN + (size - 2.0 * MARGIN) * (value - low) / (high - low);
+        samples.iter().map(|value| scaled(value).round() as i64).collect()
     };
-    let mut data = String::new();
-    for (k, (x, y)) in scaled(&u, SIZE.0).iter().zip(scaled(&bare, SIZE.1)).enumerate() {
-        let _ = write!(data, "{}{x:.0} {:.1}", if k == 0 { 'M' } else { 'L' }, SIZE.1 - y);
+    let (x, y) = (scaled(&u, SIZE.0), scaled(&bare, SIZE.1));
+    let points: Vec<_> = x.into_iter().zip(y.into_iter().map(|y| SIZE.1 as i64 - y)).collect();
+    let mut data = points.first().map_or_else(String::new, |(x, y)| format!("M{x} {y}l"));
+    for step in points.windows(2) {
+        let _ = write!(data, "{} {} ", step[1].0 - step[0].0, step[1].1 - step[0].1);
     }
     data
 }
@@ -57,8 +62,10 @@ mod tests {
     fn every_operator_draws_a_loop_of_its_own() {
         let pictures: Vec<String> = OPERATORS.iter().map(|operator| of(operator)).collect();
         for (k, picture) in pictures.iter().enumerate() {
-            assert!(picture.matches('L').count() > 100 && picture.len() < 2000, "{}: {picture}", OPERATORS[k].name);
-            assert!(!picture.contains("NaN") && !pictures[..k].contains(picture), "{}", OPERATORS[k].name);
+            let (start, steps) = picture.split_once('l').unwrap();
+            let numbers: Vec<i64> = steps.split_whitespace().map(|step| step.parse().unwrap()).collect();
+            assert!(start.starts_with('M') && numbers.len() > 200 && picture.len() < 1000, "{picture}");
+            assert!(!pictures[..k].contains(picture), "{}", OPERATORS[k].name);
         }
     }
 
