@@ -51,7 +51,8 @@ export function useOutcome<T>(key: string | undefined, work: () => Promise<T>): 
   return outcome;
 }
 
-/** As `useOutcome`, for what follows a hand: of keys that come while work is under way only the last is worked on. */
+/** As `useOutcome`, for what follows a hand: of keys that come while work is under way only the last is worked on. The
+ * last value stays beside an error. */
 export function useLatest<T>(key: string | undefined, work: () => Promise<T>): Outcome<T> {
   const [outcome, setOutcome] = useState<Outcome<T>>({ busy: false });
   const state = useRef({ busy: false, alive: true, next: undefined as (() => Promise<T>) | undefined });
@@ -64,7 +65,7 @@ export function useLatest<T>(key: string | undefined, work: () => Promise<T>): O
         const task = now.next;
         now.next = undefined;
         const result = await task().then((value) => ({ value }), (error) => ({ error: message(error) }));
-        if (now.alive) setOutcome({ ...result, busy: now.next !== undefined });
+        if (now.alive) setOutcome((before) => ({ ...(before.value !== undefined && { value: before.value }), ...result, busy: now.next !== undefined }));
       }
       now.busy = false;
     };

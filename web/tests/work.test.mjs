@@ -183,6 +183,26 @@ test("the voltage of Compensate is that of the path that is chosen", { skip }, a
   await close();
 });
 
+test("a path that is refused keeps the last picture, and says why beside the path until that is mended", { skip }, async () => {
+  const { page, faults, close } = await at("Compensate");
+  const picture = page.getByRole("img", { name: /^The path on the model/ });
+  await picture.waitFor();
+  const csv = async () => String(await download(page, () => page.getByRole("button", { name: "CSV", exact: true }).first().click()));
+  const before = await csv();
+  await fill(page, "high", "0.5");
+  const path = page.getByRole("region", { name: "Path", exact: true });
+  await path.getByRole("alert").waitFor();
+  assert.equal(await page.getByRole("alert").count(), 1);
+  await path.getByText("The pictures are of the last path that could be followed.").waitFor();
+  assert.equal(await csv(), before, "the picture is the last one");
+  assert.equal(await page.getByRole("button", { name: "Download voltage.csv" }).count(), 0);
+  await fill(page, "high", "");
+  await path.getByRole("alert").waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "Download voltage.csv", disabled: false }).waitFor();
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("a model remembers its records; what cannot be read is not used", { skip }, async () => {
   const { page, faults, close } = await at("Workbench", false);
   const training = "log.csv";

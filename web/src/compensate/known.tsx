@@ -28,8 +28,7 @@ export function KnownOfPath({ entry, model, plant, answer, current, error, playe
   return (
     <>
       <Section title="Before and after">
-        <Fault text={error} />
-        {error && <Smoothing seconds={advised(error)} smooth={smooth} />}
+        {error && <p class="missing">There is no voltage for this path: the reason stands beside it.</p>}
         {!error && <Fault text={played.error} />}
         {!error && answer && (played.value && !played.stale
           ? <Proven answer={played.value} />
@@ -151,9 +150,6 @@ function Used({ model, answer: { result }, smooth }: { model: any; answer: Answe
     </Section>
   );
 }
-
-/** The smoothing that an error advises [s]: errors are texts alone. */
-const advised = (error: string): number | null => Number(error.match(/\{smooth\}` = ([\d.e+-]+)/)?.[1] ?? NaN) || null;
 
 /** The smoothing that the library advises, at a press of a button. */
 const Smoothing = ({ seconds, rms, smooth }: { seconds: number | null | undefined; rms?: string | undefined; smooth(seconds: number): void }) =>

@@ -7,13 +7,16 @@ import type { Handle } from "../plot/figure.ts";
 import { short } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
 import { inUnit } from "../signal.tsx";
-import { Entry, Section, useShared } from "../ui.tsx";
+import { Entry, Fault, Section, useShared } from "../ui.tsx";
 import { type Path, type Settings } from "./request.ts";
 
 interface Props {
   path: Path;
   settings: Settings;
   change(values: Partial<Settings>, passing?: boolean): void;
+  /** Why there is no voltage for the path, and whether the pictures are of the one before. */
+  error: string | undefined;
+  isOld: boolean;
 }
 
 const KINDS = ["sine", "triangle", "staircase"];
@@ -21,7 +24,7 @@ const KINDS = ["sine", "triangle", "staircase"];
 /** Points of a drawn path, at most. */
 const MOST = 40;
 
-export function PathForm({ path: { path, points, duration, usual, of }, settings, change }: Props) {
+export function PathForm({ path: { path, points, duration, usual, of }, settings, change, error, isOld }: Props) {
   const { workspace, lists } = useShared();
   const isKind = KINDS.includes(path ?? "");
   const kind = lists.excitations.find((one) => one.name === path);
@@ -51,6 +54,8 @@ export function PathForm({ path: { path, points, duration, usual, of }, settings
         <Form rows={inUnit(kind.options, of).map((row) => ({ ...row, required: false, ...(row.name in usual && { usual: String(usual[row.name]) }) }))}
           values={settings.signal ?? {}} change={(signal) => change({ signal })} />
       )}
+      <Fault text={error} />
+      {error && isOld && <p class="help">The pictures are of the last path that could be followed.</p>}
     </Section>
   );
 }

@@ -1,6 +1,6 @@
 // Compensate: the path at the left, its pictures in the middle, and at the right what its voltage is worth.
 
-import { useMemo } from "preact/hooks";
+import { useMemo, useRef } from "preact/hooks";
 import { loopFigures, timeFigure } from "../compensate/figures.ts";
 import { KnownOfPath } from "../compensate/known.tsx";
 import { Limits, PathForm, pathHandles } from "../compensate/path.tsx";
@@ -53,14 +53,17 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
     entry, plant, path: path.value?.file, expected: path.value?.expected ?? "", samples: answer?.series.get("requested")?.length ?? 0,
     options: requested,
   });
-  const shown = error === undefined && played.value && !played.stale ? played.value : answer;
+  // A path that is refused leaves the picture of the last one.
+  const last = useRef<Answer>(undefined);
+  if (error === undefined) last.current = played.value && !played.stale ? played.value : answer;
+  const shown = last.current;
   const picture = settings.picture ?? PICTURES[0]!;
   // What is shown is no change that Undo takes back.
   const choose = (picture: string) => workspace.amend((project) => withSettings(project, "compensate", { ...project.settings["compensate"], picture }));
   return (
     <div class="bench">
       <div class="pane left" role="region" aria-label="Path and limits">
-        <PathForm path={target} settings={settings} change={change} />
+        <PathForm path={target} settings={settings} change={change} error={error} isOld={shown !== undefined} />
         <div class="details"><Limits model={model} values={options} change={(options) => change({ options })} /></div>
       </div>
       <div class="pane" role="region" aria-label="Pictures">
