@@ -1,6 +1,6 @@
 // The right of the workbench: the next step, and what is known of the actuator.
 
-import { useEffect, useId, useMemo } from "preact/hooks";
+import { useEffect, useId, useMemo, useState } from "preact/hooks";
 import { whole } from "../alike.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
@@ -12,11 +12,12 @@ import { remaining, spokenTime } from "../remaining.ts";
 import { type ModelEntry, nameOf, type Options, proofOf, type RecordEntry, withSettings } from "../project.ts";
 import { Chart, Fault, Notes, type Outcome, Table, useModel, useOutcome, useShared, Verdict } from "../ui.tsx";
 import { worded } from "../words.ts";
+import type { Job } from "../work.ts";
 import type { Workspace } from "../workspace.ts";
 import { convergence } from "./figures.ts";
 import { Ranking } from "./ranking.tsx";
 import { drawnModel, task, validated } from "./runs.ts";
-import { identifiedFrom, identify, recordsOf, type Search, type Trial } from "./search.ts";
+import { identifiedFrom, identify, requestOf, type Search, type Trial } from "./search.ts";
 
 interface Props {
   /** The model that is used. */
@@ -41,9 +42,28 @@ export function KnownPane({ entry, drawn, draw, options }: Props) {
   );
 }
 
+/** The stage of a search: its step, and how long it has taken; of a swarm the iterations. */
+function stageOf({ what, done, total }: Job, iterations: number, seconds: number): string {
+  const step = total > 0 ? `step ${Math.min(done + 1, total)} of ${total}` : "";
+  const all = [step, iterations > 0 ? `${iterations} iterations` : "", seconds >= 3 ? `${Math.round(seconds)} s so far` : ""];
+  return `${what || "Reading the records"}${all.some(Boolean) ? `: ${all.filter(Boolean).join(", ")}` : ""}`;
+}
+
+/** The seconds since a component is shown. */
+function useSeconds(): number {
+  const [start] = useState(() => performance.now());
+  const [now, tick] = useState(start);
+  useEffect(() => {
+    const clock = setInterval(() => tick(performance.now()), 1000);
+    return () => clearInterval(clock);
+  }, []);
+  return (now - start) / 1e3;
+}
+
 /** The identification as it runs. */
 function Running({ search }: { search: Search }) {
   const job = useShared().workspace.jobs.find(({ name }) => name === "identify");
+  const seconds = useSeconds();
   const figure = useMemo(() => convergence(search), [search.errors.length, search.costs.length]);
   return (
     <section aria-label="The search">
@@ -51,12 +71,12 @@ function Running({ search }: { search: Search }) {
       <p role="status">{search.best ? `Drawn: the best fit so far, ${search.best.operator}.` : "The linear block comes first."}</p>
       {job && (
         <div class="row">
-          <progress aria-label="identify" max={job.total || 1} value={job.total ? job.done : undefined} />
-          <button type="button" onClick={() => job.cancel()}>Cancel</button>
+          <progress aria-label="identify" max={job.total || 1} value={job.done > 0 ? job.done : undefined} />
+          <button type="button" onClick={job.cancel}>Cancel</button>
           <span aria-hidden="true">{spokenTime(remaining(job.marks, performance.now() / 1e3))}</span>
         </div>
       )}
-      <p class="help" aria-hidden="true">{job?.what}</p>
+      {job && <p class="help" aria-hidden="true">{stageOf(job, search.trials.length === 0 ? search.costs.length : 0, seconds)}</p>}
       {search.trials.length > 0 && <Ranking trials={search.trials} search={search} />}
       {figure && <Chart figure={figure} height={200} />}
     </section>
@@ -96,7 +116,7 @@ function Identify({ hasModel }: { hasModel: boolean }) {
           onClick={() => void identify(workspace)}>Identify</button>
         <span id={why} class="bad">{undecided.length > 0 && `${undecided.join("; ")}: choose its channels at the left, or the use \u201cnot used\u201d`}</span>
       </div>
-      {workspace.search?.of === recordsOf(workspace) && <Fault text={workspace.search.error} />}
+      {workspace.search?.of === requestOf(workspace) && <Fault text={workspace.search.error} />}
       <details>
         <summary>Operators, effort, order</summary>
         <Form

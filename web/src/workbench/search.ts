@@ -38,7 +38,7 @@ export interface Search {
   costs: number[];
   /** Operators that are drawn beside the best. */
   drawn: string[];
-  /** The records that it is of: an error is of no interest after they have changed. */
+  /** The records and options that it is of: an error is of no interest after they have changed. */
   of: string;
   /** The name of the model that came of it. */
   result?: string;
@@ -54,15 +54,16 @@ export const identifiedFrom = (records: RecordEntry[]) => {
   return { small, large, all: [...small, ...large] };
 };
 
-/** The records of an identification, as they are read and prepared. */
-export const recordsOf = ({ project }: Workspace): string => JSON.stringify(identifiedFrom(project.records).all);
+/** What an identification depends on: its records, as they are read and prepared, and its options. */
+export const requestOf = ({ project }: Workspace): string =>
+  JSON.stringify([identifiedFrom(project.records), project.settings["identify"]]);
 
 /** The browser asks before it leaves the page: the search would be lost. */
 const leaves = (event: Event) => event.preventDefault();
 
 /** Identifies a model and adds it to the project. Cancelled, the best model until then is added. */
 export async function identify(workspace: Workspace): Promise<void> {
-  const search: Search = { of: recordsOf(workspace), isRunning: true, trials: [], fits: new Map(), errors: [], costs: [], drawn: [] };
+  const search: Search = { of: requestOf(workspace), isRunning: true, trials: [], fits: new Map(), errors: [], costs: [], drawn: [] };
   workspace.search = search;
   workspace.changed();
   addEventListener("beforeunload", leaves);
