@@ -3,7 +3,7 @@
 import { Component, type ComponentChildren, type JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
 import { packed, unpack } from "./archive.ts";
-import { example } from "./example.ts";
+import { ExampleButton } from "./example.tsx";
 import type { Lists } from "./lists.ts";
 import { download } from "./plot/download.ts";
 import { themeChanged } from "./plot/theme.ts";
@@ -16,6 +16,7 @@ import { ExperimentView } from "./views/experiment.tsx";
 import { ExportView } from "./views/export.tsx";
 import { StudyView } from "./views/study.tsx";
 import { WorkbenchView } from "./views/workbench.tsx";
+import { READING } from "./work.ts";
 import type { Workspace } from "./workspace.ts";
 
 /** The views in the order of the work; some need instruments, which only `piezoid serve` reaches. */
@@ -41,7 +42,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
   const main = useRef<HTMLElement>(null);
   useEffect(() => workspace.subscribe(() => setTick((tick) => tick + 1)), []);
   useEffect(() => {
-    const fail = (error: unknown) => workspace.failed(error);
+    const fail = (error: unknown) => workspace.failed(error, true);
     workspace.open().catch(fail);
     workspace.library.lists().then(setLists, fail);
     // What nearly everyone needs is loaded after the first paint.
@@ -80,7 +81,7 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
             {workspace.conflict && (
               <>
                 <button type="button" onClick={() => location.reload()}>Load the other version; discard the last change here</button>
-                <button type="button" onClick={() => void workspace.overwrite().catch((error) => workspace.failed(error))}>Overwrite it with this version</button>
+                <button type="button" onClick={() => void workspace.overwrite().catch((error) => workspace.failed(error, true))}>Overwrite it with this version</button>
               </>
             )}
             <button type="button" onClick={() => { workspace.fault = ""; workspace.changed(); }}>Close</button>
@@ -95,25 +96,21 @@ export function App({ workspace, served }: { workspace: Workspace; served: boole
           </SharedContext.Provider>
         ) : <p class="missing">Loading the lists of the library.</p>}
       </main>
-      <Jobs workspace={workspace} shown={view.name === "workbench" ? "identify" : view.served ? view.name : ""} />
+      <Jobs workspace={workspace} shown={view.name === "workbench" ? ["identify", READING] : view.served ? [view.name] : []} />
     </div>
   );
 }
 
 function Header({ workspace, served }: { workspace: Workspace; served: boolean }) {
   const opened = useRef<HTMLInputElement>(null);
-  const [busy, setBusy] = useState(false);
-  const start = (work: () => Promise<void>) => {
-    setBusy(true);
-    work().catch((error) => workspace.failed(error)).finally(() => setBusy(false));
-  };
+  const start = (work: () => Promise<void>) => void work().catch((error) => workspace.failed(error));
   return (
     <header>
       <p class="brand"><b>piezoid</b> <span>{served ? "on this computer" : "in this browser; nothing is uploaded"}</span></p>
       <div class="actions" role="toolbar" aria-label="Project">
         <button type="button" onClick={() => workspace.undo()} disabled={!workspace.canUndo} title="Undo (Ctrl+Z)">Undo</button>
         <button type="button" onClick={() => workspace.redo()} disabled={!workspace.canRedo} title="Redo (Ctrl+Y)">Redo</button>
-        <button type="button" disabled={busy} onClick={() => start(() => example(workspace))}>Example</button>
+        <ExampleButton workspace={workspace} title="Example" />
         <button type="button" onClick={() => opened.current?.click()}>Open</button>
         <input
           ref={opened}
@@ -140,14 +137,14 @@ function Header({ workspace, served }: { workspace: Workspace; served: boolean }
 }
 
 /** Work under way, except what the view shows itself. */
-function Jobs({ workspace, shown }: { workspace: Workspace; shown: string }) {
+function Jobs({ workspace, shown }: { workspace: Workspace; shown: string[] }) {
   return (
     <div class="jobs" role="status" aria-live="polite">
-      {workspace.jobs.filter(({ name }) => name !== shown).map((job, k) => (
+      {workspace.jobs.filter(({ name }) => !shown.includes(name)).map((job, k) => (
         <div key={k} class="job">
           <span>{job.name}<span aria-hidden="true">{job.what && `: ${job.what}`}</span></span>
-          <progress aria-label={job.name} max={job.total || 1} value={job.total ? job.done : undefined} />
-          <button type="button" onClick={() => job.cancel()}>Cancel</button>
+          <progress aria-label={job.name} max={job.total || 1} value={job.done > 0 ? job.done : undefined} />
+          {job.cancel && <button type="button" onClick={job.cancel}>Cancel</button>}
         </div>
       ))}
     </div>
@@ -162,20 +159,37 @@ async function dropped(event: DragEvent, workspace: Workspace): Promise<void> {
 }
 
 /** Takes files into the project, by what they are. */
-export async function taken(files: File[], workspace: Workspace, asProject = false): Promise<void> {
-  workspace.fault = "";
-  const records: Parameters<Workspace["addRecords"]>[0] = [];
-  for (const file of files) {
-    try {
-      const bytes = new Uint8Array(await file.arrayBuffer());
-      if (asProject || file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await unpack(workspace, bytes);
-      else if (file.name.endsWith(".json")) await takeModel(file.name, bytes, workspace);
-      else records.push({ file: { name: file.name, bytes }, use: "training" });
-    } catch (error) {
-      workspace.failed(new Error(`${file.name}: ${message(error)}`));
+export const taken = (files: File[], workspace: Workspace, asProject = false): Promise<void> =>
+  workspace.reading(files.map(({ name }) => name), async (jobs) => {
+    workspace.fault = "";
+    const records: Parameters<Workspace["addRecords"]>[0] = [];
+    const whys: string[] = [];
+    for (const [k, file] of files.entries()) {
+      try {
+        const bytes = await content(file, (done) => workspace.told(jobs[k]!, done, file.size));
+        if (asProject || file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await unpack(workspace, bytes);
+        else if (file.name.endsWith(".json")) await takeModel(file.name, bytes, workspace);
+        else records.push({ file: { name: file.name, bytes }, use: "training" });
+      } catch (error) {
+        whys.push(`${file.name}: ${message(error)}`);
+      }
     }
+    await workspace.addRecords(records, { look: true, asRig: true });
+    // A change of the project takes the fault of the work before away.
+    if (whys.length > 0) workspace.failed([...whys, workspace.fault].filter(Boolean).join("; "));
+  });
+
+/** The content of a file, which tells how much of it is read. */
+async function content(file: File, told: (done: number) => void): Promise<Uint8Array> {
+  const bytes = new Uint8Array(file.size);
+  const reader = file.stream().getReader();
+  let at = 0;
+  for (let { done, value } = await reader.read(); !done; { done, value } = await reader.read()) {
+    bytes.set(value!, at);
+    at += value!.length;
+    told(at);
   }
-  await workspace.addRecords(records, { look: true, asRig: true });
+  return bytes;
 }
 
 async function takeModel(name: string, bytes: Uint8Array, workspace: Workspace): Promise<void> {

@@ -35,7 +35,7 @@ if (!served) {
   const held = () => new Promise<never>(() => {});
   navigator.locks?.request("piezoid", { signal: AbortSignal.timeout(FREED) }, held).catch((error: DOMException) => {
     if (error.name !== "TimeoutError") return;
-    workspace.failed(new Error("this project is open in another tab as well: close one, because each overwrites the changes of the other"));
+    workspace.failed(new Error("this project is open in another tab as well: close one, because each overwrites the changes of the other"), true);
     // For the next tab.
     void navigator.locks.request("piezoid", held);
   });

@@ -199,7 +199,8 @@ const KEPT = 12;
 /** Outcomes that stay when another view is shown, by name; the latest last. */
 const kept = new Map<string, Outcome<unknown> & { request?: string }>();
 
-/** Work that a button starts, whose outcome stays. It is `stale` once `request`, what is asked for, has changed. */
+/** Work that a button starts, whose outcome stays. It is `stale` once `request`, what is asked for, has changed; an error
+ * is not shown any more then. */
 export function useKept<T>(name: string, request: unknown): Outcome<T> & { stale: boolean; start(work: () => Promise<T>): void } {
   const { workspace } = useShared();
   const requested = JSON.stringify(request);
@@ -222,8 +223,9 @@ export function useKept<T>(name: string, request: unknown): Outcome<T> & { stale
       },
     );
   };
-  const now = (kept.get(name) ?? { busy: false }) as Outcome<T> & { request?: string };
-  return { ...now, stale: now.value !== undefined && now.request !== requested, start };
+  const { error, ...now } = (kept.get(name) ?? { busy: false }) as Outcome<T> & { request?: string };
+  const isOf = now.request === requested;
+  return { ...now, ...(error !== undefined && isOf && { error }), stale: now.value !== undefined && !isOf, start };
 }
 
 /** Says that a form has changed since its results were made. */

@@ -15,8 +15,14 @@ export interface Job {
   total: number;
   /** When how many steps were done. */
   marks: Mark[];
-  cancel(): void;
+  cancel?(): void;
 }
+
+/** The name of the job that a file is read by; the file is its step. */
+export const READING = "reading";
+
+/** Time between two signs of how much of a file is read [ms]. */
+const OFTEN = 100;
 
 /** What is requested of the library, and how it is shown. */
 export interface Task {
@@ -38,6 +44,7 @@ const KEPT = 24;
 export class Work {
   jobs: Job[] = [];
   #answers = new Map<string, Promise<Answer>>();
+  #told = -Infinity;
   #listeners = new Set<() => void>();
 
   constructor(readonly library: Library) {}
@@ -50,6 +57,27 @@ export class Work {
 
   changed(): void {
     this.#listeners.forEach((listener) => listener());
+  }
+
+  /** Shows that files are read, until all are taken in. */
+  async reading<T>(names: string[], work: (jobs: Job[]) => Promise<T>): Promise<T> {
+    const jobs = names.map((what): Job => ({ name: READING, what, done: 0, total: 0, marks: [] }));
+    this.jobs = [...this.jobs, ...jobs];
+    this.changed();
+    try {
+      return await work(jobs);
+    } finally {
+      this.jobs = this.jobs.filter((other) => !jobs.includes(other));
+      this.changed();
+    }
+  }
+
+  /** Says how much of a file is read. */
+  told(job: Job, done: number, total: number): void {
+    Object.assign(job, { done, total });
+    if (done < total && performance.now() - this.#told < OFTEN) return;
+    this.#told = performance.now();
+    this.changed();
   }
 
   /** The answer to a task, with its progress among the jobs. */

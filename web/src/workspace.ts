@@ -34,6 +34,8 @@ export class Workspace extends Work {
   /** The fault because of which the project could not be stored. */
   #untold = "";
   #conflict = false;
+  /** No edit of the project mends the fault. */
+  #lasts = false;
   #saving: ReturnType<typeof setTimeout> | undefined;
   readonly #profiles = new Profiles();
 
@@ -94,9 +96,7 @@ export class Workspace extends Work {
 
   /** Goes on to another project. With `passing`, the next change is undone together with this one. */
   change(next: (project: Project) => Project, passing = false): void {
-    this.#history.to(next(this.project), passing);
-    this.#save();
-    this.changed();
+    this.#edited(() => this.#history.to(next(this.project), passing));
   }
 
   /** Adds to the project what is no change of the user, and is not undone. */
@@ -107,13 +107,17 @@ export class Workspace extends Work {
   }
 
   undo(): void {
-    this.#history.undo();
-    this.#save();
-    this.changed();
+    this.#edited(() => this.#history.undo());
   }
 
   redo(): void {
-    this.#history.redo();
+    this.#edited(() => this.#history.redo());
+  }
+
+  /** After an edit of the user, a fault of the work before is of no interest. */
+  #edited(edit: () => void): void {
+    if (!this.#lasts) this.fault = "";
+    edit();
     this.#save();
     this.changed();
   }
@@ -154,16 +158,17 @@ export class Workspace extends Work {
   }
 
   #unstored(error: Error): void {
-    this.failed(error);
+    this.failed(error, true);
     this.#untold = this.fault;
     this.#conflict = error.name === "Conflict";
     // A server that is gone may come back.
     if (error.name === "Gone") this.#save(AGAIN);
   }
 
-  /** Shows a fault. */
-  failed(error: unknown): void {
+  /** Shows a fault; until it is closed, or else until the next edit. */
+  failed(error: unknown, lasts = false): void {
     this.fault = error instanceof Error ? error.message : String(error);
+    this.#lasts = lasts;
     this.changed();
   }
 
@@ -193,30 +198,37 @@ export class Workspace extends Work {
   }
 
   /** Adds records in one step; with `look`, the last becomes the one that is looked at. What cannot be kept is reported. */
-  async addRecords(files: { file: File; use: RecordEntry["use"] }[], { look = false, passing = false, asRig = false } = {}): Promise<void> {
+  async addRecords(files: { file: File; use: RecordEntry["use"] }[], { look = false, passing = false, asRig = false, fresh = false } = {}): Promise<void> {
     const kept: Pick<RecordEntry, "file" | "use">[] = [];
+    const whys: string[] = [];
     for (const { file, use } of files) {
       try {
-        kept.push({ file: await this.keep(file), use });
+        kept.push({ file: await this.keep(file, fresh), use });
       } catch (error) {
-        this.failed(new Error(`${file.name}: ${error instanceof Error ? error.message : String(error)}`));
+        whys.push(`${file.name}: ${error instanceof Error ? error.message : String(error)}`);
       }
     }
-    await this.addStored(kept, { look, passing, asRig });
+    await this.addStored(kept, { look, passing, asRig, fresh });
+    if (whys.length > 0) this.failed(whys.join("; "));
   }
 
   /** The same for files that are in the store already. With `asRig`, those that look like the files of a rig are read
-   * like them, and the library proposes their uses. */
-  async addStored(stored: Pick<RecordEntry, "file" | "use">[], { look = true, passing = false, asRig = false } = {}): Promise<void> {
+   * like them, and the library proposes their uses. With `fresh`, they begin a project, in the place of this one,
+   * and the first is looked at. */
+  async addStored(stored: Pick<RecordEntry, "file" | "use">[], { look = true, passing = false, asRig = false, fresh = false } = {}): Promise<void> {
     const entries: RecordEntry[] = [];
     for (const { file, use } of stored) {
       const entry = await this.#usable({ file, columns: {}, prepare: {}, use });
       entries.push(asRig ? await this.#asRig({ ...entry, because: "" }) : entry);
     }
-    const last = entries.at(-1);
-    if (!last) return;
-    const looked = look ? { record: last.file } : {};
-    this.change((project) => ({ ...project, records: [...project.records, ...entries], ...looked }), passing);
+    const shown = entries.at(fresh ? 0 : -1);
+    if (!shown) return;
+    const looked = look ? { record: shown.file } : {};
+    if (fresh) this.search = undefined;
+    this.change((now) => {
+      const project = fresh ? EMPTY : now;
+      return { ...project, records: [...project.records, ...entries], ...looked };
+    }, passing);
   }
 
   /** The entry; a file that cannot be read at all is not used. */

@@ -123,10 +123,74 @@ test("a search is drawn while it runs, cancelled with its best model so far, and
   await context.close();
 });
 
-test("a file that is no record is told, and loses nothing", { skip }, async () => {
+test("a file is named while it is read; a search says its stage before it has anything to draw", { skip }, async () => {
+  const { page, faults, context } = await opened(site.browser, site.server.url);
+  let go;
+  const held = new Promise((resolve) => (go = resolve));
+  await page.reload();
+  await page.route("**/files.wasm", (route) => held.then(() => route.continue()));
+  await page.reload();
+  await choose(page, [file("long name.csv", csv(measured(5)))]);
+  await page.getByRole("status").getByText("long name.csv").waitFor();
+  await page.getByRole("progressbar", { name: "reading long name.csv" }).waitFor();
+  go();
+  await page.getByText(/4,000 samples/).waitFor();
+  assert.equal(await page.getByRole("progressbar").count(), 0);
+  await fill(page, "operator", "pi");
+  // Nothing is answered: the search stays at its beginning.
+  await page.route("**/models.wasm", () => {});
+  await page.getByRole("button", { name: "Identify", exact: true }).click();
+  const search = page.getByRole("region", { name: "The search" });
+  await search.getByText(/^Reading the records|^linear block/).waitFor();
+  assert.equal(await search.getByRole("progressbar").getAttribute("value"), null, "no empty bar");
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("the example takes the place of one's own project once that is saved as a file", { skip }, async () => {
+  const { page, faults, context } = await opened(site.browser, site.server.url);
+  const names = () => page.getByRole("list", { name: "Records and their use" }).getByRole("button", { name: /csv$/ }).and(page.locator(".link")).allInnerTexts();
+  await choose(page, [file("own.csv", csv(measured(5)))]);
+  await page.getByText(/4,000 samples/).waitFor();
+  const example = page.getByRole("button", { name: "Example", exact: true });
+  await example.click();
+  await page.getByRole("button", { name: "Stay in this project" }).click();
+  assert.deepEqual(await names(), ["own.csv"]);
+  assert.equal(await page.evaluate(() => document.activeElement.textContent), "Example", "the focus is back");
+  await example.click();
+  const saved = await download(page, () => page.getByRole("button", { name: "Save this project, and open the example" }).click());
+  await page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
+  const drives = ["rising-5Hz.csv", "rising-20Hz.csv", "prbs.csv", "staircase.csv"];
+  assert.deepEqual(await names(), drives);
+  await page.getByRole("button", { name: "Undo" }).click();
+  await page.getByRole("button", { name: "own.csv", exact: true }).waitFor();
+  assert.deepEqual(await names(), ["own.csv"]);
+  await page.getByRole("button", { name: "Redo" }).click();
+  await page.getByLabel("Project to open").setInputFiles([file("mine.zip", saved)]);
+  await page.getByRole("button", { name: "own.csv", exact: true }).waitFor();
+  assert.deepEqual(await names(), ["own.csv"]);
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("an error of an identification goes with the edit that mends it", { skip }, async () => {
+  const { page, faults, context } = await opened(site.browser, site.server.url);
+  await choose(page, [file("slow.csv", csv(measured(5)))]);
+  await page.getByText(/4,000 samples/).waitFor();
+  await identify(page, "no-such-operator");
+  await page.getByRole("alert").waitFor();
+  await fill(page, "operator", "pi");
+  await page.getByRole("alert").waitFor({ state: "detached" });
+  assert.deepEqual(faults, []);
+  await context.close();
+});
+
+test("a file that is no record is told until the next edit, and loses nothing", { skip }, async () => {
   const { page, context } = await opened(site.browser, site.server.url);
-  await choose(page, [file("broken.csv", Buffer.from("nothing here")), file("empty.csv", Buffer.alloc(0))]);
-  await page.getByRole("alert").first().waitFor();
+  await choose(page, [file("broken.csv", Buffer.from("nothing here")), file("empty.csv", Buffer.alloc(0)), file("letter.json", Buffer.from("{}"))]);
+  await page.getByRole("alert").getByText("letter.json: this is not a model of piezoid").waitFor();
+  await page.getByLabel("Use of empty.csv").selectOption("validate");
+  await page.getByText("letter.json").waitFor({ state: "detached" });
   await choose(page, [file("good.csv", csv(measured(5)))]);
   await page.getByText(/4,000 samples/).waitFor();
   await page.getByRole("button", { name: "broken.csv", exact: true }).waitFor();

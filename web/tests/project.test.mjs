@@ -110,3 +110,18 @@ test("what is no change of the user stays after an undo, and is kept once", asyn
     assert.equal(Object.keys(workspace.project.settings).length, step === "undo" ? 0 : 1);
   }
 });
+
+test("a fault goes with the next edit, unless no edit mends it", async () => {
+  const workspace = new Workspace({}, stored({ "project.json": JSON.stringify({ piezoid: 1 }) }));
+  await workspace.open();
+  const edit = () => workspace.change((project) => ({ ...project, settings: { ...project.settings, control: {} } }));
+  workspace.failed(new Error("this is not a model"));
+  workspace.amend((project) => ({ ...project, record: "a.csv" }));
+  assert.equal(workspace.fault, "this is not a model", "what the page does by itself leaves it");
+  edit();
+  assert.equal(workspace.fault, "");
+  workspace.failed(new Error("open in another tab"), true);
+  edit();
+  workspace.undo();
+  assert.equal(workspace.fault, "open in another tab");
+});

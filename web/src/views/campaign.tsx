@@ -66,7 +66,7 @@ export function CampaignView() {
   const stop = () => {
     if (!under) return;
     under.live.stopping = true;
-    workspace.jobs.find(({ name }) => name === JOB)?.cancel();
+    workspace.jobs.find(({ name }) => name === JOB)?.cancel?.();
     workspace.changed();
   };
   return (

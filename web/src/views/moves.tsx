@@ -124,7 +124,7 @@ function Measure({ model, values, change, busy, run, isMoving, error }: MeasureP
   const controller = useController("moves controller", values);
   const elsewhere = new Set(optionsOf(lists, "timing").map(({ name }) => name as string));
   const rows = optionsOf(lists, "moves").filter(({ name }) => !elsewhere.has(name));
-  const stop = () => workspace.jobs.find(({ name }) => name === "moves on the controller")?.cancel();
+  const stop = () => workspace.jobs.find(({ name }) => name === "moves on the controller")?.cancel?.();
   return (
     <details>
       <summary>On a controller</summary>

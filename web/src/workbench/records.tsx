@@ -3,7 +3,7 @@
 import { useRef, useState } from "preact/hooks";
 import { whole } from "../alike.ts";
 import { taken } from "../app.tsx";
-import { example } from "../example.ts";
+import { ExampleButton } from "../example.tsx";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import type { Answer } from "../packet.ts";
@@ -12,6 +12,7 @@ import { filesOf, nameOf, proofOf, type RecordEntry, type Use, usedModel } from 
 import { RigLine } from "../rig.tsx";
 import { Notes, useOutcome, useShared } from "../ui.tsx";
 import { useProposals } from "../uses.ts";
+import { READING } from "../work.ts";
 
 const USES: [Use, string][] = [
   ["training", "identify: large signal"],
@@ -32,7 +33,7 @@ export function Drop() {
         {first && "CSV of any kind, MATLAB, HDF5, TDMS, NumPy, oscilloscopes. A record holds the voltage and the displacement. "}
       </p>
       <button type="button" class={first ? "main" : ""} onClick={() => input.current?.click()}>Choose files</button>
-      {first && <button type="button" onClick={() => void example(workspace)}>Open the example</button>}
+      {first && <ExampleButton workspace={workspace} title="Open the example" />}
       <input
         ref={input}
         type="file"
@@ -46,6 +47,22 @@ export function Drop() {
         }}
       />
       {!workspace.store.own && <Folder />}
+      <Reading />
+    </div>
+  );
+}
+
+/** The files that are being read. */
+function Reading() {
+  const jobs = useShared().workspace.jobs.filter(({ name }) => name === READING);
+  return (
+    <div class="reading" role="status">
+      {jobs.map(({ what, done, total }, k) => (
+        <p key={k}>
+          <b>{what}</b> {done < total || total === 0 ? "reading" : "inspecting"}{" "}
+          <progress aria-label={`reading ${what}`} max={total || 1} value={done < total ? done : undefined} />
+        </p>
+      ))}
     </div>
   );
 }
@@ -57,7 +74,8 @@ function Folder() {
   const found = useOutcome(JSON.stringify(records.map((one) => one.file)), () => workspace.store.names());
   const known = new Set(filesOf(workspace.project));
   const names = (found.value ?? []).filter((name) => !known.has(name) && !NO_RECORDS.test(name));
-  const add = (some: string[]) => workspace.addStored(some.map((file) => ({ file, use: "training" })), { asRig: true }).catch((error) => workspace.failed(error));
+  const add = (some: string[]) =>
+    workspace.reading(some, () => workspace.addStored(some.map((file) => ({ file, use: "training" })), { asRig: true })).catch((error) => workspace.failed(error));
   return names.length === 0 ? null : (
     <details open={records.length === 0 && names.length <= 12}>
       <summary>{names.length} more {names.length === 1 ? "file" : "files"} in the project folder</summary>
