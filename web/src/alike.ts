@@ -10,6 +10,8 @@ export interface Look {
   layout: string;
   /** How the record is read, as the library writes it; nothing while the roles are not decided. */
   profile?: string;
+  /** What is read: the same for ways of reading that come to the same. */
+  reads: string;
 }
 
 /** What is said of a rig: all of the columns but the part of one file that is used. */
@@ -37,7 +39,8 @@ export function look(workspace: Workspace, entry: RecordEntry): Promise<Look | u
   const inspection = all.get(key(entry)) ?? workspace.inspected(whole(entry)).then(
     ({ result, files }) => {
       const profile = files.find(({ name }) => name === "profile.toml");
-      return { layout: String(result.layout), ...(profile && { profile: new TextDecoder().decode(profile.bytes) }) };
+      const reads = JSON.stringify([result.record, result.shape, result.channels]);
+      return { layout: String(result.layout), reads, ...(profile && { profile: new TextDecoder().decode(profile.bytes) }) };
     },
     () => void all.delete(key(entry)),
   );
@@ -45,9 +48,12 @@ export function look(workspace: Workspace, entry: RecordEntry): Promise<Look | u
   return inspection;
 }
 
-/** True if two files that look alike are read in the same way. */
-const isSame = (a: RecordEntry, b: RecordEntry, looks: Looks): boolean =>
-  JSON.stringify(sorted(a)) === JSON.stringify(sorted(b)) || (looks.of(a)?.profile !== undefined && looks.of(a)?.profile === looks.of(b)?.profile);
+/** True if two files that look alike are read in the same way: the first as it is, and as the second. */
+function isSame(a: RecordEntry, b: RecordEntry, looks: Looks): boolean {
+  const [own, other, asOther] = [looks.of(a), looks.of(b), looks.of(readAs(a, b.columns))];
+  const isWritten = own?.profile !== undefined && own.profile === other?.profile;
+  return JSON.stringify(sorted(a)) === JSON.stringify(sorted(b)) || isWritten || (own !== undefined && own.reads === asOther?.reads);
+}
 
 const sorted = ({ columns }: RecordEntry) => Object.entries(ofRig(columns)).sort(([a], [b]) => (a < b ? -1 : 1));
 
@@ -61,8 +67,9 @@ export class Looks {
     return this.#all.get(key(entry));
   }
 
-  /** Of the records of a project, and of them if they were read as their rigs. */
-  static async over(workspace: Workspace): Promise<Looks> {
+  /** Of the records of a project, of them if they were read as their rigs, and of those of which nothing is said if they
+   * were read as one of them. */
+  static async over(workspace: Workspace, shown?: RecordEntry): Promise<Looks> {
     const looks = new Looks();
     const add = async (entry: RecordEntry) => void looks.#all.set(key(entry), await look(workspace, entry));
     const { records, rigs } = workspace.project;
@@ -71,7 +78,8 @@ export class Looks {
       const rig = rigs.find(({ layout }) => layout === looks.of(entry)?.layout);
       return rig ? [readAs(entry, rig.columns)] : [];
     });
-    await Promise.all(asRig.map(add));
+    const asShown = records.filter((entry) => shown && isSaid(shown) && !isSaid(entry) && looks.of(entry)?.layout === looks.of(shown)?.layout);
+    await Promise.all([...asRig, ...asShown.map((entry) => readAs(entry, shown!.columns))].map(add));
     return looks;
   }
 }
@@ -97,8 +105,10 @@ export function kinOf(entry: RecordEntry, { records, rigs }: Project, looks: Loo
   const others = records.filter((one) => one.file !== entry.file && looks.of(one)?.layout === layout);
   const rig = rigs.find((one) => one.layout === layout);
   const isMember = (one: RecordEntry) => rig !== undefined && isSame(one, readAs(one, rig.columns), looks);
+  // A file that was set up by itself stays as it is.
+  const isOwn = (one: RecordEntry) => isSaid(one) && !isMember(one) && looks.of(one)?.profile !== undefined;
   const offer = () => {
-    if (isSaid(entry) && own.profile !== undefined) return { from: entry, to: others.filter((one) => !isSame(one, entry, looks)) };
+    if (isSaid(entry) && own.profile !== undefined) return { from: entry, to: others.filter((one) => !isOwn(one) && !isSame(one, entry, looks)) };
     // Nothing is said of this file: perhaps of another one.
     if (rig || isSaid(entry)) return undefined;
     const from = others.filter((one) => isSaid(one) && looks.of(one)?.profile !== undefined && !isSame(one, entry, looks)).at(-1);

@@ -11,8 +11,8 @@ import { spoken } from "./words.ts";
 export function RigLine({ entry }: { entry: RecordEntry }) {
   const { workspace, lists } = useShared();
   const { records, rigs } = workspace.project;
-  const key = JSON.stringify([records.map(({ file, columns }) => [file, ofRig(columns)]), rigs.map(({ layout, columns }) => [layout, columns])]);
-  const looks = useOutcome(key, () => Looks.over(workspace)).value;
+  const key = JSON.stringify([entry.file, records.map(({ file, columns }) => [file, ofRig(columns)]), rigs.map(({ layout, columns }) => [layout, columns])]);
+  const looks = useOutcome(key, () => Looks.over(workspace, entry)).value;
   const kin = looks && kinOf(entry, workspace.project, looks);
   const id = useId();
   if (!kin || !(kin.rig || kin.offer)) return null;

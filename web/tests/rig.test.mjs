@@ -120,3 +120,36 @@ test("a rig is kept with the project; a file that was added undecided is read as
   assert.deepEqual(faults, []);
   await context.close();
 });
+
+test("reading alike is offered only where something would change", { skip, timeout: 240_000 }, async (t) => {
+  const empty = mkdtempSync(join(tmpdir(), "piezoid-rig-"));
+  const server = await started(["serve", empty, "--port", "0"], /http:\/\/\S+/);
+  t.after(() => {
+    server.running.kill("SIGKILL");
+    rmSync(empty, { recursive: true });
+  });
+  const { page, faults, context } = await opened(browser, server.found);
+  const plain = (name) => ({ name, mimeType: "text/csv", buffer: Buffer.from(`t_s,u_V,y_um\n${measured.slice(0, name.length * 300).map((row) => row.join()).join("\n")}\n`) });
+  const offers = page.getByRole("button", { name: /^Read (the|this)/ });
+  const show = async (name) => {
+    await page.getByRole("button", { name, exact: true }).click();
+    await page.getByRole("heading", { name, exact: true }).waitFor();
+    await page.waitForTimeout(700);
+  };
+  await page.getByLabel("Data files").setInputFiles([plain("a.csv"), plain("bb.csv")]);
+  await page.getByText(/samples/).first().waitFor();
+  await fill(page, "input_scale", "1");
+  await page.waitForTimeout(700);
+  assert.equal(await offers.count(), 0, "nothing would change");
+  await fill(page, "output_unit", "nm");
+  await offers.waitFor();
+  // The other file is set up by hand too: it stays.
+  await show("a.csv");
+  await fill(page, "output_unit", "mm");
+  for (const name of ["bb.csv", "a.csv"]) {
+    await show(name);
+    assert.equal(await offers.count(), 0, `both are set up, ${name}`);
+  }
+  assert.deepEqual(faults, []);
+  await context.close();
+});
