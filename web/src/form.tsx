@@ -16,10 +16,15 @@ interface Props {
   names?: Record<string, Pickable[]>;
   /** Options that are shown outside their groups, which are closed otherwise. */
   first?: string[];
+  /** Options whose lists are shown at once. */
+  open?: string[];
 }
 
+/** Lists of which one member is chosen, and nothing else can be given. */
+const CLOSED = ["drivers", "controllers", "actuators"];
+
 /** The fields of options. What is empty is left out: then the library decides. */
-export function Form({ rows, values, change, names = {}, first }: Props) {
+export function Form({ rows, values, change, names = {}, first, open = [] }: Props) {
   const { lists } = useShared();
   const set = (name: string, value: unknown) => {
     const { [name]: _, ...others } = values;
@@ -27,7 +32,7 @@ export function Form({ rows, values, change, names = {}, first }: Props) {
   };
   const field = (row: OptionRow) => (
     <Field key={row.name} row={row} value={values[row.name]} set={(value) => set(row.name, value)}
-      names={names[row.name] ?? membersOf(lists, row.list)} />
+      names={names[row.name] ?? membersOf(lists, row.list)} open={open.includes(row.name)} />
   );
   const isFirst = (row: OptionRow) => (first ? first.includes(row.name) : !row.group);
   const groups = [...new Set(rows.filter((row) => !isFirst(row)).map((row) => row.group || "More"))];
@@ -53,9 +58,10 @@ interface FieldProps {
   value: unknown;
   set(value: unknown): void;
   names?: Pickable[] | undefined;
+  open: boolean;
 }
 
-function Field({ row, value, set, names }: FieldProps) {
+function Field({ row, value, set, names, open }: FieldProps) {
   const id = useId();
   const of = row.unit ? ` [${row.unit === "degrees" ? "°" : unit(row.unit)}]` : "";
   const label = <label for={id}>{spoken(row.name)}{of}{row.required && <span aria-hidden="true"> *</span>}</label>;
@@ -91,6 +97,20 @@ function Field({ row, value, set, names }: FieldProps) {
       </div>
     );
   }
+  if (row.kind === "text" && names && CLOSED.includes(row.list)) {
+    const isOther = value !== undefined && !chosen;
+    return (
+      <div class="field">
+        {label}
+        <select {...common} value={String(value ?? "")} onChange={(event) => set(event.currentTarget.value)}>
+          <option value="">{usual || "none"}</option>
+          {isOther && <option value={String(value)}>{String(value)}</option>}
+          {names.map(({ name, summary }) => <option key={name} value={name}>{name}: {prose(summary)}</option>)}
+        </select>
+        {help}
+      </div>
+    );
+  }
   const picked = (Array.isArray(value) ? value : [value ?? usual]).map(String);
   const pick = (name: string) => {
     if (row.kind !== "texts") return set(name === usual ? undefined : name);
@@ -116,7 +136,7 @@ function Field({ row, value, set, names }: FieldProps) {
         </datalist>
       )}
       {help}
-      {names?.some(({ picture }) => picture) && <PickList members={names} picked={picked} pick={pick} />}
+      {names?.some(({ picture }) => picture) && <PickList members={names} picked={picked} pick={pick} open={open} />}
     </div>
   );
 }

@@ -10,9 +10,9 @@ export interface Pickable extends Pick<Member, "name" | "summary"> {
 }
 
 /** The list below a field: a click picks one, or, of several, adds or removes it. */
-export function PickList({ members, picked, pick }: { members: Pickable[]; picked: string[]; pick(name: string): void }) {
+export function PickList({ members, picked, pick, open }: { members: Pickable[]; picked: string[]; pick(name: string): void; open: boolean }) {
   return (
-    <details class="pick">
+    <details class="pick" open={open}>
       <summary>Pick from the list</summary>
       <ul>
         {members.map(({ name, summary, picture }) => (

@@ -1,16 +1,20 @@
 // A requested displacement: that of a record, a path drawn by hand, or a signal.
 
 import { useId } from "preact/hooks";
-import type { File } from "./packet.ts";
-import { csv, moves, pathFile } from "./path.ts";
-import type { Options } from "./project.ts";
+import { fileOf, type PathFile, pathOf, type Settings, strokeOf } from "./compensate/request.ts";
+import { csv } from "./path.ts";
+import { type Options, type Project, usedModel } from "./project.ts";
 import { SignalForm, useSignal } from "./signal.tsx";
 import { Fault, useSettings, useShared } from "./ui.tsx";
 
 /** Stands for a signal among the names of records, which have an ending. */
 const SIGNAL = "signal";
-/** Stands for the path that was drawn in the view Compensate. */
-const DRAWN = "drawn";
+/** Stands for the path of the view Compensate. */
+const COMPENSATED = "drawn";
+
+/** True if a path was set in Compensate. */
+const hasPath = ({ settings: { compensate = {} } }: Project): boolean =>
+  ["path", "points", "duration", "signal"].some((name) => name in compensate);
 
 /** The choice of a view, and the file that it stands for; of no choice none. */
 export interface Reference {
@@ -22,31 +26,35 @@ export interface Reference {
   /** Of a signal: what is wrong with it. */
   error: string | undefined;
   lacks: string[];
-  files(): Promise<File[]>;
+  files(): Promise<PathFile[]>;
 }
 
-/** The reference that a view has chosen. `start` is the signal at first. */
-export function useReference(view: string, start: Options): Reference {
-  const { workspace } = useShared();
+/** The reference that a view has chosen. `start` is the signal at first; with `compensated`, the path of Compensate is
+ * chosen at first, if one is set. */
+export function useReference(view: string, start: Options, compensated = false): Reference {
+  const { workspace, lists } = useShared();
   const [{ from, signal }, set] = useSettings(`${view}-reference`);
   const values: Options = { ...((signal as Options | undefined) ?? start), unit: start["unit"] };
-  const chosen = String(from ?? "");
+  const { settings } = workspace.project;
+  const chosen = String(from ?? (compensated && hasPath(workspace.project) ? COMPENSATED : ""));
   const outcome = useSignal(chosen === SIGNAL ? values : undefined);
-  const files = async (): Promise<File[]> => {
+  const files = async (): Promise<PathFile[]> => {
     if (chosen === "") return [];
-    if (chosen === DRAWN) return [await path()];
+    if (chosen === COMPENSATED) return [await compensatedPath()];
     if (chosen !== SIGNAL) return [await displacement(chosen)];
     if (outcome.lacks.length > 0) throw new Error(`the signal of the reference lacks its ${outcome.lacks.join(", ")}`);
     if (!outcome.value) throw new Error(outcome.error ?? "the signal of the reference is not ready yet: try again");
     return [{ name: "signal.csv", bytes: outcome.value.files[0]!.bytes }];
   };
-  const path = async (): Promise<File> => {
-    const { points, duration = 0.5 } = (workspace.project.settings["compensate"] ?? {}) as { points?: number[]; duration?: number };
-    if (!points) throw new Error("no path is drawn in Compensate: choose another reference");
-    return pathFile(workspace, moves(points, duration), Number(start["ts"]), String(start["unit"]));
+  const compensatedPath = async (): Promise<PathFile> => {
+    const entry = usedModel(workspace.project);
+    if (!entry) throw new Error("there is no model: identify one, or choose another reference");
+    const model = JSON.parse(new TextDecoder().decode(await workspace.bytes(entry.file)));
+    const stroke = await strokeOf(workspace, entry.file, model);
+    return fileOf(workspace, lists, pathOf((settings["compensate"] ?? {}) as Settings, model, stroke));
   };
   /** The displacement of a record, without its voltage. */
-  const displacement = async (name: string): Promise<File> => {
+  const displacement = async (name: string): Promise<PathFile> => {
     const entry = workspace.project.records.find((one) => one.file === name);
     if (!entry) throw new Error(`there is no record ${name}: choose another reference`);
     const { result, series } = await workspace.prepared(entry);
@@ -54,7 +62,8 @@ export function useReference(view: string, start: Options): Reference {
     return csv(`${name.replace(/\.\w+$/, "")}.csv`, units.y, ts, series.get("y")!);
   };
   const change = (next: Options) => set({ from: next["from"] ?? chosen, signal: next["signal"] ?? values });
-  const key = chosen === SIGNAL ? values : chosen === DRAWN ? workspace.project.settings["compensate"] : chosen;
+  const { path, points, duration, signal: ofKind } = (settings["compensate"] ?? {}) as Settings;
+  const key = chosen === SIGNAL ? values : chosen === COMPENSATED ? [path, points, duration, ofKind] : chosen;
   return { chosen, values, change, key, error: outcome.error, lacks: outcome.lacks, files };
 }
 
@@ -70,7 +79,7 @@ export function ReferenceForm({ reference, label, none }: { reference: Reference
         <select id={id} value={chosen} onChange={(event) => change({ from: event.currentTarget.value })}>
           <option value="">{none}</option>
           <option value={SIGNAL}>a signal</option>
-          {workspace.project.settings["compensate"]?.["points"] !== undefined && <option value={DRAWN}>the path drawn in Compensate</option>}
+          {usedModel(workspace.project) && <option value={COMPENSATED}>the path of Compensate</option>}
           {workspace.project.records.map(({ file }) => <option key={file} value={file}>displacement of {file}</option>)}
         </select>
       </div>

@@ -1,9 +1,13 @@
 // Schemes of control along a reference, as the library answers and as they are drawn.
 
+import type { Lists, Member } from "./lists.ts";
 import type { Answer } from "./packet.ts";
 import { ends } from "./plot/extents.ts";
 import type { Figure, Series } from "./plot/figure.ts";
 import { spokenPlant } from "./stand-in.tsx";
+
+/** The controllers with feedback alone, of which each is exported too. */
+export const feedbacks = (lists: Lists): Omit<Member, "reference">[] => lists.controllers.slice(3).filter(({ name }) => name !== "predictive");
 
 /** A reference of a comparison. */
 export interface Reference {

@@ -3,16 +3,17 @@
 /** Shows a view. */
 export const view = (page, name) => page.getByRole("navigation").getByRole("link", { name, exact: true }).click();
 
-/** Fills a field of a form, whose group is opened if it is closed. */
+/** Fills a field of a form, or chooses there; its group is opened if it is closed. */
 export async function fill(page, name, value) {
-  const field = page.locator(`input[name="${name}"]`);
+  const field = page.locator(`:is(input, select)[name="${name}"]`);
   await field.waitFor({ state: "attached" });
   if (!(await field.isVisible())) {
     for (const group of await page.locator("details", { has: field }).all()) {
       if ((await group.getAttribute("open")) === null) await group.locator("summary").first().click();
     }
   }
-  await field.fill(value);
+  if ((await field.evaluate(({ tagName }) => tagName)) === "SELECT") await field.selectOption(value);
+  else await field.fill(value);
   await field.blur();
 }
 

@@ -203,6 +203,39 @@ test("a path that is refused keeps the last picture, and says why beside the pat
   await close();
 });
 
+test("a waveform is exported along the path of Compensate, which is chosen if one is set", { skip }, async () => {
+  const { page, faults, button, field, close } = await at("Compensate");
+  await page.getByRole("combobox", { name: /^Path/ }).selectOption("sine");
+  await field("Amplitude [\u00b5m]", "123");
+  await page.getByRole("button", { name: "Download voltage.csv", disabled: false }).waitFor();
+  await page.goto(`${server.url}#export`);
+  await page.getByRole("button", { name: /^waveform/ }).click();
+  const reference = page.getByLabel("Reference", { exact: true });
+  assert.equal(await reference.locator("option:checked").innerText(), "the path of Compensate");
+  await button("Export as waveform").click();
+  const text = (await download(page, () => button("Download piezo_model.csv").click())).toString();
+  const r = text.trim().split("\n").filter((row) => /^\d/.test(row)).map((row) => Number(row.split(",").at(-1)));
+  assert.ok(Math.abs(Math.max(...r) - Math.min(...r) - 246) < 1, `the path goes from ${Math.min(...r)} to ${Math.max(...r)}: ${text.slice(0, 300)}`);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
+test("what a controller or a driver is chosen from is in sight", { skip }, async () => {
+  const { page, faults, button, close } = await at("Control");
+  const schemes = page.getByRole("button", { name: /^feed-forward\+integral-notch/ });
+  await schemes.click();
+  assert.equal(await page.getByLabel("Controller", { exact: true }).inputValue(), "feed-forward+integral-notch");
+  await page.getByLabel("Driver", { exact: true }).selectOption("e-503");
+  await page.getByText("PI E-503.00, module with three channels").and(page.locator("b")).waitFor();
+  await page.goto(`${server.url}#export`);
+  await page.getByLabel("Controller", { exact: true }).selectOption("pi");
+  await button("Export as c").click();
+  await button("piezo_model.c").click();
+  assert.match(await page.getByRole("region", { name: "Text of piezo_model.c" }).innerText(), /controller/);
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("a model remembers its records; what cannot be read is not used", { skip }, async () => {
   const { page, faults, close } = await at("Workbench", false);
   const training = "log.csv";

@@ -1,6 +1,7 @@
 // Control: schemes of feed-forward and feedback along references, on a simulated plant.
 
 import { useMemo } from "preact/hooks";
+import { reading } from "../compensate/request.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import { ModelChoice, withRecorded } from "../models.tsx";
@@ -10,7 +11,7 @@ import type { ModelEntry } from "../project.ts";
 import { short } from "../plot/ticks.ts";
 import { ReferenceForm, useReference } from "../reference.tsx";
 import { AboutPlant, type Plant, PlantChoice, spokenPlant, usePlant, withoutPlant } from "../stand-in.tsx";
-import { runsFigure, type Scheme, type Reference } from "../schemes.ts";
+import { feedbacks, runsFigure, type Scheme, type Reference } from "../schemes.ts";
 import { Chart, Choice, Download, Fault, Missing, Notes, Section, Stale, Table, useKept, useModel, useSettings, useShared } from "../ui.tsx";
 
 /** What came of a comparison. */
@@ -42,12 +43,12 @@ function Comparison({ entry }: { entry: ModelEntry }) {
   const result = useKept<Compared>(`control ${model}`, [options, reference.key, plant?.key]);
   const compare = async (plant: Plant): Promise<Compared> => {
     const files = await reference.files();
-    const request = { call: "control", options, files: { model: [model], reference: files.map((file) => file.name) } };
+    const request = { call: "control", options, files: { model: [model], reference: files.map((file) => file.name) }, ...files.map(reading)[0] };
     const answer = await workspace.run({ name: "control", ...(await plant.on(request, [await workspace.file(model), ...files])) });
     return { answer, ts, model };
   };
   const feedForwards = lists.controllers.filter(({ name }) => name === "feed-forward" || name === "learning");
-  const both = lists.controllers.slice(3).filter(({ name }) => name !== "predictive");
+  const both = feedbacks(lists);
   const pairs = both.map(({ name, summary }) => ({ name: `feed-forward+${name}`, summary: `the inverse of the model, and: ${summary}` }));
   return (
     <>
@@ -60,7 +61,7 @@ function Comparison({ entry }: { entry: ModelEntry }) {
             controller: withSchemes([...feedForwards, ...both, ...pairs]),
             reference: lists.references.map(({ name, summary }) => ({ name: `${name}:5`, summary: `${summary}; 5 Hz` })),
           }}
-          first={["controller", "reference", "amplitude", "noise"]} />
+          first={["controller", "reference", "amplitude", "noise", "driver"]} open={["controller"]} />
         <ReferenceForm reference={reference} label="In place of the named references" none="none" />
         <div class="row">
           <button type="button" class="main" disabled={result.busy || !document.value || !plant} onClick={() => plant && result.start(() => compare(plant))}>Compare</button>

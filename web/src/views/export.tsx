@@ -1,5 +1,6 @@
 // Export: the model, its feed-forward and its controller for another machine.
 
+import { reading } from "../compensate/request.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import { ModelChoice, withRecorded } from "../models.tsx";
@@ -7,6 +8,7 @@ import type { Answer } from "../packet.ts";
 import { short } from "../plot/ticks.ts";
 import type { Options } from "../project.ts";
 import { ReferenceForm, useReference } from "../reference.tsx";
+import { feedbacks } from "../schemes.ts";
 import { Download, Fault, Missing, Notes, Section, size, Stale, Table, TextFile, useKept, useModel, useSettings, useShared } from "../ui.tsx";
 
 export function ExportView() {
@@ -28,12 +30,12 @@ function Exports({ model }: { model: string }) {
     Object.fromEntries(Object.entries(options).filter(([name]) => taken(name) === expected)),
   ) as [Options, Options];
   const start = { kind: "sine", unit: document.value?.units?.y ?? "um", frequency: 10, duration: 0.1, ts: document.value?.ts ?? 5e-4 };
-  const reference = useReference("export", start);
+  const reference = useReference("export", start, true);
   const result = useKept<Answer>(`export ${model}`, [chosen.name, input, taken("reference") && reference.key]);
   const write = async () => {
     const files = taken("reference") ? await reference.files() : [];
     const named = { model: [model], reference: files.map((file) => file.name) };
-    const request = { call: "export", options: { target: chosen.name, ...input }, files: named };
+    const request = { call: "export", options: { target: chosen.name, ...input }, files: named, ...files.map(reading)[0] };
     return workspace.run({ name: "export", request, files: [await workspace.file(model), ...files] });
   };
   return (
@@ -57,11 +59,11 @@ function Exports({ model }: { model: string }) {
       </Section>
       <Section title="Options">
         <Form rows={rows} values={input} change={(values) => change({ ...kept, ...values, ...(target !== undefined && { target }) })}
-          first={["name", "float", "controller", "preview"]} />
+          names={{ controller: feedbacks(lists) }} first={["name", "float", "controller", "preview", "driver"]} />
         {taken("reference") && (
           <>
             <ReferenceForm reference={reference} label="Reference" none="none: a waveform needs one" />
-            <p class="help">One period of the requested displacement.</p>
+            <p class="help">One period of the requested displacement. A path that ends where it begins repeats without a jump.</p>
           </>
         )}
         <div class="row">
