@@ -120,3 +120,21 @@ test("an operator is picked from the list, by keyboard, and identified; the next
   assert.deepEqual(faults, []);
   await close();
 });
+
+test("a unit that is not known is told where it is stated, and keeps records apart before they are identified", { skip }, async () => {
+  const { page, faults, close } = await bench();
+  const daq = String(csv(measured(5))).replace("u_V", "u_daq");
+  await page.getByLabel("Data files").setInputFiles([file("daq.csv", Buffer.from(daq))]);
+  await page.getByText(/^The unit daq of the input is no voltage/).waitFor();
+  const start = page.getByRole("button", { name: "Identify", exact: true });
+  await page.getByText("the input of daq.csv is in daq, that of slow.csv in V: state the right unit").waitFor();
+  assert.equal(await start.isDisabled(), true);
+  await fill(page, "input_unit", "furlong");
+  await page.getByText(/^The unit furlong of the input/).waitFor();
+  await fill(page, "input_unit", "mV");
+  await page.getByText(/^The unit .* of the input/).waitFor({ state: "detached" });
+  await page.getByText("in daq, that of").waitFor({ state: "detached" });
+  assert.equal(await start.isDisabled(), false, "mV are converted");
+  assert.deepEqual(faults, []);
+  await close();
+});

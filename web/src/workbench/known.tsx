@@ -1,7 +1,6 @@
 // The right of the workbench: the next step, and what is known of the actuator.
 
 import { useEffect, useId, useMemo, useState } from "preact/hooks";
-import { whole } from "../alike.ts";
 import { Form } from "../form.tsx";
 import { optionsOf } from "../lists.ts";
 import { Outdated } from "../models.tsx";
@@ -11,13 +10,13 @@ import { prose, rough, short } from "../plot/ticks.ts";
 import { remaining, spokenTime } from "../remaining.ts";
 import { type ModelEntry, nameOf, type Options, proofOf, type RecordEntry, withSettings } from "../project.ts";
 import { Chart, Fault, Notes, type Outcome, Table, useModel, useOutcome, useShared, Verdict } from "../ui.tsx";
-import { worded } from "../words.ts";
 import type { Job } from "../work.ts";
 import type { Workspace } from "../workspace.ts";
 import { convergence } from "./figures.ts";
 import { Ranking } from "./ranking.tsx";
 import { drawnModel, task, validated } from "./runs.ts";
 import { identifiedFrom, identify, requestOf, type Search, type Trial } from "./search.ts";
+import { useUndecided } from "./undecided.ts";
 
 interface Props {
   /** The model that is used. */
@@ -83,20 +82,6 @@ function Running({ search }: { search: Search }) {
   );
 }
 
-/** The records that cannot be identified from as they are read, and why. */
-function useUndecided(entries: RecordEntry[]): string[] {
-  const { workspace, lists } = useShared();
-  const state = async (entry: RecordEntry) => {
-    const { result } = await workspace.inspected(whole(entry));
-    if (result.record) return [];
-    const has = (role: string) => result.channels.some((channel: { role: string | null }) => channel.role === role);
-    const isDecided = has("input") && has("output");
-    return [isDecided ? `${entry.file}: ${worded(result.problems[0] ?? "it is no record", lists)}` : `the roles of ${entry.file} are not decided`];
-  };
-  const key = JSON.stringify(entries.map(whole));
-  return useOutcome(key, async () => (await Promise.all(entries.map((entry) => state(entry).catch(() => [`${entry.file} cannot be read`])))).flat()).value ?? [];
-}
-
 /** What is identified, how, and its start. */
 function Identify({ hasModel }: { hasModel: boolean }) {
   const { workspace, lists } = useShared();
@@ -114,7 +99,7 @@ function Identify({ hasModel }: { hasModel: boolean }) {
       <div class="row">
         <button type="button" class={hasModel ? "" : "main"} disabled={all.length === 0 || undecided.length > 0} aria-describedby={why}
           onClick={() => void identify(workspace)}>Identify</button>
-        <span id={why} class="bad">{undecided.length > 0 && `${undecided.join("; ")}: choose its channels at the left, or the use \u201cnot used\u201d`}</span>
+        <span id={why} class="bad">{undecided.join("; ")}</span>
       </div>
       {workspace.search?.of === requestOf(workspace) && <Fault text={workspace.search.error} />}
       <details>

@@ -13,6 +13,7 @@ import { RigLine } from "../rig.tsx";
 import { Notes, useOutcome, useShared } from "../ui.tsx";
 import { useProposals } from "../uses.ts";
 import { READING } from "../work.ts";
+import { useUnknownUnits } from "./undecided.ts";
 
 const USES: [Use, string][] = [
   ["training", "identify: large signal"],
@@ -158,6 +159,7 @@ export function Details({ entry, inspection, prepared }: { entry: RecordEntry; i
   const [choosing, choose] = useState(false);
   const result = inspection?.result;
   const record = result?.record;
+  const unknown = useUnknownUnits(record?.units);
   const rows = lists.columns.filter((row) => !Object.values(ROLES).includes(row.name as "time_col"));
   return (
     <>
@@ -168,6 +170,7 @@ export function Details({ entry, inspection, prepared }: { entry: RecordEntry; i
           {si(record.ts, "s")}; input in {unit(record.units.u)}, output in {unit(record.units.y)}
         </p>
       )}
+      {unknown.map((text) => <p key={text} class="stale" role="status">{text}</p>)}
       {result && <Notes title="Problems" notes={result.problems} />}
       <RigLine entry={entry} />
       {result?.channels && (
