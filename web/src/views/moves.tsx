@@ -200,8 +200,14 @@ function Result({ answer }: { answer: Answer }) {
       {result.controller && (result.controller.unfinished
         ? <Fault text={result.controller.unfinished} />
         : <p role="status">{worded(result.controller.state ?? "", lists)}</p>)}
-      <Table caption="Runs" head={["Run", "Within [%]", "Settled", "Slowest [ms]", "Overshoot [%]", "Lag [ms]", `rms [${unit}]`]}
+      <Table caption="Runs" head={["Run", "Within [%]", "Settled", "Slowest [ms]", "Overshoot [%]", "Lag [ms]", `rms with mean [${unit}]`]}
         rows={runs.map((run) => [run.name, short(run.within_percent), ...ofSteps(run), run.scan ? short(1e3 * run.scan.lag_s) : "\u2013", run.scan ? short(run.scan.rms) : "\u2013"])} />
+      {runs.some(({ scan }) => scan) && (
+        <p class="help">
+          rms with mean: the error against the path as it is, with its lag and its mean, over whole periods after the first 0.25 s. At the right,
+          errors are those of the shaded part of the path, without their mean.
+        </p>
+      )}
       {steps.length > 0 && <p class="help">Settling [ms] and overshoot [% of the step] of each run; a dash: it does not settle before the next step.</p>}
       {steps.length > 0 && (
         <Table caption="Steps" marked={at}
