@@ -1,5 +1,5 @@
 // The focus of the keyboard stays near what was pressed. A button that removes itself, or its section, would otherwise
-// leave it at the beginning of the page.
+// leave it at the beginning of the page; and so would one that is disabled while its work is done.
 
 const CONTROLS = "a[href], button:not(:disabled), input:not(:disabled):not([hidden]), select:not(:disabled), summary, [tabindex='0']";
 
@@ -42,15 +42,19 @@ export function keepFocus(page: HTMLElement): void {
   page.addEventListener("focusin", (event) => void (last = event.target as HTMLElement));
   // A click beside all controls takes the focus away: that is meant.
   page.addEventListener("focusout", (event) => setTimeout(() => {
-    if (last === event.target && last?.isConnected && document.activeElement !== last) last = undefined;
+    if (last === event.target && last?.isConnected && !last.matches(":disabled") && document.activeElement !== last) last = undefined;
   }));
   new MutationObserver((records) => {
-    if (!last || last.isConnected || (document.activeElement ?? document.body) !== document.body) return;
+    if (!last || (document.activeElement ?? document.body) !== document.body) return;
     const lost = last;
+    if (lost.isConnected) {
+      if (!lost.matches(":disabled") && records.some(({ type, target }) => type === "attributes" && target === lost)) lost.focus({ preventScroll: true });
+      return;
+    }
     const record = [...records].reverse().find(({ target, removedNodes }) => target.isConnected && [...removedNodes].some((node) => node.contains(lost)));
     const found = record && next(record, lost);
     if (!found) return;
     if (!found.matches(CONTROLS) && !found.hasAttribute("tabindex")) found.tabIndex = -1;
     found.focus({ preventScroll: true });
-  }).observe(page, { childList: true, subtree: true });
+  }).observe(page, { childList: true, subtree: true, attributeFilter: ["disabled"] });
 }

@@ -202,6 +202,9 @@ function Channels({ entry, channels, chosen }: { entry: RecordEntry; channels: C
   const { workspace } = useShared();
   const lacking = (["input", "output"] as const).filter((role) => !channels.some((channel) => channel.role === role));
   const left = channels.filter(({ role, flaw }) => !role && !flaw);
+  // What is chosen stands at once, while the file is read so: arrow keys go on from there.
+  const roleOf = ({ name, role }: Channel, k: number) =>
+    Object.entries(ROLES).find(([, option]) => [name, String(k + 1)].includes(String(entry.columns[option] ?? "")))?.[0] ?? role ?? "";
   const choose = (channel: Channel, k: number, role: string) => {
     chosen();
     const columns = { ...entry.columns };
@@ -224,7 +227,7 @@ function Channels({ entry, channels, chosen }: { entry: RecordEntry; channels: C
         {channels.map((channel, k) => (
           <li key={k}>
             <b>{channel.name || `column ${k + 1}`}</b>
-            <select aria-label={`Role of ${channel.name}`} value={channel.role ?? ""} onChange={(event) => choose(channel, k, event.currentTarget.value)}>
+            <select aria-label={`Role of ${channel.name}`} value={roleOf(channel, k)} onChange={(event) => choose(channel, k, event.currentTarget.value)}>
               <option value="">not used</option>
               {Object.keys(ROLES).map((role) => <option key={role} value={role}>{role}</option>)}
             </select>
