@@ -47,15 +47,16 @@ export function ExampleButton({ workspace, title }: { workspace: Workspace; titl
     setBusy(false);
   };
   const hasWork = records.length > 0 || models.length > 0;
-  const count = (number: number, what: string) => `${number} ${what}${number === 1 ? "" : "s"}`;
+  const count = (number: number, what: string) => (number === 0 ? [] : [`${number} ${what}${number === 1 ? "" : "s"}`]);
+  const work = [...count(records.length, "record"), ...count(models.length, "model")].join(" and ");
   return (
     <>
       <button type="button" disabled={busy} onClick={() => (hasWork ? dialog.current?.showModal() : void open(false))}>{title}</button>
       <dialog ref={dialog} aria-label="The example is a project of its own">
         <h2>The example is a project of its own</h2>
         <p>
-          It takes the place of this project, which has {count(records.length, "record")} and {count(models.length, "model")}. This one is saved as
-          piezoid-project.zip first: Open takes it back, and so does Undo as long as this page stays open.
+          It takes the place of this project, which has {work}. This one is saved as piezoid-project.zip first: Open takes it back, and so does Undo as
+          long as this page stays open.
         </p>
         {isSearching && <p class="missing">A search is under way: cancel it first, or wait for its end.</p>}
         <div class="row">

@@ -18,8 +18,8 @@ export function PickList({ members, picked, pick, open }: { members: Pickable[];
         {members.map(({ name, summary, picture }) => (
           <li key={name}>
             <button type="button" class="card choice" aria-pressed={picked.includes(name)} onClick={() => pick(name)}>
-              {picture}
               <b>{name}</b>
+              {picture}
               <span>{prose(summary)}</span>
             </button>
           </li>

@@ -12,9 +12,8 @@ const SIGNAL = "signal";
 /** Stands for the path of the view Compensate. */
 const COMPENSATED = "drawn";
 
-/** True if a path was set in Compensate. */
-const hasPath = ({ settings: { compensate = {} } }: Project): boolean =>
-  ["path", "points", "duration", "signal"].some((name) => name in compensate);
+/** True if Compensate was used. */
+const isCompensated = ({ settings }: Project): boolean => settings["compensate"] !== undefined;
 
 /** The choice of a view, and the file that it stands for; of no choice none. */
 export interface Reference {
@@ -30,13 +29,13 @@ export interface Reference {
 }
 
 /** The reference that a view has chosen. `start` is the signal at first; with `compensated`, the path of Compensate is
- * chosen at first, if one is set. */
+ * chosen at first, if that view was used. */
 export function useReference(view: string, start: Options, compensated = false): Reference {
   const { workspace, lists } = useShared();
   const [{ from, signal }, set] = useSettings(`${view}-reference`);
   const values: Options = { ...((signal as Options | undefined) ?? start), unit: start["unit"] };
   const { settings } = workspace.project;
-  const chosen = String(from ?? (compensated && hasPath(workspace.project) ? COMPENSATED : ""));
+  const chosen = String(from ?? (compensated && isCompensated(workspace.project) ? COMPENSATED : ""));
   const outcome = useSignal(chosen === SIGNAL ? values : undefined);
   const files = async (): Promise<PathFile[]> => {
     if (chosen === "") return [];

@@ -111,7 +111,7 @@ export function PlantChoice({ entry }: { entry: ModelEntry }) {
         <label>
           Plant{" "}
           <select value={twin} onChange={(event) => choose(event.currentTarget.value)}>
-            <option value="">stand-in from the records of {entry.file}</option>
+            <option value="">stand-in from its records</option>
             <optgroup label="Another actuator: catalogue twins">
               {lists.plants.map(({ name }) => <option key={name} value={name}>{name}</option>)}
             </optgroup>

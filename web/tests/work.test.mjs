@@ -199,6 +199,9 @@ test("a path that is refused keeps the last picture, and says why beside the pat
   await fill(page, "high", "");
   await path.getByRole("alert").waitFor({ state: "detached" });
   await page.getByRole("button", { name: "Download voltage.csv", disabled: false }).waitFor();
+  await page.getByRole("button", { name: "Moves in time" }).click();
+  await page.getByRole("button", { name: "Time the moves" }).waitFor();
+  assert.equal(await page.getByText("On a controller").count(), 0, "no browser reaches a controller");
   assert.deepEqual(faults, []);
   await close();
 });

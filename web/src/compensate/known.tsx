@@ -84,7 +84,7 @@ function Proven({ answer }: { answer: Answer }) {
       <Numbers rows={[
         [`${rough(compensated.rmse)} ${of}`, "rms", `${source} ${on}${isSpread ? `; ${low} to ${high} ${of} in 8 of 10 random stand-ins, its spread and no confidence interval` : ""}`],
       ]} />
-      <p class="help">Errors in the shaded part of the path, without their mean:</p>
+      <p class="help">Errors {compensated.n < answer.series.get("shaped")!.length ? "in the shaded part of the path" : "over the whole path"}, without their mean:</p>
       <Table caption="Errors on the plant" head={["Voltage", `rms [${of}]`, `Largest [${of}]`, "% of height"]}
         rows={[row("best constant gain", gain), row("compensated", compensated)]} />
       {line && <p class="help">{constantGain(line, unit(units.u), of)}</p>}
@@ -92,8 +92,8 @@ function Proven({ answer }: { answer: Answer }) {
       <details>
         <summary>How errors count</summary>
         <p class="help">
-          An error is the path less the displacement, against the path after smoothing and shaping. Before the shaded part, the past of the actuator
-          shows; the mean depends on the zero of the sensor and on the past. The error that is promised without a plant comes from the records instead.
+          An error is the path less the displacement, against the path after smoothing and shaping. On a path that repeats, the past of the actuator
+          shows before the shaded part; the mean depends on the zero of the sensor and on the past. The error that is promised without a plant comes from the records instead.
           Moves in time count whole periods, with the mean and the lag.
         </p>
       </details>

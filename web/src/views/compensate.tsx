@@ -53,10 +53,13 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
     entry, plant, path: path.value?.file, expected: path.value?.expected ?? "", samples: answer?.series.get("requested")?.length ?? 0,
     options: requested,
   });
-  // A path that is refused leaves the picture of the last one.
-  const last = useRef<Answer>(undefined);
-  if (error === undefined) last.current = played.value && !played.stale ? played.value : answer;
-  const shown = last.current;
+  // The picture stays until the next one is there: that of the last path if this one is refused.
+  const last = useRef<{ of?: Answer | undefined; shown?: Answer | undefined }>({});
+  if (error === undefined) {
+    if (played.value && !played.stale) last.current = { of: answer, shown: played.value };
+    else if (answer !== last.current.of || !plant) last.current = { of: answer, shown: answer };
+  }
+  const { shown } = last.current;
   const picture = settings.picture ?? PICTURES[0]!;
   // What is shown is no change that Undo takes back.
   const choose = (picture: string) => workspace.amend((project) => withSettings(project, "compensate", { ...project.settings["compensate"], picture }));

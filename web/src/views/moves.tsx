@@ -77,7 +77,8 @@ export function Moves({ file, model, plant, path, expected, shared, values, chan
   };
   const request = [file, isStep || expected, optionsFor("timing"), plant?.key];
   const work = useKept<Answer>("timing", request);
-  const served = lists.operations.some(({ name }) => name === "moves");
+  // Only `piezoid serve`, which has a folder, reaches a controller.
+  const served = !workspace.store.own;
   const measured = useKept<Answer>("moves", [...request, served && optionsFor("moves")]);
   const own = ["tolerance", ...(isStep ? ["step"] : [])];
   const rows = optionsOf(lists, "timing").filter(({ name }) => own.includes(name));
@@ -205,7 +206,7 @@ function Result({ answer }: { answer: Answer }) {
       {runs.some(({ scan }) => scan) && (
         <p class="help">
           rms with mean: the error against the path as it is, with its lag and its mean, over whole periods after the first 0.25 s. At the right,
-          errors are those of the shaded part of the path, without their mean.
+          errors are without their mean, and of the shaded part of the path.
         </p>
       )}
       {steps.length > 0 && <p class="help">Settling [ms] and overshoot [% of the step] of each run; a dash: it does not settle before the next step.</p>}

@@ -83,6 +83,14 @@ function Pictured({ entry, record, models, options }: { entry: RecordEntry; reco
     return workspace.search?.isRunning ? runs.value.runs : runs.value.runs.filter(({ key }) => models.some((model) => model.key === key));
   }, [runs.value, key, workspace.search?.isRunning]);
   if (!record.value) return record.busy ? <p class="missing">Reading {entry.file}.</p> : null;
-  if (!isRead) return <p class="missing">Choose under Channels which one is the input, and which is the output.</p>;
+  if (!isRead) {
+    const choose = () => document.querySelector<HTMLElement>(".channels select")?.focus();
+    return (
+      <p class="missing">
+        The pictures need to know which channel is the input, and which is the output.{" "}
+        {record.value.whole.result.channels && <button type="button" class="link" onClick={choose}>Choose the channels</button>}
+      </p>
+    );
+  }
   return <PicturePane entry={entry} shown={record.value} runs={drawn} busy={runs.busy} error={runs.error} />;
 }

@@ -58,12 +58,11 @@ export function useUndecided(entries: RecordEntry[]): string[] {
         : has("input") && has("output") ? `${entry.file}: ${worded(result.problems[0] ?? "it is no record", lists)}` : `the roles of ${entry.file} are not decided`;
       undecided.push(problem);
     }
-    const [first, ...others] = read;
-    for (const { file, units } of others) {
-      for (const [signal, role] of Object.entries(ROLES) as [keyof Units, string][]) {
-        const [own, its] = [units[signal], first!.units[signal]];
-        if (own === its || ((await isKnown(workspace, own)) && (await isKnown(workspace, its)))) continue;
-        mixed.push(`the ${role} of ${file} is in ${own}, that of ${first!.file} in ${its}: state the right unit or a factor at the left`);
+    for (const [signal, role] of Object.entries(ROLES) as [keyof Units, string][]) {
+      for (const { file, units } of read) {
+        const other = read.find((one) => one.units[signal] !== units[signal]);
+        if (!other || (await isKnown(workspace, units[signal]))) continue;
+        mixed.push(`the ${role} of ${file} is in ${units[signal]}, that of ${other.file} in ${other.units[signal]}: state the right unit or a factor at the left`);
       }
     }
     const remedy = ": choose its channels at the left, or the use \u201cnot used\u201d";
