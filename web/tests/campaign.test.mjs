@@ -6,6 +6,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
 import { overheard, skip as noPiezoid, started } from "./piezoid.mjs";
+import { fill } from "./steps.mjs";
 import { SHOTS, viewed } from "./viewed.mjs";
 
 const skip = noBrowser || noPiezoid;
@@ -37,12 +38,7 @@ async function campaign(options, context = {}) {
   const { page } = view;
   await page.getByRole("link", { name: "Campaign", exact: true }).click();
   for (const [name, value] of Object.entries({ port: line.address().port, bandwidth: 100, period: 5e-5, ...options })) {
-    const field = page.locator(`[name="${name}"]`);
-    await field.waitFor({ state: "attached" });
-    const group = page.locator("details:not([open])", { has: field }).locator("> summary");
-    if (await group.count()) await group.click();
-    await field.fill(String(value));
-    await field.blur();
+    await fill(page, name, String(value));
   }
   return view;
 }

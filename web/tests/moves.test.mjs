@@ -40,7 +40,7 @@ test("moves are timed on the model, on a twin, and on a controller once its user
   await page.getByRole("button", { name: "Cancel", exact: true }).click();
   await page.getByRole("combobox", { name: /^Plant/ }).selectOption("pl140");
   const limits = page.getByRole("region", { name: "Limits and shaping" });
-  await fill(limits, "driver", "pl140");
+  await limits.locator("select[name=driver]").selectOption("pl140");
   await fill(limits, "smooth", "12ms");
 
   await page.getByRole("button", { name: "Moves in time" }).click();

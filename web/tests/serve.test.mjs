@@ -119,7 +119,7 @@ test("drives of a plan are measured on a controller", { skip, timeout: 180_000 }
   await section.getByLabel("Port").fill(port);
   await section.getByRole("button", { name: "Query the controller" }).click();
   await section.getByText(/simulated controller/).waitFor();
-  await section.getByText("\u221230 to 30 V").waitFor();
+  await section.getByRole("cell", { name: "\u221230 to 30 V", exact: true }).waitFor();
 
   await section.getByRole("button", { name: "Measure all drives" }).click();
   await page.getByRole("button", { name: /Cancel/ }).first().waitFor();
