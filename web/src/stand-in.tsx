@@ -95,7 +95,7 @@ export function PlantChoice({ entry }: { entry: ModelEntry }) {
   const { records } = workspace.project;
   const sources = useOutcome(twin || entry.standIn ? undefined : JSON.stringify([entry.file, records.map(({ file }) => file)]), () =>
     sourcesOf(workspace, entry));
-  const work = useKept<void>(workOf(entry), entry.file);
+  const work = useKept<void>(workOf(entry), [entry.file, workspace.project.records]);
   const from = sources.value?.lacking.length === 0 ? sources.value.here : [];
   const start = () => work.start(() => make(workspace, entry));
   const isNeeded = !twin && !entry.standIn && from.length > 0 && !work.busy;
@@ -157,7 +157,7 @@ function Lack({ file, here, lacking }: Sources & { file: string }) {
 /** What the stand-in is, if it is the plant: its sentence, and what it shows. */
 export function AboutPlant({ entry }: { entry: ModelEntry }) {
   const { workspace } = useShared();
-  const work = useKept<void>(workOf(entry), entry.file);
+  const work = useKept<void>(workOf(entry), [entry.file, workspace.project.records]);
   if (!entry.standIn || twinOf(workspace)) return null;
   return (
     <>

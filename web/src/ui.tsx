@@ -200,8 +200,8 @@ const KEPT = 12;
 const kept = new Map<string, Outcome<unknown> & { request?: string }>();
 
 /** Work that a button starts, whose outcome stays. It is `stale` once `request`, what is asked for, has changed; an error
- * is not shown any more then. */
-export function useKept<T>(name: string, request: unknown): Outcome<T> & { stale: boolean; start(work: () => Promise<T>): void } {
+ * is not shown any more then, unless it `lasts`: that of work that moved an instrument says where this was left. */
+export function useKept<T>(name: string, request: unknown, lasts = false): Outcome<T> & { stale: boolean; start(work: () => Promise<T>): void } {
   const { workspace } = useShared();
   const requested = JSON.stringify(request);
   const set = (outcome: Outcome<T>) => {
@@ -225,7 +225,7 @@ export function useKept<T>(name: string, request: unknown): Outcome<T> & { stale
   };
   const { error, ...now } = (kept.get(name) ?? { busy: false }) as Outcome<T> & { request?: string };
   const isOf = now.request === requested;
-  return { ...now, ...(error !== undefined && isOf && { error }), stale: now.value !== undefined && !isOf, start };
+  return { ...now, ...(error !== undefined && (isOf || lasts) && { error }), stale: now.value !== undefined && !isOf, start };
 }
 
 /** Says that a form has changed since its results were made. */

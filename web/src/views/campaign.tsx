@@ -35,7 +35,7 @@ export function CampaignView() {
   const controller = useController("campaign controller", values);
   const request = { options, reference: values["reference"], continues };
   const agenda = useKept<Answer>("agenda", request);
-  const result = useKept<Answer>("campaign", request);
+  const result = useKept<Answer>("campaign", request, true);
   const [isPlanned, setPlanned] = useState(false);
   const lacks = rows.filter((row) => row.required && !(row.name in values)).map((row) => spoken(row.name));
   const busy = controller.busy || agenda.busy || result.busy;

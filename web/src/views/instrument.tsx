@@ -17,7 +17,7 @@ export function Instrument({ drives, files, chosen }: Props) {
   const { workspace, lists } = useShared();
   const [values, change] = useSettings("instrument");
   const controller = useController("controller", values);
-  const result = useKept<number>("instrument", values);
+  const result = useKept<number>("instrument", values, true);
   // What was said of drives that were measured, also if a later one failed.
   const [notes, setNotes] = useState<string[]>([]);
   // Where the axis was left.

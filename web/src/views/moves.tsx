@@ -79,7 +79,7 @@ export function Moves({ file, model, plant, path, expected, shared, values, chan
   const work = useKept<Answer>("timing", request);
   // Only `piezoid serve`, which has a folder, reaches a controller.
   const served = !workspace.store.own;
-  const measured = useKept<Answer>("moves", [...request, served && optionsFor("moves")]);
+  const measured = useKept<Answer>("moves", [...request, served && optionsFor("moves")], true);
   const own = ["tolerance", ...(isStep ? ["step"] : [])];
   const rows = optionsOf(lists, "timing").filter(({ name }) => own.includes(name));
   const shown = measured.value && !measured.stale ? measured : work;
