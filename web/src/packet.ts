@@ -36,8 +36,15 @@ export interface Answer {
   files: File[];
 }
 
-/** An error of the library, in words for the user. */
-export class Refused extends Error {}
+/** An error of the library, in words for the user, and the options that resolve it. */
+export class Refused extends Error {
+  readonly advice: Record<string, unknown>;
+
+  constructor(message: string, advice: Record<string, unknown> = {}) {
+    super(message);
+    this.advice = advice;
+  }
+}
 
 /** The user ended the work. */
 export class Cancelled extends Error {}
@@ -70,7 +77,7 @@ export function unpacked(bytes: Uint8Array): Answer {
   const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));
   if (head.cancelled) throw new Cancelled(head.error);
-  if (head.error !== undefined) throw new Refused(head.error);
+  if (head.error !== undefined) throw new Refused(head.error, head.advice);
   let at = bytes.byteOffset + 4 + length;
   const series = new Map<string, Float64Array>();
   for (const [name, count] of head.series as [string, number][]) {

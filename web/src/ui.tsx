@@ -4,7 +4,7 @@ import { createContext, type ComponentChildren, isValidElement } from "preact";
 import { useContext, useEffect, useId, useRef, useState } from "preact/hooks";
 import { zipped } from "./archive.ts";
 import type { Lists } from "./lists.ts";
-import { Cancelled, type File } from "./packet.ts";
+import { Cancelled, type File, Refused } from "./packet.ts";
 import { download } from "./plot/download.ts";
 import { prose, short } from "./plot/ticks.ts";
 import { type Options, withSettings } from "./project.ts";
@@ -32,6 +32,8 @@ export function useShared(): Shared {
 export interface Outcome<T> {
   value?: T;
   error?: string;
+  /** The options that resolve the error. */
+  advice?: Record<string, unknown>;
   busy: boolean;
 }
 
@@ -64,7 +66,7 @@ export function useLatest<T>(key: string | undefined, work: () => Promise<T>): O
       while (now.next && now.alive) {
         const task = now.next;
         now.next = undefined;
-        const result = await task().then((value) => ({ value }), (error) => ({ error: message(error) }));
+        const result = await task().then((value) => ({ value }), failure);
         if (now.alive) setOutcome((before) => ({ ...(before.value !== undefined && { value: before.value }), ...result, busy: now.next !== undefined }));
       }
       now.busy = false;
@@ -79,6 +81,8 @@ export function useLatest<T>(key: string | undefined, work: () => Promise<T>): O
   }, [key]);
   return outcome;
 }
+
+const failure = (error: unknown) => ({ error: message(error), ...(error instanceof Refused && { advice: error.advice }) });
 
 export const message = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 

@@ -217,6 +217,15 @@ impl Error {
         Error::Advised { error: Box::new(self), options, all: true }
     }
 
+    /// The options that resolve it, with their values.
+    pub fn advice(&self) -> &[(&'static str, Value)] {
+        match self {
+            Error::Advised { options, .. } => options,
+            Error::File { error, .. } => error.advice(),
+            _ => &[],
+        }
+    }
+
     /// The same error, about the file of this name.
     pub fn of(self, name: &str) -> Self {
         Error::File { name: name.into(), error: Box::new(self) }

@@ -14,7 +14,7 @@ use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid_numerics::words::Words;
 use piezoid_verbs::File;
-use serde_json::{Value, json};
+use serde_json::{Map, Value, json};
 
 /// Alignment of each part [bytes]: a browser reads doubles only at multiples of it.
 const ALIGN: usize = 8;
@@ -40,7 +40,10 @@ pub fn answered(request: &[u8], progress: &mut Progress) -> Vec<u8> {
             packed
         }
         Err(Error::Cancelled { .. }) => head(&json!({"error": "cancelled", "cancelled": true})),
-        Err(error) => refused(&error.message(&Marks)),
+        Err(error) => {
+            let advice: Map<String, Value> = error.advice().iter().map(|(k, v)| (k.to_string(), v.clone())).collect();
+            head(&json!({"error": error.message(&Marks), "advice": advice}))
+        }
     }
 }
 

@@ -20,15 +20,18 @@ interface Props {
   current: boolean;
   /** Why there is none. */
   error: string | undefined;
+  /** The smoothing that resolves it [s]. */
+  advised: unknown;
   played: Played;
   smooth(seconds: number): void;
 }
 
-export function KnownOfPath({ entry, model, plant, answer, current, error, played, smooth }: Props) {
+export function KnownOfPath({ entry, model, plant, answer, current, error, advised, played, smooth }: Props) {
   return (
     <>
       <Section title="Before and after">
         {error && <p class="missing">There is no voltage for this path: the reason stands beside it.</p>}
+        {error && typeof advised === "number" && <Smoothing seconds={advised} smooth={smooth} />}
         {!error && <Fault text={played.error} />}
         {!error && answer && (played.value && !played.stale
           ? <Proven answer={played.value} />

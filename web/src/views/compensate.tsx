@@ -78,7 +78,7 @@ function Compensation({ entry, model, stroke }: { entry: ModelEntry; model: any;
         )}
       </div>
       <div class="pane" role="region" aria-label="What is known">
-        <KnownOfPath entry={entry} model={model} plant={plant} answer={answer} current={current} error={error} played={played}
+        <KnownOfPath entry={entry} model={model} plant={plant} answer={answer} current={current} error={error} advised={path.error ? undefined : result.advice?.["smooth"]} played={played}
           smooth={(seconds) => change({ options: { ...options, smooth: seconds } })} />
       </div>
     </div>
