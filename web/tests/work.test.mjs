@@ -206,6 +206,20 @@ test("a path that is refused keeps the last picture, and says why beside the pat
   await close();
 });
 
+test("a path that only smoothing makes possible has a button that smooths it", { skip }, async () => {
+  const { page, faults, close } = await at("Compensate");
+  await page.getByRole("combobox", { name: /^Path/ }).selectOption("triangle");
+  // Its corners ask for up to 426 V/s.
+  await fill(page, "slew", "400");
+  const fault = page.getByRole("region", { name: "Path", exact: true }).getByRole("alert");
+  await fault.getByText("exceeds its limits: slew 4").waitFor();
+  await page.getByRole("button", { name: /^Smooth the path over [\d.]+ ms$/ }).click();
+  await fault.waitFor({ state: "detached" });
+  await page.getByRole("button", { name: "Download voltage.csv", disabled: false }).waitFor();
+  assert.deepEqual(faults, []);
+  await close();
+});
+
 test("a waveform is exported along the path of Compensate, which is chosen if one is set", { skip }, async () => {
   const { page, faults, button, field, close } = await at("Compensate");
   await page.getByRole("combobox", { name: /^Path/ }).selectOption("sine");
