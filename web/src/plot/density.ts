@@ -9,7 +9,10 @@ type Parts = [number, number][];
 /** Points of a line that are nearer to each other are drawn as one [pixels]. */
 export const APART = 0.4;
 
-/** About how many points a line through these samples has in view, from some thousand of them. */
+/** A line of this length takes as long as one point more [pixels]. */
+const LONG = 8;
+
+/** About how many points a line through these samples has in view, from some thousand of them; long ones count more. */
 export function crowd(figure: Figure, frame: Frame, series: Series, parts: Parts): number {
   const { area } = frame;
   const every = Math.max(1, Math.floor(parts.reduce((n, [from, to]) => n + to - from, 0) / 4000));
@@ -21,7 +24,8 @@ export function crowd(figure: Figure, frame: Frame, series: Series, parts: Parts
       if (!(x >= area.x && y >= area.y && x <= area.x + area.width && y <= area.y + area.height)) continue;
       const across = pixelX(figure, frame, place(series, k + 1)) - x;
       const up = pixelY(frame, series.y[k + 1]!) - y;
-      found += every * Math.min(1, Math.max(Math.abs(across), Math.abs(up)) / APART);
+      const length = Math.min(Math.max(Math.abs(across), Math.abs(up)), area.width + area.height);
+      found += every * (Math.min(1, length / APART) + length / LONG);
     }
   }
   return found;
