@@ -166,7 +166,7 @@ export const taken = (files: File[], workspace: Workspace, asProject = false): P
     const whys: string[] = [];
     for (const [k, file] of files.entries()) {
       try {
-        const bytes = await content(file, (done) => workspace.told(jobs[k]!, done, file.size));
+        const bytes = await content(file, (done) => workspace.advanced(jobs[k]!, done, file.size));
         if (asProject || file.name.endsWith(".zip") && String.fromCharCode(...bytes.subarray(0, 2)) === "PK") await unpack(workspace, bytes);
         else if (file.name.endsWith(".json")) await takeModel(file.name, bytes, workspace);
         else records.push({ file: { name: file.name, bytes }, use: "training" });
@@ -179,15 +179,15 @@ export const taken = (files: File[], workspace: Workspace, asProject = false): P
     if (whys.length > 0) workspace.failed([...whys, workspace.fault].filter(Boolean).join("; "));
   });
 
-/** The content of a file, which tells how much of it is read. */
-async function content(file: File, told: (done: number) => void): Promise<Uint8Array> {
+/** The content of a file; `advanced` gets how much of it is read. */
+async function content(file: File, advanced: (done: number) => void): Promise<Uint8Array> {
   const bytes = new Uint8Array(file.size);
   const reader = file.stream().getReader();
   let at = 0;
   for (let { done, value } = await reader.read(); !done; { done, value } = await reader.read()) {
     bytes.set(value!, at);
     at += value!.length;
-    told(at);
+    advanced(at);
   }
   return bytes;
 }

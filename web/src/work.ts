@@ -44,7 +44,7 @@ const KEPT = 24;
 export class Work {
   jobs: Job[] = [];
   #answers = new Map<string, Promise<Answer>>();
-  #told = -Infinity;
+  #changed = -Infinity;
   #listeners = new Set<() => void>();
 
   constructor(readonly library: Library) {}
@@ -73,10 +73,10 @@ export class Work {
   }
 
   /** Says how much of a file is read. */
-  told(job: Job, done: number, total: number): void {
+  advanced(job: Job, done: number, total: number): void {
     Object.assign(job, { done, total });
-    if (done < total && performance.now() - this.#told < OFTEN) return;
-    this.#told = performance.now();
+    if (done < total && performance.now() - this.#changed < OFTEN) return;
+    this.#changed = performance.now();
     this.changed();
   }
 

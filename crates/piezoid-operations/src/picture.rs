@@ -21,8 +21,8 @@ const LESS: f64 = 0.7;
 const SIZE: (f64, f64) = (192.0, 128.0);
 const MARGIN: f64 = 4.0;
 
-/// The path data of an SVG of 192 by 128: the loop of the typical operator, major, then minor. Whole steps from point to
-/// point are short: a browser loads the pictures of all operators.
+/// The path data of an SVG of 192 by 128: the loop of the typical operator, major, then minor. Whole steps from point
+/// to point are short: a browser loads the pictures of all operators.
 pub(crate) fn of(operator: &Operator) -> String {
     let (u, y) = path(operator);
     let slope = LESS * range(&y) / range(&u);

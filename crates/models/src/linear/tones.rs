@@ -2,8 +2,8 @@
 //!
 //! A free run has a free initial state in each record. A mode without damping would explain a tone by it, whatever the
 //! input is, and stand in the model as a resonance that the actuator does not have. A tone is therefore removed from
-//! the records, by least squares on the error of the best block whose modes are damped, and the order is selected again.
-//! A mode that is still there is driven, and stays.
+//! the records, by least squares on the error of the best block whose modes are damped, and the order is selected
+//! again. A mode that is still there is driven, and stays.
 
 use super::free_run::FreeRun;
 use super::select::{Candidate, OrderSearch, OrderSelection, select};
