@@ -312,11 +312,31 @@ mod tests {
     fn all_records_together_have_the_noise_of_all_unless_that_of_one_is_unknown() {
         let m = Metrics { n: 100, mse: 4.0, rmse: 2.0, ..Metrics::of(&[0.0, 20.0], &[0.0, 20.0]) };
         let (one, other) = (Floor::new("periods", 1.0, 3f64.sqrt(), &m), Floor::new("spectrum", 1.5, 0.5, &m));
-        let total = Metrics { n: 200, ..m };
-        let both = Floor::total(&[(m, Some(one)), (m, Some(other))], &total).unwrap();
+        let (longer, total) = (Metrics { n: 300, ..m }, Metrics { n: 400, ..m });
+        let both = Floor::total(&[(m, Some(one)), (longer, Some(other))], &total).unwrap();
         assert_eq!(both.source, "both");
-        assert_close(&[both.rms, both.reducible_nrmse_percent], &[1.625f64.sqrt(), 10.0 * 1.625f64.sqrt()], 1e-9, 0.0);
+        // A record counts by its samples: (1 + 3 x 2.25) / 4, and (3 + 3 x 0.25) / 4.
+        let expected = [1.9375f64.sqrt(), 10.0 * 0.9375f64.sqrt()];
+        assert_close(&[both.rms, both.reducible_nrmse_percent], &expected, 1e-9, 0.0);
         assert_eq!(Floor::total(&[(m, Some(one)), (m, None)], &total), None);
+    }
+
+    #[test]
+    fn sections_count_by_their_samples() {
+        let (source, period, periods) = ("periods", Some(9), Some(3));
+        let one = SectionNoise { source, period, periods, hum_hz: None, n: 100, rms: 1.0, step: 0.0 };
+        let both = one.and(SectionNoise { n: 300, rms: 2.0, hum_hz: Some(50.0), ..one });
+        assert_close(&[both.rms], &[3.25f64.sqrt()], 1e-12, 0.0);
+        assert_eq!((both.n, both.period, both.periods, both.hum_hz), (400, Some(9), Some(6), Some(50.0)));
+    }
+
+    #[test]
+    fn the_noise_of_few_periods_is_not_too_small_by_what_their_mean_takes() {
+        let u: Vec<f64> = (0..8000).map(|t| (0.001 * std::f64::consts::PI * f64::from(t)).sin()).collect();
+        let y: Vec<f64> = u.iter().zip(piezoid_testing::noise(3, 8000)).map(|(u, e)| u + 0.1 * e).collect();
+        let repeated = Repeated::of(&u, &y, 2000).unwrap();
+        assert_eq!((repeated.periods, repeated.y.len()), (3, 2000));
+        assert_close(&[repeated.noise], &[0.1], 0.05, 0.0);
     }
 
     #[test]

@@ -121,4 +121,13 @@ mod tests {
         assert_close(&[total.nrmse_percent, total.rms_pp_percent], &[one.nrmse_percent, one.rms_pp_percent], 1e-9, 0.0);
         assert_eq!(total.n, 200);
     }
+
+    #[test]
+    fn a_record_counts_by_its_samples_in_the_total() {
+        let long = Metrics::of(&[0.0, 2.0, 0.0, 2.0, 0.0, 2.0], &[0.0, 2.0, 0.0, 2.0, 0.0, 2.0]);
+        let short = Metrics::of(&[0.0, 6.0], &[2.0, 6.0]);
+        let total = Metrics::total(&[long, short]);
+        assert_close(&[total.mse, total.std], &[0.5, 3f64.sqrt()], 1e-12, 0.0);
+        assert_eq!((total.n, total.max_abs, total.peak_to_peak), (8, 2.0, 6.0));
+    }
 }

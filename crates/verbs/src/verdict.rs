@@ -318,6 +318,7 @@ mod tests {
     use piezoid_models::hysteresis::Proportional;
     use piezoid_models::linear::Arx;
     use piezoid_numerics::progress::Stage;
+    use piezoid_records::excitation::Prbs;
     use piezoid_testing::noise;
     use piezoid_validation::ValidateOptions;
     use serde_json::json;
@@ -428,5 +429,28 @@ mod tests {
         }
         let short = sentence("prandtl-ishlinskii", (0..24).map(|t| 50.0 - 50.0 * (0.3 * f64::from(t)).cos()).collect());
         assert!(short[0].starts_with("the hysteresis (24 samples are few for its "), "{short:?}");
+    }
+
+    #[test]
+    fn a_resonance_that_only_the_small_signal_excites_is_proven() {
+        let mode = Arx::new(TS, vec![1.5714, -0.9391], vec![0.0, 0.2, 0.1677]).unwrap();
+        let of = |u: Vec<f64>, seed: u64| {
+            let y = mode.simulate(&u).into_iter().zip(noise(seed, u.len())).map(|(y, e)| y + 1e-3 * e).collect();
+            Record::new(TS, u, y).unwrap()
+        };
+        let sine = of((0..4000).map(|t| 10.0 * (0.05 * f64::from(t)).sin()).collect(), 1);
+        let small = of(Prbs::default().samples(TS, 2047).unwrap(), 2);
+        let unproven = |small_signal: &[Record]| {
+            let options =
+                IdentifyOptions { operator: "proportional".into(), order: Some(2), ..IdentifyOptions::default() };
+            let records = Records { small_signal, large_signal: std::slice::from_ref(&sine) };
+            let names = &["small", "sine"][1 - small_signal.len()..];
+            let result = options.identify_and_validate(records, names, ("", &[]), &mut Stage::ignore).unwrap();
+            result.found.model.verdict().unwrap().unproven.join(", ")
+        };
+        let with = unproven(&[small]);
+        assert!(!with.contains("resonance") && with.contains("large signals at other frequencies"), "{with}");
+        let without = unproven(&[]);
+        assert!(without.contains("at other frequencies") && !without.contains("large signals"), "{without}");
     }
 }

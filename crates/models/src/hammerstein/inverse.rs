@@ -93,4 +93,14 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn the_input_that_holds_an_output_gives_that_output_with_the_offset() {
+        let plays = (crate::hysteresis::Operator::find("prandtl-ishlinskii").unwrap().example)(5e-4).unwrap();
+        let model = Model::new(plays, Arx::new(5e-4, vec![0.6], vec![0.3, 0.2]).unwrap(), 7.0).unwrap();
+        for u in [-20.0, 0.0, 11.0] {
+            let held = model.resume(&mut model.settled(u), &[u])[0];
+            assert_close(&[model.static_input(held, (-30.0, 30.0))], &[u], 1e-6, 1e-6);
+        }
+    }
 }

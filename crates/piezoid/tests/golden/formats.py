@@ -126,20 +126,20 @@ with h5py.File(h5py.h5f.create(str(folder / "links.h5").encode(), h5py.h5f.ACC_T
     file["armed"], file["remark"], file["impedance"] = armed, "bender", u + 1j
     file["y_um"].attrs["unit"] = "um"
 
-# TDMS: int16 with a scale, the period in a property, a group of its own for text.
+# TDMS: int16 with slope and intercept, the period in a property, a group of its own for text.
 with TdmsWriter(folder / "log.tdms") as file:
     scale = {
         "NI_Scaling_Status": "unscaled",
         "NI_Number_Of_Scales": 1,
         "NI_Scale[0]_Scale_Type": "Linear",
         "NI_Scale[0]_Linear_Slope": 0.5,
-        "NI_Scale[0]_Linear_Y_Intercept": 0.0,
+        "NI_Scale[0]_Linear_Y_Intercept": -3.0,
     }
     period = {"wf_increment": 5e-4, "unit_string": "V"}
     for part in (slice(0, 3), slice(3, 4)):
         file.write_segment(
             [
-                ChannelObject("log", "u_V", (2 * u[part]).astype(np.int16), {**period, **scale}),
+                ChannelObject("log", "u_V", (2 * u[part] + 6).astype(np.int16), {**period, **scale}),
                 ChannelObject("log", "y_um", y[part].astype(np.float32), {**period, "unit_string": "um"}),
             ]
         )

@@ -180,6 +180,10 @@ mod tests {
             assert_eq!(written(spelled), expected, "{spelled}");
         }
         assert_eq!(known("ms"), Some(("ms".into(), Quantity::Time(1e-3))));
+        for (unit, expected) in [("s", 1.0), ("ks", 1e3), ("us", 1e-6), ("ns", 1e-9), ("ps", 1e-12), ("min", 60.0)] {
+            assert_eq!(seconds(unit), Some(expected), "{unit}");
+        }
+        assert_eq!((seconds("Mikrosekunden"), seconds("microseconds"), seconds("V")), (None, Some(1e-6), None));
         assert_eq!(known("urad").map(|(_, quantity)| quantity), Some(Quantity::Displacement));
         assert_eq!(known("furlong"), None);
     }
