@@ -70,10 +70,10 @@ pub struct Smoothing {
     units: [String; 2],
 }
 
-/// True if the inversions of a search take too long for a path of `n` samples.
+/// True if the inversions of a search take too long for a path of `n` samples, or if that is not known.
 fn is_too_long(options: &CompensateOptions, model: &Model, n: usize) -> bool {
     let runs = RUNS * INVERSIONS * (options.iterations as f64 + 1.0);
-    model.effort().is_ok_and(|effort| runs * n as f64 * effort > OPERATIONS)
+    !model.effort().is_ok_and(|effort| runs * n as f64 * effort <= OPERATIONS)
 }
 
 /// The shortest smoothing whose voltage there is and changes at most so fast [input unit/s]: its duration [s], and the
@@ -81,9 +81,6 @@ fn is_too_long(options: &CompensateOptions, model: &Model, n: usize) -> bool {
 fn shortest(options: &CompensateOptions, model: &Model, r: &[f64], fastest: f64) -> Option<(f64, Vec<f64>)> {
     let ts = model.ts();
     let inverse = FeedForward::new(model, options.settings().ok()?).ok()?;
-    if is_too_long(options, model, r.len()) {
-        return None;
-    }
     let smoothed = |half: usize| {
         let seconds = duration(half, ts);
         let shape = Shaping { smooth: Some(seconds), ..options.shape };
@@ -116,7 +113,8 @@ pub(crate) fn advised(options: &CompensateOptions, model: &Model, r: &[f64], err
         return error;
     }
     let fastest = model.identified().map_or(f64::INFINITY, |known| known.slew);
-    let Some((seconds, shaped)) = shortest(options, model, r, fastest) else { return error };
+    let found = if is_too_long(options, model, r.len()) { None } else { shortest(options, model, r, fastest) };
+    let Some((seconds, shaped)) = found else { return error };
     let (rms, unit) = (rough(Metrics::of(r, &shaped).rmse), &model.units().y);
     Error::Content(format!("{error}; a smoothed path differs by {rms} {unit} rms: "))
         .advised(vec![("smooth", seconds.into()), ("clip", true.into())])
@@ -127,15 +125,16 @@ impl Smoothing {
     /// data, and if these are not known.
     pub(crate) fn of(options: &CompensateOptions, model: &Model, r: &[f64], found: &Compensated) -> Option<Self> {
         let Faster { slew, identified_slew: known } = Faster::of(model, &found.u)?;
-        let (smooth, rms) =
-            shortest(options, model, r, known).map(|(seconds, shaped)| (seconds, Metrics::of(r, &shaped).rmse)).unzip();
+        let is_too_long = is_too_long(options, model, r.len());
+        let found = if is_too_long { None } else { shortest(options, model, r, known) };
+        let (smooth, rms) = found.map(|(seconds, shaped)| (seconds, Metrics::of(r, &shaped).rmse)).unzip();
         Some(Smoothing {
             slew,
             identified_slew: known,
             smooth,
             rms,
             rms_pp_percent: rms.map(|rms| 100.0 * rms / range(r)),
-            is_too_long: is_too_long(options, model, r.len()),
+            is_too_long,
             units: [model.units().u.clone(), model.units().y.clone()],
         })
     }

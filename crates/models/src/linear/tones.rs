@@ -87,7 +87,7 @@ fn without(record: &Record, block: &Candidate, tones: &[f64]) -> Result<Record, 
             e[t] -= tone;
         }
     }
-    Ok(Record::new(record.ts(), record.u().to_vec(), y)?.with_units(record.units().clone()))
+    record.with_samples(record.ts(), record.u().to_vec(), y)
 }
 
 #[cfg(test)]

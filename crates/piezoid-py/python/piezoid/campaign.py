@@ -71,10 +71,10 @@ def campaign(
     `range` are optional: they are those of the stand-in, or the plan and the driver of the twin give them.
 
     ts: sampling period [s]; range: lowest and highest voltage [V]; bandwidth: highest frequency of the application [Hz];
-    unit: that of the displacement, um by default; wait: after each demagnetisation [s]; operator: as for `identify`; actuator: one of
-    `lists()["actuators"]`; slew: largest change of the voltage [V/s]; reference: the path to follow [unit], every `ts`,
-    instead of one of its own; folder: gets each record once it is measured, and the page; what it holds is not
-    measured again; progress: as for `identify`
+    unit: that of the displacement, um by default; wait: after each demagnetisation [s]; operator: as for `identify`;
+    actuator: one of `lists()["actuators"]`; slew: largest change of the voltage [V/s]; reference: the path to follow
+    [unit], every `ts`, instead of one of its own; folder: gets each record once it is measured, and the page; what it
+    holds is not measured again; progress: as for `identify`
 
     >>> import numpy as np, piezoid as pz
     >>> twin = pz.Model.from_dict({
