@@ -2,12 +2,12 @@
 
 import { Component, type ComponentChildren, type JSX } from "preact";
 import { useEffect, useRef, useState } from "preact/hooks";
-import { packed, unpack } from "./archive.ts";
+import { save, unpack } from "./archive.ts";
 import { ExampleButton } from "./example.tsx";
 import type { Lists } from "./lists.ts";
-import { download } from "./plot/download.ts";
+import { message } from "./packet.ts";
 import { themeChanged } from "./plot/theme.ts";
-import { message, SharedContext } from "./ui.tsx";
+import { SharedContext } from "./ui.tsx";
 import { BranchesView } from "./views/branches.tsx";
 import { CampaignView } from "./views/campaign.tsx";
 import { CompensateView } from "./views/compensate.tsx";
@@ -124,12 +124,7 @@ function Header({ workspace, served }: { workspace: Workspace; served: boolean }
             if (file) start(() => taken([file], workspace, true));
           }}
         />
-        <button
-          type="button"
-          onClick={() => start(async () => download("piezoid-project.zip", (await packed(workspace)) as BlobPart, "application/zip"))}
-        >
-          Save
-        </button>
+        <button type="button" onClick={() => start(() => save(workspace))}>Save</button>
         <button type="button" onClick={changeTheme} title="Dark or light">Theme</button>
       </div>
     </header>

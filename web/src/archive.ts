@@ -3,6 +3,7 @@
 import { strFromU8, strToU8, unzipSync, zipSync } from "fflate";
 import { profilesOf } from "./alike.ts";
 import type { File } from "./packet.ts";
+import { download } from "./plot/download.ts";
 import { filesOf, PROJECT, type Project, read, written } from "./project.ts";
 import type { Workspace } from "./workspace.ts";
 
@@ -49,11 +50,12 @@ function unzipped(bytes: Uint8Array): Record<string, Uint8Array> {
 export const zipped = (files: File[]): Uint8Array =>
   zipSync(Object.fromEntries(files.map((file) => [file.name, file.bytes])), { mtime: "1980-01-01" });
 
-/** The project of the page in one file, with the profiles of its rigs. */
-export async function packed(workspace: Workspace): Promise<Uint8Array> {
+/** Downloads the project of the page in one file, with the profiles of its rigs. */
+export async function save(workspace: Workspace): Promise<void> {
   const { project } = workspace;
   const files = await Promise.all(filesOf(project).map((name) => workspace.file(name)));
-  return packedProject(project, [...files, ...(await profilesOf(workspace))]);
+  const packed = packedProject(project, [...files, ...(await profilesOf(workspace))]);
+  download("piezoid-project.zip", packed as BlobPart, "application/zip");
 }
 
 /** Takes up a project from one file; the present one can be gone back to. */

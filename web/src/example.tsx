@@ -1,9 +1,8 @@
 // The bundled example: records of a simulated bender, measured for the occasion by its own drives.
 
 import { useRef, useState } from "preact/hooks";
-import { packed } from "./archive.ts";
+import { save } from "./archive.ts";
 import type { File } from "./packet.ts";
-import { download } from "./plot/download.ts";
 import type { Use } from "./project.ts";
 import type { Workspace } from "./workspace.ts";
 
@@ -39,7 +38,7 @@ export function ExampleButton({ workspace, title }: { workspace: Workspace; titl
     dialog.current?.close();
     setBusy(true);
     try {
-      if (isSaved) download("piezoid-project.zip", (await packed(workspace)) as BlobPart, "application/zip");
+      if (isSaved) await save(workspace);
       await example(workspace);
     } catch (error) {
       workspace.failed(error);

@@ -46,6 +46,9 @@ export class Refused extends Error {
   }
 }
 
+/** What an error says. */
+export const message = (error: unknown): string => (error instanceof Error ? error.message : String(error));
+
 /** The user ended the work. */
 export class Cancelled extends Error {}
 

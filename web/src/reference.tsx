@@ -48,7 +48,7 @@ export function useReference(view: string, start: Options, compensated = false):
   const compensatedPath = async (): Promise<PathFile> => {
     const entry = usedModel(workspace.project);
     if (!entry) throw new Error("there is no model: identify one, or choose another reference");
-    const model = JSON.parse(new TextDecoder().decode(await workspace.bytes(entry.file)));
+    const model = await workspace.document(entry.file);
     const stroke = await strokeOf(workspace, entry.file, model);
     return fileOf(workspace, lists, pathOf((settings["compensate"] ?? {}) as Settings, model, stroke));
   };

@@ -54,7 +54,7 @@ interface Sources {
 
 /** The records that a model states; none if it states none. */
 async function sourcesOf(workspace: Workspace, entry: ModelEntry): Promise<Sources> {
-  const { fit } = JSON.parse(new TextDecoder().decode(await workspace.bytes(entry.file)));
+  const { fit } = await workspace.document(entry.file);
   const stated: string[] = (Array.isArray(fit?.files) ? fit.files : []).map((one: { file?: string }) => String(one.file ?? ""));
   const elsewhere = stated.map((file): RecordEntry => ({ file, columns: {}, prepare: {}, use: "training" }));
   const all = stated.length > 0 ? (entry.from ?? elsewhere) : [];

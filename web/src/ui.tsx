@@ -4,7 +4,7 @@ import { createContext, type ComponentChildren, isValidElement } from "preact";
 import { useContext, useEffect, useId, useRef, useState } from "preact/hooks";
 import { zipped } from "./archive.ts";
 import type { Lists } from "./lists.ts";
-import { Cancelled, type File, Refused } from "./packet.ts";
+import { Cancelled, type File, message, Refused } from "./packet.ts";
 import { download } from "./plot/download.ts";
 import { prose, short } from "./plot/ticks.ts";
 import { type Options, withSettings } from "./project.ts";
@@ -83,8 +83,6 @@ export function useLatest<T>(key: string | undefined, work: () => Promise<T>): O
 }
 
 const failure = (error: unknown) => ({ error: message(error), ...(error instanceof Refused && { advice: error.advice }) });
-
-export const message = (error: unknown): string => (error instanceof Error ? error.message : String(error));
 
 /** A field of text, and what is said of it to the browser. */
 interface EntryProps {
@@ -278,5 +276,5 @@ export function TextFile({ file }: { file: File }) {
 export function useModel(): Outcome<any> {
   const { workspace } = useShared();
   const { model } = workspace.project;
-  return useOutcome(model, async () => JSON.parse(new TextDecoder().decode(await workspace.bytes(model!))));
+  return useOutcome(model, () => workspace.document(model!));
 }

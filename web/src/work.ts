@@ -44,7 +44,7 @@ const KEPT = 24;
 export class Work {
   jobs: Job[] = [];
   #answers = new Map<string, Promise<Answer>>();
-  #changed = -Infinity;
+  #drawn = -Infinity;
   #listeners = new Set<() => void>();
 
   constructor(readonly library: Library) {}
@@ -75,8 +75,8 @@ export class Work {
   /** Says how much of a file is read. */
   advanced(job: Job, done: number, total: number): void {
     Object.assign(job, { done, total });
-    if (done < total && performance.now() - this.#changed < OFTEN) return;
-    this.#changed = performance.now();
+    if (done < total && performance.now() - this.#drawn < OFTEN) return;
+    this.#drawn = performance.now();
     this.changed();
   }
 

@@ -2,7 +2,7 @@
 
 import { look as lookOf } from "./alike.ts";
 import type { Library } from "./library.ts";
-import type { Answer, File, Reading } from "./packet.ts";
+import { type Answer, type File, message, type Reading } from "./packet.ts";
 import { Profiles } from "./profiles.ts";
 import {
   EMPTY, fileName, filesOf, free, History, isProject, type ModelEntry, PROJECT, type Project, read, type RecordEntry, withRecord, written,
@@ -167,7 +167,7 @@ export class Workspace extends Work {
 
   /** Shows a fault; until it is closed, or else until the next edit. */
   failed(error: unknown, lasts = false): void {
-    this.fault = error instanceof Error ? error.message : String(error);
+    this.fault = message(error);
     this.#lasts = lasts;
     this.changed();
   }
@@ -179,6 +179,11 @@ export class Workspace extends Work {
     const known = this.#files.get(name) ?? (await this.store.read(name));
     this.#files.set(name, known);
     return known;
+  }
+
+  /** The document in a file of the project, such as a model. */
+  async document(name: string): Promise<any> {
+    return JSON.parse(new TextDecoder().decode(await this.bytes(name)));
   }
 
   async file(name: string): Promise<File> {
@@ -205,7 +210,7 @@ export class Workspace extends Work {
       try {
         kept.push({ file: await this.keep(file, fresh), use });
       } catch (error) {
-        whys.push(`${file.name}: ${error instanceof Error ? error.message : String(error)}`);
+        whys.push(`${file.name}: ${message(error)}`);
       }
     }
     await this.addStored(kept, { look, passing, asRig, fresh });

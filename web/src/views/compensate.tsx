@@ -18,7 +18,7 @@ export function CompensateView() {
   const { workspace } = useShared();
   const entry = usedModel(workspace.project);
   const read = useOutcome(entry?.file, async () => {
-    const model = JSON.parse(new TextDecoder().decode(await workspace.bytes(entry!.file)));
+    const model = await workspace.document(entry!.file);
     return { file: entry!.file, model, stroke: await strokeOf(workspace, entry!.file, model) };
   });
   if (!entry) return <Missing what="There is no model yet." title="Identify one" />;

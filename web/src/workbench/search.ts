@@ -1,7 +1,7 @@
 // The identification that is under way, or that was the last: it goes on while another view is shown.
 
 import type { Stage } from "../module.ts";
-import { Cancelled } from "../packet.ts";
+import { Cancelled, message } from "../packet.ts";
 import type { RecordEntry } from "../project.ts";
 import type { Workspace } from "../workspace.ts";
 
@@ -70,7 +70,7 @@ export async function identify(workspace: Workspace): Promise<void> {
   try {
     await searched(workspace, search);
   } catch (error) {
-    if (!(error instanceof Cancelled)) search.error = error instanceof Error ? error.message : String(error);
+    if (!(error instanceof Cancelled)) search.error = message(error);
   } finally {
     search.isRunning = false;
     removeEventListener("beforeunload", leaves);
