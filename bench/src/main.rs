@@ -1,7 +1,7 @@
 //! Measures what a page of docs/ states, and writes its tables and figures.
 //!
 //! `cargo run --release -p piezoid-bench -- paper|operators|accuracy|control|feedback|stand-in docs`
-//! `cargo run -p piezoid-bench -- vectors crates/piezoid/tests/vectors`
+//! `cargo run -p piezoid-bench -- vectors crates/piezoid/tests/compatibility/0.1.0/operators`
 
 use piezoid_bench::{accuracy, control, feedback, operators, paper, stand_in, vectors};
 use std::error::Error;

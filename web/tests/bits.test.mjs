@@ -4,14 +4,14 @@ import { readdirSync, readFileSync } from "node:fs";
 import { test } from "node:test";
 import { call, file } from "./modules.mjs";
 
-const VECTORS = new URL("../../crates/piezoid/tests/vectors/", import.meta.url);
+const VERSIONS = new URL("../../crates/piezoid/tests/compatibility/", import.meta.url);
 
 /** A column of numbers, which JavaScript writes so that they are read back to the bit. */
 const csv = (ts, name, values) => `t_s,${name}\n${values.map((value, k) => `${k * ts},${value}`).join("\n")}\n`;
 
-for (const name of readdirSync(VECTORS)) {
+for (const name of readdirSync(VERSIONS, { recursive: true }).filter((name) => name.includes("operators/"))) {
   test(`${name} to the bit`, () => {
-    const { model, step } = JSON.parse(readFileSync(new URL(name, VECTORS), "utf8"));
+    const { model, step } = JSON.parse(readFileSync(new URL(name, VERSIONS), "utf8"));
     const files = [
       file("model.json", JSON.stringify(model)),
       file("u.csv", csv(model.ts, `u_${model.units.u}`, step.inputs)),

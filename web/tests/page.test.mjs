@@ -1,5 +1,6 @@
 // The page as a user takes it, in a real browser, from a static server.
 import assert from "node:assert/strict";
+import { existsSync, readFileSync, readdirSync } from "node:fs";
 import { test } from "node:test";
 import { download, fixture, opened, skip } from "./browser.mjs";
 import { csv, mat, measured, scope } from "./records.mjs";
@@ -95,6 +96,20 @@ test("a project is saved as one file and opened elsewhere", { skip }, async () =
   await other.page.getByRole("button", { name: "staircase.csv", exact: true }).waitFor();
   assert.deepEqual(other.faults, []);
   await other.context.close();
+});
+
+test("a project that any version saved is opened", { skip }, async () => {
+  const versions = new URL("../../crates/piezoid/tests/compatibility/", import.meta.url);
+  for (const name of readdirSync(versions).filter((name) => existsSync(new URL(`${name}/project.zip`, versions)))) {
+    const { page, faults, context } = await opened(site.browser, site.server.url);
+    const saved = readFileSync(new URL(`${name}/project.zip`, versions));
+    await page.getByLabel("Project to open").setInputFiles([file("saved.zip", saved)]);
+    await page.getByRole("heading", { name: "prandtl-ishlinskii", exact: true, level: 2 }).waitFor();
+    await page.getByText("good to 0.46 % of stroke").first().waitFor();
+    await page.getByRole("button", { name: "rise20.csv", exact: true }).waitFor();
+    assert.deepEqual(faults, []);
+    await context.close();
+  }
 });
 
 test("a second tab with the same project is told, a reload is not", { skip }, async () => {

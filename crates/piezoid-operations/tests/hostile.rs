@@ -23,7 +23,8 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// The models of the vector files: one of every operator, and one behind a driver. And one that was identified, which
 /// states its errors.
 fn legitimate(record: &File) -> Vec<Value> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../piezoid/tests/vectors");
+    let folder = concat!("../piezoid/tests/compatibility/", env!("CARGO_PKG_VERSION"), "/operators");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     files.sort();
     let model = |file| serde_json::from_slice::<Value>(&std::fs::read(file).unwrap()).unwrap()["model"].take();

@@ -10,14 +10,14 @@ import numpy as np
 import piezoid as pz
 import pytest
 
-VECTORS = sorted((Path(__file__).parents[2] / "piezoid/tests/vectors").glob("*.json"))
+VECTORS = sorted((Path(__file__).parents[2] / "piezoid/tests/compatibility").glob("*/operators/*.json"))
 
 
 def test_there_is_a_vector_file_for_every_operator() -> None:
     assert {file.stem for file in VECTORS} == {*pz.operators, "driven"}
 
 
-@pytest.mark.parametrize("file", VECTORS, ids=lambda file: file.stem)
+@pytest.mark.parametrize("file", VECTORS, ids=lambda file: f"{file.stem}-{file.parts[-3]}")
 def test_every_operator_gives_the_numbers_of_its_vector_file_to_the_bit(file: Path) -> None:
     vectors = json.loads(file.read_text())
     model = pz.Model.from_dict(vectors["model"])

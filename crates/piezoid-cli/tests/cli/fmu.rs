@@ -22,7 +22,7 @@ const PLAYS: &str = r#"{"piezoid": 1, "ts": 0.001, "units": {"u": "V", "y": "<co
     "creep": [], "linear": {"a": [1.6, -0.8], "b": [0.1, 0.1]}, "offset": -0.3}"#;
 
 /// True if the program runs. If it does not, the test is reported as skipped, and fails in CI.
-fn there(program: &str, arguments: &[&str], what: &str) -> bool {
+pub(crate) fn there(program: &str, arguments: &[&str], what: &str) -> bool {
     let found = Command::new(program).args(arguments).output().is_ok_and(|message| message.status.success());
     if !found {
         skipped(&format!("no {what}"));
@@ -30,7 +30,7 @@ fn there(program: &str, arguments: &[&str], what: &str) -> bool {
     found
 }
 
-fn fmpy() -> bool {
+pub(crate) fn fmpy() -> bool {
     there("python3", &["-c", "import fmpy, numpy"], "FMPy") && there("cc", &["--version"], "cc")
 }
 
@@ -82,7 +82,7 @@ fn holds(bench: &Bench, check: &str) {
     python(bench, &format!("{check} {}", fmus.as_flattened().join(" "))).ok();
 }
 
-fn python(bench: &Bench, line: &str) -> Run {
+pub(crate) fn python(bench: &Bench, line: &str) -> Run {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/fmu.py");
     let mut python = Command::new("python3");
     python.current_dir(bench.path("")).arg(script).args(line.split_whitespace());

@@ -7,6 +7,7 @@ mod bad_input;
 mod bench;
 mod bytes;
 mod compare;
+mod compatibility;
 mod compensate;
 mod control;
 mod drive;
