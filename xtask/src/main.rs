@@ -1,9 +1,11 @@
-//! The project's own automation: `cargo xtask test|tidy|generate|python|web|bench|fuzz`.
+//! The project's own automation: `cargo xtask test|tidy|generate|python|web|bench|fuzz|mutants|release`.
 //!
 //! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `generate` use Python 3 too. Messages name
 //! what is missing.
 
 mod generate;
+mod mutants;
+mod release;
 mod skipped;
 mod tidy;
 mod web;
@@ -18,7 +20,7 @@ use std::time::Instant;
 type Work = fn() -> Result<(), String>;
 
 /// The verbs with their descriptions.
-const VERBS: [(&str, &str, Work); 7] = [
+const VERBS: [(&str, &str, Work); 9] = [
     (
         "test",
         "format, clippy with warnings denied, all tests, documentation, `tidy`, then the page and `python` at once",
@@ -33,6 +35,16 @@ const VERBS: [(&str, &str, Work); 7] = [
     ),
     ("bench", "all benches, then beside other tools (Python, its own environment); `-- NAME`: one bench", bench),
     ("fuzz", "damaged files of every format, and models, for a minute each (cargo-fuzz)", fuzz),
+    (
+        "mutants",
+        "changes of the code that tests should notice, 200 of them or by path (cargo-mutants)",
+        mutants::mutants,
+    ),
+    (
+        "release",
+        "programs, wheels, page, examples, checksums in target/dist, from the tag of the version; --rehearsal: any commit",
+        release::release,
+    ),
     ("generate", "write what is generated: bindings, vectors; by name page, golden, docs; --check", generate::generate),
 ];
 

@@ -92,9 +92,22 @@ pub(crate) fn tidy() -> Result<(), String> {
     for (page, phrase, file, list) in COUNTS {
         broken.extend(miscounted(page, phrase, file, list)?);
     }
+    broken.extend(versions()?);
     broken.extend(crate::words::dialect()?);
     broken.extend(public_items()?);
     if broken.is_empty() { Ok(()) } else { Err(format!("tidy:\n  {}", broken.join("\n  "))) }
+}
+
+/// Files that state another version than Cargo.toml.
+fn versions() -> Result<Vec<String>, String> {
+    let version = env!("CARGO_PKG_VERSION");
+    let states = |file: &str, start: &str| -> Result<Option<String>, String> {
+        let text = read(&root().join(file))?;
+        let line = text.lines().find(|line| line.starts_with(start)).unwrap_or_default();
+        let stated = line.trim_start_matches(start).split(',').next().unwrap_or_default();
+        Ok((stated != version).then(|| format!("{file} states version {stated:?}, Cargo.toml {version:?}")))
+    };
+    Ok([states("CHANGELOG.md", "## ")?, states("CITATION.cff", "version: ")?].into_iter().flatten().collect())
 }
 
 /// A crate in the list of ARCHITECTURE.md.

@@ -32,9 +32,14 @@ const HANDED_OUT: [&str; 1] = ["sizes"];
 
 /// Builds everything, and tests it.
 pub(super) fn web() -> Result<(), String> {
-    scripts()?;
-    modules()?;
+    handed_out()?;
     run(&["test"])
+}
+
+/// The page as it is handed out, in web/dist.
+pub(super) fn handed_out() -> Result<(), String> {
+    scripts()?;
+    modules()
 }
 
 /// Builds everything, the modules without optimisation as a whole, compares the scripts with those that are committed,
@@ -143,13 +148,18 @@ fn module(profile: &str, features: &[&str], names: &[&str]) -> Result<(), String
     })
 }
 
-/// Vector instructions, short addresses, and no paths of this machine, so that the same source gives the same bytes.
+/// Vector instructions and short addresses.
 fn flags() -> Vec<String> {
+    let fixed = ["-Ctarget-feature=+simd128", "-Clink-arg=--compress-relocations"].map(String::from);
+    fixed.into_iter().chain(without_paths()).collect()
+}
+
+/// Flags of the compiler that leave out the paths of this machine, so that the same source gives the same bytes.
+pub(super) fn without_paths() -> [String; 2] {
     let home = std::env::home_dir().unwrap_or_default();
     let cargo = std::env::var_os("CARGO_HOME").map_or_else(|| home.join(".cargo"), PathBuf::from);
     let short = |path: &Path, name: &str| format!("--remap-path-prefix={}={name}", path.display());
-    let fixed = ["-Ctarget-feature=+simd128", "-Clink-arg=--compress-relocations"].map(String::from);
-    fixed.into_iter().chain([short(&cargo.join("registry/src"), "crates"), short(root(), "piezoid")]).collect()
+    [short(&cargo.join("registry/src"), "crates"), short(root(), "piezoid")]
 }
 
 /// The lists for menus and forms, of all modules.

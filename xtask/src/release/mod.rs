@@ -1,0 +1,43 @@
+//! `cargo xtask release`: everything that is handed out, in target/dist, from the tag of the version.
+//!
+//! The same commit gives the same bytes in whatever folder it is checked out: no path is part of a file, every time is
+//! that of the commit, and the tools are of fixed versions.
+
+mod build;
+mod examples;
+mod notes;
+
+use crate::{root, step, target, web};
+use build::{Release, TARGETS};
+
+/// Makes the release. `--rehearsal` needs no tag; names of targets leave the others out.
+pub(super) fn release() -> Result<(), String> {
+    let words: Vec<String> = std::env::args().skip(2).collect();
+    let (options, names): (Vec<_>, Vec<_>) = words.iter().partition(|word| word.starts_with("--"));
+    if let Some(unknown) = options.iter().find(|option| **option != "--rehearsal") {
+        return Err(format!("`{unknown}` is unknown: there is --rehearsal, for a commit without a tag"));
+    }
+    if let Some(unknown) = names.iter().find(|name| !TARGETS.iter().any(|target| target.triple == name.as_str())) {
+        let known: Vec<_> = TARGETS.iter().map(|target| target.triple).collect();
+        return Err(format!("`{unknown}` is no target of a release: {}", known.join(", ")));
+    }
+    let is_made = |triple: &str| names.is_empty() || names.iter().any(|name| *name == triple);
+    let release = Release::of_this_commit(!options.is_empty())?;
+    let (first, others) = (&TARGETS[0], &TARGETS[1..]);
+    // What the first program writes are the examples; the programs of other targets must write the same.
+    let program = release.program(first)?;
+    let examples = examples::write(&program)?;
+    release.archive_program(first, &program, &program)?;
+    let mut made = vec![(first, "on this machine".to_string(), release.wheel(first)?)];
+    for other in others.iter().filter(|target| is_made(target.triple)) {
+        let built = release.program(other)?;
+        release.archive_program(other, &built, &program)?;
+        made.push((other, examples::compare(other, &built, &examples)?, release.wheel(other)?));
+    }
+    release.archive("examples", &examples)?;
+    web::handed_out()?;
+    release.archive("page", &root().join("web/dist"))?;
+    release.sources()?;
+    release.materials(made.iter().map(|(target, ..)| *target))?;
+    notes::write(&release, &made)
+}
