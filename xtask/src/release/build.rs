@@ -104,8 +104,8 @@ impl Release {
         Ok(target().join(of.triple).join("release").join(file))
     }
 
-    /// The Python package of one platform, for every Python from 3.10 on; its file name.
-    pub(super) fn wheel(&self, of: &Target) -> Result<String, String> {
+    /// The Python package of one platform, for every Python from 3.10 on.
+    pub(super) fn wheel(&self, of: &Target) -> Result<PathBuf, String> {
         let into = target().join("wheels").join(of.wheel);
         let _ = std::fs::remove_dir_all(&into);
         let mut build = self.fixed(Command::new(self.tools.join("bin/maturin")));
@@ -117,9 +117,9 @@ impl Release {
         let made = std::fs::read_dir(&into).map_err(|e| format!("{}: {e}", into.display()))?;
         let wheel = made.filter_map(|file| Some(file.ok()?.path())).find(|file| file.extension().is_some());
         let wheel = wheel.ok_or_else(|| format!("{} holds no wheel", into.display()))?;
-        let name = wheel.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        copy(&wheel, &self.folder.join(&name))?;
-        Ok(name)
+        let handed_out = self.folder.join(wheel.file_name().unwrap_or_default());
+        copy(&wheel, &handed_out)?;
+        Ok(handed_out)
     }
 
     /// The archive of a program, with licences, completions and manual pages, which `native` prints.

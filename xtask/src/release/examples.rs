@@ -1,8 +1,8 @@
 //! The examples of a release: a folder of records, a model, results and exports, written by its programs.
 
 use super::build::{Target, files, write as write_file};
-use super::{root, target};
-use crate::{announced, succeeded};
+use super::{root, step, target};
+use crate::{announced, python, succeeded};
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -40,6 +40,22 @@ pub(super) fn compare(of: &Target, program: &Path, examples: &Path) -> Result<St
         0 => Ok(format!("by {runner}: the same {} files as on this machine", compared().count())),
         others => Ok(format!("by {runner}: {others} of {} files differ from this machine's", compared().count())),
     }
+}
+
+/// What runs the Python package of this machine: the program of the first hour, in a new environment.
+pub(super) fn try_package(wheel: &Path, examples: &Path) -> Result<String, String> {
+    let chapter = std::fs::read_to_string(root().join("docs/first-hour.md")).map_err(|e| e.to_string())?;
+    let program = chapter.split("```python\n").nth(1).and_then(|rest| rest.split("```").next());
+    let program = program.ok_or("docs/first-hour.md has no program in Python")?;
+    let home = target().join("tours/python");
+    let _ = std::fs::remove_dir_all(&home);
+    step(python().args(["-m", "venv"]).arg(&home))?;
+    step(Command::new(home.join("bin/pip")).args(["install", "--quiet"]).arg(wheel))?;
+    let mut run = Command::new(home.join("bin/python"));
+    let line = announced(run.args(["-c", program]).current_dir(examples));
+    let status = run.status().map_err(|e| format!("cannot start `{line}`: {e}"))?;
+    succeeded(&line, status)?;
+    Ok("on this machine: the program of the first hour".into())
 }
 
 /// Runs the commands in a new folder.

@@ -26,8 +26,8 @@ pub(super) fn write(release: &Release, made: &[(&Target, String, String)]) -> Re
     text += &table;
     text += "\nSHA256SUMS has the checksums. Archives of programs hold completions and manual pages.\n\n## What was run\n\n\
              | platform | commands of the README and all exports | Python package |\n|---|---|---|\n";
-    for (target, run, wheel) in made {
-        let _ = writeln!(text, "| {} | {run} | {wheel}: not run |", target.name);
+    for (target, run, package) in made {
+        let _ = writeln!(text, "| {} | {run} | {package} |", target.name);
     }
     text += "\nThe container was not built: it needs an engine for containers.\n\n## Changes\n\n";
     text += &changes(&release.version)?;
