@@ -19,6 +19,11 @@ use clap::{Arg, ArgAction, Command};
 use console::Console;
 use std::process::ExitCode;
 
+/// That of musl has one lock for all threads: an identification takes longer with it.
+#[cfg(target_env = "musl")]
+#[global_allocator]
+static ALLOCATOR: mimalloc::MiMalloc = mimalloc::MiMalloc;
+
 const EXAMPLES: &str = "\
 Start with:
   piezoid study                      the experiment of Kuklisova Pavelkova (ICINCO 2025), and report.html
