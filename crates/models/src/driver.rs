@@ -2,12 +2,13 @@
 //! actuator.
 //!
 //! ```text
-//! v' = (u - v) / tau, but |v'| <= slew,    u held over a sampling period
+//! v' = (u - v) / tau, but |v'| <= slew,    u held over a sampling period, v = 0 before the first
+//! z = (z_0 / 2 + z_1 + z_2 + z_3 + z_4 / 2) / 4          z_i for v after i quarters of the period
 //! ```
 //! The equation is solved exactly. The hysteresis block gets v at [`DriverModel::SUBSTEPS`] instants per sample; the
-//! linear block gets the mean of the resulting z. The reason: a slewing voltage acts later than a voltage step. This is
-//! visible above a quarter of the sampling rate, and no block after the hysteresis could correct it. A current limit I
-//! with a capacitance C is a slew limit of I / C.
+//! linear block gets the mean of the resulting z by the trapezoidal rule, in which z_0 is the z_4 of the sample before.
+//! The reason: a slewing voltage acts later than a voltage step. This is visible above a quarter of the sampling rate,
+//! and no block after the hysteresis could correct it. A current limit I with a capacitance C is a slew limit of I / C.
 //!
 //! Overshoot, and limits of energy or power, are not described.
 //!

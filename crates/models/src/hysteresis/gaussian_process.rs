@@ -3,8 +3,9 @@
 //! ```text
 //! z = w_0 u + sum_k w_k p_k + half sum_m a_m (k(x, x_m) - k(rest, x_m))         w_k >= 0
 //! x = (v(u), v(q_1), ..., v(q_F)),    v(p) = (p - middle) / half,    p_k and q_f plays of the thresholds r_k and s_f
-//! k(x, y) = exp(-|x - y|^2 / 2), lengths in halves of the range: `length_input` of u, `length_plays` of each q_f
+//! k(x, y) = exp(-|x - y|^2 / 2), each difference over its length: `length_input` of u, `length_plays` of each q_f
 //! ```
+//! `middle` and `half` describe the input range, and the lengths are in `half`; at rest u and all plays are 0.
 //! The process is that of the inducing points x_m (subset of regressors). Its mean is linear in a, and the penalty a' K
 //! a is its prior, K_mn = k(x_m, x_n): the fit of the weights is Gaussian process regression, whose noise follows from
 //! the held-out errors. The points are states of nested loops over the range, each as far as possible from those before

@@ -2,13 +2,14 @@
 //!
 //! ```text
 //! b_k(u') = r_k (1 + rise (1 - exp(-|u'| / rate)))                  breakaway of threshold r_k
-//! sticking:  e_k' = u'                                              until |e_k| reaches b_k, then it slides
+//! sticking:  e_k' = u'                                              until e_k sign u' reaches b_k, then it slides
 //! sliding:   e_k' = (b_k sign u' - e_k) / attraction                until u stops or reverses, then it sticks
 //! z = w_0 u - w_1 e_1 - ... - w_n e_n                               w_k >= 0
 //! ```
-//! Within a sample u' is constant, so both solutions are exact. A negative `rise` reduces the breakaway at high rates,
-//! like the Stribeck effect; a positive `rise` increases it and makes fast loops wider. `attraction` [s] is the time
-//! constant with which a sliding element follows its breakaway (C in the paper). With rise = 0 the operator is `stop`.
+//! u' is the movement of a sample over the sampling period [input unit/s]. Within a sample it is constant, so both
+//! solutions are exact. A negative `rise` reduces the breakaway at high rates, like the Stribeck effect; a positive
+//! `rise` increases it and makes fast loops wider. `attraction` [s] is the time constant with which a sliding element
+//! follows its breakaway (C in the paper). With rise = 0 the operator is `stop`.
 //!
 //! References: M. Goldfarb & N. Celanovic, IEEE Control Systems 17 (1997), DOI 10.1109/37.588158 (sliders for piezo
 //! actuators); F. Al-Bender, V. Lampaert & J. Swevers, IEEE Trans. Autom. Control 50 (2005), DOI

@@ -3,16 +3,20 @@
 //! ```text
 //! z_t = z_(t-1) + sum over terms of theta z_(t-1)^a v^j du        a = 0, 1;  du also as |du| = way du
 //! ```
-//! v is the input over the largest |u| of the range, within -1..1, and du its movement. Terms without z and |du| sum up
-//! to a polynomial of u. With h the rest of z, the terms in z are one rate of decay, and z is linear in all others:
+//! v is the input over S, the largest |u| of the range, within -1..1, and du its movement. Terms without z and |du| sum
+//! up to a polynomial of u. With h the rest of z, the terms in z are one rate of decay, and z is linear in all others:
 //! ```text
 //! z = sum_i f_i S v^i - sum_j k_j h_j + sum_j g_j d_j      f_1 multiplies u itself, also outside the range
 //! h_j' = -b |u'| h_j + u' v^j,      d_j' = -b |u'| d_j + |u'| v^j
 //! b = rate (1 + r_1 v + r_2 v^2 + way (q_0 + q_1 v + q_2 v^2)), at least a twentieth of the rate
 //! ```
-//! A sample is one exponential step, with v in the middle of its path: e^(-x) h + (1 - e^(-x)) / b v^j, x = b |du|, is
-//! a mean of h and v^j / b. Therefore |h_j| and |d_j| never exceed 20 / rate: a free run cannot diverge. The division
-//! of a path into samples has an effect of second order in their length. Held inputs change nothing.
+//! A sample is one exponential step, with v in h_j, d_j and b the mean of v at the ends of its path:
+//! ```text
+//! h_j <- e^(-x) h_j + (1 - e^(-x)) / b way v^j,    d_j <- e^(-x) d_j + (1 - e^(-x)) / b v^j,    x = b |du|
+//! ```
+//! Both are means of the old value and +-v^j / b. Therefore |h_j| and |d_j| never exceed 20 / rate: a free run cannot
+//! diverge. The division of a path into samples has an effect of second order in their length. Held inputs change
+//! nothing.
 //!
 //! The terms f, k and g are selected from the records, forwards, by their error reduction ratios. Duhem's equation in
 //! Coleman & Hodgdon's form is the case of a constant b and no g.

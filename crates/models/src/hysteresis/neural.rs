@@ -6,10 +6,10 @@
 //! z = sum_k w_k p_k + sum_k sum_j c_kj half (unit(a_kj) - unit(a_kj at rest))         w_k >= 0
 //! a_kj = slope_j v(p_k) + input_j v(u) + bias_j,    v(p) = (p - middle) / half,    unit(a) = 1 / (1 + e^-a)
 //! ```
-//! `middle` and `half` describe the input range. The units of kind j have the same input weights for all plays, as in a
-//! convolution over the thresholds; their output weights are their own. With output weights of 0 it is
-//! `prandtl-ishlinskii`. With `input` = 0 each play has its own curve, a sum of these units: a Preisach operator. Units
-//! that also see the input make minor loops that are not congruent.
+//! `middle` and `half` describe the input range; at rest u and all p_k are 0. The units of kind j have the same input
+//! weights for all plays, as in a convolution over the thresholds; their output weights are their own. With output
+//! weights of 0 it is `prandtl-ishlinskii`. With `input` = 0 each play has its own curve, a sum of these units: a
+//! Preisach operator. Units that also see the input make minor loops that are not congruent.
 //!
 //! The output weights follow from the linear problem of least squares, the input weights from Gauss-Newton on the error
 //! of the free run, both together with the linear block. The units start in even steps over the range: no random

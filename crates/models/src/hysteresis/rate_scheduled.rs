@@ -1,9 +1,11 @@
 //! Two branches for each of several frequencies, interpolated: the paper's rate-dependent block (section 3, one pair of
 //! branches per frequency) extended to inputs of unknown frequency.
 //!
-//! The frequency is estimated from the reversals of the input: the last two half periods are one period. A reversal
-//! counts when the input has moved back by 1/50 of the identified range, so ripple and quantisation do not count. If
-//! the present half period is already longer than the last period, it is taken as the period. Between two pairs z is
+//! The frequency is estimated from the reversals of the input: the last two half periods are one period. A half period
+//! lasts from reversal to reversal, the first one from the rest before the first sample. The last sample of an extreme
+//! that is held is the reversal. A reversal counts when the input has moved back by more than 1/50 of the identified
+//! range, so ripple and quantisation do not count. If the present half period is already longer than the last period,
+//! it is taken as the period. Until there are two half periods the lowest frequency is used. Between two pairs z is
 //! interpolated linearly in the logarithm of frequency; outside them the nearest pair is used.
 //!
 //! It does not do: minor loops. For an input that is not periodic the frequency is only an estimate.

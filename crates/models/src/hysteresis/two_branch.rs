@@ -1,5 +1,11 @@
 //! The paper's hysteresis block: one function of u for rising and one for falling input (section 2.2).
 //!
+//! ```text
+//! z = a(u) while u rises,    d(u) while u falls,    (a(u) + d(u)) / 2 until it first moves
+//! ```
+//! a and d are cubic splines (not-a-knot) through the knots of the file. Outside its knots a branch is a straight line,
+//! with the slope from its first to its last knot.
+//!
 //! The printed rule uses one function if u_t > u_{t-1} and the other one *otherwise*, so held samples always use the
 //! second one. In a staircase input these are most samples. The default therefore keeps the last direction while u is
 //! held. The paper calls the first function "upper"; here it is the ascending branch. The data decide which one that
@@ -9,8 +15,7 @@
 //! branch), changes of amplitude or offset.
 //!
 //! Inverse: Newton's method on the spline of the branch in the direction of the requested z. If the jump at a reversal
-//! skips the requested z, bracketing returns the nearer side of the jump. Outside the reversals the branches are
-//! straight lines: there is no saturation.
+//! skips the requested z, bracketing returns the nearer side of the jump. There is no saturation.
 
 use super::basis::counted;
 use super::inverse::{Inverted, by_slopes, by_trials};
