@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 
 const PAGE: &str = include_str!("../../docs/accuracy.md");
 
-/// The method whose figures the README has.
+/// The method whose figures docs/limits.md has.
 const METHOD: &str = "joint, driver given";
 
 /// Frequencies below, at and above the resonance [Hz]. At the last one the driver's current limit distorts every
@@ -72,8 +72,8 @@ fn the_readme_has_the_larger_figures_of_the_twins() {
     }
     let (median, worst) = (largest("median [%]"), largest("largest [%]"));
     let figures = format!("a median error of {median} % of peak-to-peak and a largest error of {worst:.1} %.");
-    let readme = include_str!("../../README.md").split_whitespace().collect::<Vec<_>>().join(" ");
-    assert!(readme.contains(&figures), "the README does not say: {figures}");
+    let limits = include_str!("../../docs/limits.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(limits.contains(&figures), "docs/limits.md does not say: {figures}");
 }
 
 #[test]

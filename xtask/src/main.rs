@@ -1,8 +1,9 @@
-//! The project's own automation: `cargo xtask test|tidy|generate|python|web|bench|fuzz|mutants|release`.
+//! The project's own automation: `cargo xtask test|tidy|generate|python|book|web|bench|fuzz|mutants|release`.
 //!
 //! Needs a Rust toolchain with rustfmt and clippy; all except `tidy` and `generate` use Python 3 too. Messages name
 //! what is missing.
 
+mod book;
 mod generate;
 mod mutants;
 mod release;
@@ -20,7 +21,7 @@ use std::time::Instant;
 type Work = fn() -> Result<(), String>;
 
 /// The verbs with their descriptions.
-const VERBS: [(&str, &str, Work); 9] = [
+const VERBS: [(&str, &str, Work); 10] = [
     (
         "test",
         "format, clippy with warnings denied, all tests, documentation, `tidy`, then the page and `python` at once",
@@ -28,6 +29,7 @@ const VERBS: [(&str, &str, Work); 9] = [
     ),
     ("tidy", "what ARCHITECTURE.md says must stay true, as far as a program can tell; after `cargo doc`", tidy::tidy),
     ("python", "the Python package and its tests (makes its own environment in target/python)", python_package),
+    ("book", "the book in target/book, its commands run and its links checked (mdbook); --check", book::book),
     (
         "web",
         "the page and its modules in web/dist, the plots of reports, and their tests (Node.js, Chromium)",
@@ -117,6 +119,10 @@ fn test() -> Result<(), String> {
     // Many tests wait: for a simulated controller, or for a program that they have started.
     let threads = 2 * std::thread::available_parallelism().map_or(1, usize::from);
     skipped.step(cargo(&["test", "--workspace"]).env("RUST_TEST_THREADS", threads.to_string()))?;
+    match book::available() {
+        Err(missing) if std::env::var_os("CI").is_none() => skipped.add("the book", &missing),
+        available => available.and_then(|()| book::of_built(true))?,
+    }
     // Each of these keeps about one core busy.
     let mut of_page = Skipped::default();
     let (page, python) = std::thread::scope(|scope| {

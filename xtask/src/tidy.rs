@@ -45,9 +45,9 @@ const ITEMS: usize = 120;
 
 /// Statements of pages on the length of a list: page, phrase with `#` for the number, file and name of the list.
 const COUNTS: &[(&str, &str, &str, &str)] = &[
-    ("README.md", " # operators ", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
-    ("README.md", "the # hysteresis operators", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
-    ("docs/identification.md", "all # operators", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
+    ("docs/first-hour.md", "# operators", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
+    ("README.md", "one of # operators", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
+    ("docs/choosing.md", "all # operators", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
     ("docs/operators.md", "piezoid has #", "crates/models/src/hysteresis/mod.rs", "OPERATORS"),
     ("docs/reference.md", "(# kinds)", "crates/records/src/excitation/mod.rs", "EXCITATIONS"),
     ("docs/reference.md", "(# targets)", "crates/piezoid-export/src/lib.rs", "TARGETS"),

@@ -1,4 +1,4 @@
-"""The Python lines of both READMEs, run unchanged."""
+"""The Python lines of the README of the package, run unchanged."""
 
 from __future__ import annotations
 
@@ -31,26 +31,3 @@ def test_the_five_lines_of_the_readme_run(tmp_path: Path, monkeypatch: pytest.Mo
     exec(found[1], run)
     y = plant.simulate(np.asarray(run["u"]), ts)
     assert np.std((y - r)[400:]) < 0.01 * np.ptp(r)
-
-
-def test_the_python_lines_of_the_main_readme_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    readme = (Path(__file__).parents[3] / "README.md").read_text()
-    found = re.search(r"## In Python\n.*?```python\n(.*?)```", readme, re.DOTALL)
-    assert found
-    plant, ts = pz.plants["pl140"], 5e-4
-    rising = {f"rise{hz}": pz.excite.rising_sine(ts=ts, duration=2, amplitude=28, frequency=hz) for hz in (5, 20, 80)}
-    prbs = pz.excite.prbs(ts=ts, duration=2, amplitude=1)
-    stairs = pz.excite.staircase(ts=ts, duration=2, amplitude=25, frequency=10)
-    for name, u in {"prbs": prbs, "stairs": stairs, **rising}.items():
-        plant.measure(u, ts).save(tmp_path / f"{name}.csv")
-    r = pz.excite.triangle(ts=ts, duration=1, amplitude=400, frequency=10)
-    rows = [f"{k * ts},{v}" for k, v in enumerate(r)]
-    (tmp_path / "path.csv").write_text("\n".join(["t_s,r_um", *rows]) + "\n")
-    monkeypatch.chdir(tmp_path)
-    exec(found[1], {})
-    unseen, tracked = (float(line) for line in capsys.readouterr().out.split())
-    y = plant.simulate(r / 22.4, ts)
-    line = np.polynomial.Polynomial.fit(y, r, 1)
-    assert unseen < 0.03 and 100 * np.std(line(y) - r) / np.ptp(r) > 15 * tracked

@@ -34,7 +34,7 @@ pub struct Detector {
     /// Name of the defect, as the JSON of `inspect` gives it. Two detectors may find the same defect.
     pub name: &'static str,
     /// How the defect shows in a record.
-    #[cfg_attr(not(test), allow(dead_code))] // The table of docs/identification.md is compared with it.
+    #[cfg_attr(not(test), allow(dead_code))] // The table of docs/measuring.md is compared with it.
     pub criterion: &'static str,
     /// What the defect means for the record.
     pub consequence: Consequence,

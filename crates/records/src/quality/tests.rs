@@ -383,7 +383,7 @@ fn the_page_on_identification_lists_the_detectors() {
         format!("| {} | {} | {consequence} |\n", d.name.replace('-', " "), d.criterion)
     };
     let table: String = DETECTORS.iter().map(row).collect();
-    let page = include_str!("../../../../docs/identification.md");
+    let page = include_str!("../../../../docs/measuring.md");
     assert!(page.contains(&format!("| defect | found if | consequence |\n|---|---|---|\n{table}\n")), "\n{table}");
 }
 

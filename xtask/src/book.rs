@@ -1,0 +1,68 @@
+//! `cargo xtask book [--check]`: the book, from docs/ to target/book.
+//!
+//! The commands of the chapters are run as they are printed; the figures of the gallery are what these commands draw.
+//! With `--check` the picture of the README stays as it is, and the error says whether it would change.
+
+mod chapters;
+mod figures;
+mod links;
+
+use crate::{built, cargo, root, step};
+use std::path::Path;
+use std::process::Command;
+
+/// The picture that README and book share, and the figure that it is.
+const PICTURE: (&str, &str) = ("docs/tracking.svg", "control/path-csv.svg");
+
+/// Builds the command, then the book.
+pub(crate) fn book() -> Result<(), String> {
+    let arguments: Vec<String> = std::env::args().skip(2).collect();
+    if let Some(unknown) = arguments.iter().find(|argument| *argument != "--check") {
+        return Err(format!("there is no `{unknown}`: give --check or nothing"));
+    }
+    step(&mut cargo(&["build", "--package", "piezoid-cli"]))?;
+    of_built(!arguments.is_empty())
+}
+
+/// The book with the command that is built.
+pub(crate) fn of_built(check: bool) -> Result<(), String> {
+    available()?;
+    let (target, work) = (root().join("target/book"), root().join("target/book-chapters"));
+    pages()?;
+    let io = |path: &Path, e: std::io::Error| format!("{}: {e}", path.display());
+    if work.exists() {
+        std::fs::remove_dir_all(&work).map_err(|e| io(&work, e))?;
+    }
+    chapters::run(&root().join("docs"), &work, &built("piezoid"))?;
+    let drawn = target.join("figures");
+    figures::collect(&work.join("gallery"), &drawn)?;
+    let (kept, made) = (root().join(PICTURE.0), drawn.join(PICTURE.1));
+    let picture = std::fs::read(&made).map_err(|e| io(&made, e))?;
+    if std::fs::read(&kept).ok().as_ref() != Some(&picture) {
+        if check {
+            return Err(format!("{} is not as drawn: run `cargo xtask book`", PICTURE.0));
+        }
+        std::fs::write(&kept, picture).map_err(|e| io(&kept, e))?;
+    }
+    links::check(&target)?;
+    links::check_sources(&["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"])
+}
+
+/// The error if mdbook is missing.
+pub(crate) fn available() -> Result<(), String> {
+    let there = Command::new("mdbook").arg("--version").output().is_ok_and(|o| o.status.success());
+    there.then_some(()).ok_or_else(|| "mdbook is missing: install it with `cargo install --locked mdbook`".into())
+}
+
+/// Writes the pages; a warning is an error.
+fn pages() -> Result<(), String> {
+    let mut command = Command::new("mdbook");
+    let output = command.arg("build").current_dir(root()).env_remove("RUST_LOG").output().map_err(|e| e.to_string())?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    let warned = |line: &&str| line.contains("WARN") || line.contains("ERROR");
+    match said.lines().find(warned) {
+        Some(line) => Err(format!("mdbook build: {line}")),
+        None if !output.status.success() => Err(format!("mdbook build: {said}")),
+        None => Ok(()),
+    }
+}
