@@ -146,3 +146,8 @@ pub use record::{Record, Units};
 pub use system::System;
 #[doc(no_inline)]
 pub use validation::Validate;
+
+/// The Rust of the book, compiled by `cargo test --doc`.
+#[cfg(doctest)]
+#[doc = include_str!("../../../docs/first-hour.md")]
+struct FirstHour;
