@@ -5,8 +5,10 @@ use crate::bench::{Bench, number};
 const README: &str = include_str!("../../../../README.md");
 const FIRST_HOUR: &str = include_str!("../../../../docs/first-hour.md");
 
+/// The commands in the blocks of a page.
 fn commands(page: &str) -> Vec<&str> {
-    page.lines().filter_map(|line| line.strip_prefix("piezoid ")).collect()
+    let blocks = page.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+    blocks.flat_map(str::lines).filter_map(|line| line.strip_prefix("piezoid ")).collect()
 }
 
 /// `cargo xtask book` runs the first hour too, and compares what it prints.
