@@ -36,8 +36,8 @@ pub(crate) fn of_built(check: bool) -> Result<(), String> {
     chapters::run(&root().join("docs"), &work, &built("piezoid"))?;
     let drawn = target.join("figures");
     figures::collect(&work.join("gallery"), &drawn)?;
-    let (kept, made) = (root().join(PICTURE.0), drawn.join(PICTURE.1));
-    let picture = std::fs::read(&made).map_err(|e| io(&made, e))?;
+    let (kept, drawing) = (root().join(PICTURE.0), drawn.join(PICTURE.1));
+    let picture = std::fs::read(&drawing).map_err(|e| io(&drawing, e))?;
     if std::fs::read(&kept).ok().as_ref() != Some(&picture) {
         if check {
             return Err(format!("{} is not as drawn: run `cargo xtask book`", PICTURE.0));
@@ -58,11 +58,11 @@ pub(crate) fn available() -> Result<(), String> {
 fn pages() -> Result<(), String> {
     let mut command = Command::new("mdbook");
     let output = command.arg("build").current_dir(root()).env_remove("RUST_LOG").output().map_err(|e| e.to_string())?;
-    let said = String::from_utf8_lossy(&output.stderr);
+    let log = String::from_utf8_lossy(&output.stderr);
     let warned = |line: &&str| line.contains("WARN") || line.contains("ERROR");
-    match said.lines().find(warned) {
+    match log.lines().find(warned) {
         Some(line) => Err(format!("mdbook build: {line}")),
-        None if !output.status.success() => Err(format!("mdbook build: {said}")),
+        None if !output.status.success() => Err(format!("mdbook build: {log}")),
         None => Ok(()),
     }
 }

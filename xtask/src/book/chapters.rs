@@ -101,7 +101,8 @@ fn chapter(name: &str, blocks: &[Block], folder: &Path, piezoid: &Path) -> Resul
 fn shell(text: &str, folder: &Path, piezoid: &Path) -> Result<String, String> {
     let paths = std::env::var_os("PATH").unwrap_or_default();
     let own = piezoid.parent().map(Path::to_path_buf);
-    let paths = std::env::join_paths(own.into_iter().chain(std::env::split_paths(&paths))).map_err(|e| e.to_string())?;
+    let paths =
+        std::env::join_paths(own.into_iter().chain(std::env::split_paths(&paths))).map_err(|e| e.to_string())?;
     let mut command = Command::new("sh");
     command.args(["-e", "-c", &format!("exec 2>&1\n{text}")]).current_dir(folder).env("PATH", paths);
     let output = command.env_remove("COLUMNS").output().map_err(|e| e.to_string())?;
