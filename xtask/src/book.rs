@@ -8,7 +8,7 @@ mod figures;
 mod links;
 
 use crate::{built, cargo, root, step};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The picture that README and book share, and the figure that it is.
@@ -63,6 +63,16 @@ fn pages() -> Result<(), String> {
     match log.lines().find(warned) {
         Some(line) => Err(format!("mdbook build: {line}")),
         None if !output.status.success() => Err(format!("mdbook build: {log}")),
-        None => Ok(()),
+        None => listed(),
     }
+}
+
+/// The error if a page of docs/ is not in the book.
+fn listed() -> Result<(), String> {
+    let docs = root().join("docs");
+    let place = |file: &PathBuf| file.strip_prefix(&docs).map(|path| root().join("target/book").join(path));
+    let is_in = |file: &PathBuf| place(file).is_ok_and(|page| page.with_extension("html").is_file());
+    let pages = crate::tidy::files(&docs, "md").into_iter().filter(|file| !file.ends_with("SUMMARY.md"));
+    let left: Vec<String> = pages.filter(|file| !is_in(file)).map(|file| crate::tidy::shown(&file)).collect();
+    if left.is_empty() { Ok(()) } else { Err(format!("not in docs/SUMMARY.md: {}", left.join(", "))) }
 }
