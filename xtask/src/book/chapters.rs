@@ -18,6 +18,9 @@ const FIRST: &str = "first-hour";
 /// Why a block may not be run.
 const REASONS: [&str; 4] = ["needs a controller", "takes minutes", "runs until it is stopped", "needs other data"];
 
+/// How many blocks may not be run.
+const NOT_RUN: usize = 15;
+
 /// What stands between two fences.
 #[derive(Debug, PartialEq)]
 struct Block {
@@ -73,7 +76,10 @@ pub(super) fn run(docs: &Path, work: &Path, piezoid: &Path) -> Result<(), String
         }
     }
     left.iter().for_each(|(reason, n)| eprintln!("book: {n} blocks not run: {reason}"));
-    Ok(())
+    match left.values().sum::<usize>() {
+        n if n > NOT_RUN => Err(format!("{n} blocks of the book are not run, {NOT_RUN} at most: run some of them")),
+        _ => Ok(()),
+    }
 }
 
 fn chapter(name: &str, blocks: &[Block], folder: &Path, piezoid: &Path) -> Result<(), String> {
