@@ -373,7 +373,7 @@ fn each_detector_finds_its_defect_with_its_consequence_and_nothing_in_sound_reco
 }
 
 #[test]
-fn the_page_on_identification_lists_the_detectors() {
+fn the_page_on_what_to_measure_lists_the_detectors() {
     let row = |d: &&Detector| {
         let consequence = match d.consequence {
             Consequence::Unusable | Consequence::Error => "error",
