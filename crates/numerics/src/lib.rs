@@ -18,5 +18,6 @@ pub mod progress;
 pub mod series;
 pub mod spline;
 pub mod stepper;
+pub mod student;
 pub mod system;
 pub mod words;

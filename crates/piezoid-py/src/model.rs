@@ -11,7 +11,9 @@ use piezoid::compensation::Compensated;
 use piezoid::hammerstein::InitialCondition;
 use piezoid::validation::ValidateOptions;
 use piezoid::{StatedVerdict, System, Validate};
-use piezoid_verbs::CompensateOptions;
+use piezoid_report::dcc;
+use piezoid_report::report::certificate;
+use piezoid_verbs::{CertificateOptions, CompensateOptions, sha256};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::{Value, json};
@@ -164,6 +166,30 @@ impl Model {
             "whiteness": v.whiteness, "advice": v.advice, "remarks": v.remarks, "unproven": v.not_covered,
         });
         Ok((object(py, &figures)?, array(py, v.simulated)))
+    }
+
+    /// The certificate of predictions as a document, and as a page; and its XML, or why there is none.
+    fn _certificate(
+        &self,
+        py: Python<'_>,
+        records: Vec<Py<Record>>,
+        settings: &Bound<'_, PyDict>,
+    ) -> PyResult<(Py<PyAny>, String, Option<String>, String)> {
+        let options: CertificateOptions = options(settings)?;
+        let named = |(k, record): (usize, &Py<Record>)| {
+            let Record { record, origin, .. } = record.get();
+            let origin = origin.clone().unwrap_or_default();
+            let name = if origin.file.is_empty() { format!("record {}", k + 1) } else { origin.file.clone() };
+            (name, record.clone(), origin)
+        };
+        let records = records.iter().enumerate().map(named).collect();
+        let hash = sha256(self.model.to_json().as_bytes());
+        let found = py.detach(|| options.on(&self.model, &hash, records)).map_err(raised)?;
+        let (xml, why) = match dcc(&found) {
+            Ok(xml) => (Some(xml), String::new()),
+            Err(error) => (None, error.message(&Keywords)),
+        };
+        Ok((object(py, &found.to_json())?, certificate(&found).html(), xml, why))
     }
 
     fn _inverse(&self, delay_samples: usize, settings: &Bound<'_, PyDict>) -> PyResult<FeedForward> {

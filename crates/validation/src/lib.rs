@@ -104,6 +104,8 @@ pub struct Validation {
     pub drift_per_s: f64,
     /// 100 rms error without this drift / standard deviation of y.
     pub nrmse_without_drift_percent: f64,
+    /// Rms of the drift in the figures, if it is steady and makes much of the error [record's unit].
+    pub named_drift: Option<f64>,
     /// The error by frequency: of cycles if the input oscillates, otherwise of spectra.
     pub by_frequency: Vec<Bin>,
     /// The error by amplitude of the cycles; empty if the input does not oscillate.
@@ -325,6 +327,7 @@ impl Figures<'_> {
             offset_removed: (self.options.offset != Offset::Kept).then_some(found.mean),
             mean_error: self.mean_error,
             drift_per_s: found.slope / ts,
+            named_drift: drift.is_named.then_some(drift.rms),
             nrmse_without_drift_percent: 100.0 * (metrics.mse - drift.rms.powi(2)).max(0.0).sqrt() / metrics.std,
             by_frequency: above(self.by_frequency),
             by_amplitude: above(self.by_amplitude),

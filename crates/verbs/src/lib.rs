@@ -4,6 +4,7 @@
 // Tests compare with the C library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+mod certificate;
 mod compare;
 mod compensate;
 mod control;
@@ -28,6 +29,10 @@ mod timing;
 mod validate;
 mod verdict;
 
+pub use certificate::{
+    Budget, Certificate, CertificateOptions, CertifiedBand, CertifiedRecord, Contribution, Digit, Evaluation,
+    MeanError, NoiseOrigin, sha256, share,
+};
 pub use compare::{CompareOptions, ComparedModel, Contest, Failed, ModelComparison, Other, Times};
 pub use compensate::{CompensateOptions, Compensation};
 pub use control::{ComparisonReport, ControlOptions, PATHS, SCHEMES, TuneOptions};

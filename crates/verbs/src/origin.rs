@@ -67,6 +67,11 @@ pub(super) struct Training {
 }
 
 impl Training {
+    /// Where the record comes from.
+    pub(super) fn origin(&self) -> &Origin {
+        &self.origin
+    }
+
     /// The records of an identification in their order, with their origins as far as they are known.
     pub(super) fn all(records: Records, origins: &[Origin]) -> Vec<Training> {
         let roles = [(Role::SmallSignal, records.small_signal), (Role::LargeSignal, records.large_signal)];
@@ -88,6 +93,21 @@ impl Origin {
     pub fn of(name: &str, sha256: String) -> Self {
         Origin { file: short(name).into(), sha256, ..Origin::default() }
     }
+
+    /// The times of its file that the record has, from the first to the second [s].
+    pub(super) fn times(&self) -> [f64; 2] {
+        let whole = [self.columns.from.unwrap_or(0.0), self.columns.to.unwrap_or(f64::INFINITY)];
+        let part = |[from, to]: [f64; 2], step: &Step| match step {
+            Step::Part(a, b) => [from + a, b.map_or(to, |b| to.min(from + b))],
+            _ => [from, to],
+        };
+        self.preparation.iter().fold(whole, part)
+    }
+}
+
+/// The records that a model states to be identified from; `None` if it states none.
+pub(super) fn training(model: &Model) -> Option<Vec<Training>> {
+    Some(Recipe::of(model).ok()?.files)
 }
 
 /// What a model states of its identification.

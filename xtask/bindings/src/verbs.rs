@@ -7,7 +7,8 @@ use piezoid_export::ExportOptions;
 use piezoid_numerics::options::{OptionRow, Options};
 use piezoid_report::study::StudyOptions;
 use piezoid_verbs::{
-    CompareOptions, CompensateOptions, ControlOptions, OnlineOptions, PlanOptions, SimulateOptions, TimingOptions,
+    CertificateOptions, CompareOptions, CompensateOptions, ControlOptions, OnlineOptions, PlanOptions, SimulateOptions,
+    TimingOptions,
 };
 
 /// The rows of a table.
@@ -15,7 +16,8 @@ pub(crate) type Rows = fn() -> Vec<OptionRow>;
 
 /// The classes of keywords in Python. Left out are options that its functions take in another form: references as
 /// arrays, tolerances as fractions, `from` and `to`, of which one is a word of the language, as `start` and `stop`.
-pub(crate) const KEYWORDS: [(&str, &str, Rows); 15] = [
+pub(crate) const KEYWORDS: [(&str, &str, Rows); 16] = [
+    ("CertificateOptions", "`Model.certificate`", CertificateOptions::rows),
     ("ColumnOptions", "`read` and `inspect`", || without(ColumnSelection::rows(), &["from", "to"])),
     ("CompareOptions", "`compare`", || without(CompareOptions::rows(), &["record", "operators", "structures"])),
     ("CompensateOptions", "`Model.compensate`", CompensateOptions::rows),

@@ -4,6 +4,7 @@
 mod acquire;
 mod agreed;
 mod campaign;
+mod certificate;
 mod compare;
 mod compensate;
 mod control;
@@ -109,6 +110,7 @@ const VERBS: &[Verb] = &[
     operation::<online::Online>("online"),
     operation::<export::Export>("export"),
     operation::<report::Report>("report"),
+    operation::<certificate::Certificate>("certificate"),
     own::<serve::Serve>(
         "serve",
         "Serve the page of piezoid on this machine: the same work in a browser, with a project folder",

@@ -6,6 +6,7 @@
 mod bad_input;
 mod bench;
 mod bytes;
+mod certificate;
 mod compare;
 mod compatibility;
 mod compensate;

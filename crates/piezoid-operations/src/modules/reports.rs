@@ -6,10 +6,13 @@ use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
 use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
+use piezoid_report::dcc;
 use piezoid_report::page::Address;
-use piezoid_report::report::{comparison, leaderboard, report, tracking};
+use piezoid_report::report::{certificate, comparison, leaderboard, report, tracking};
 use piezoid_report::study::{Study, StudyOptions};
-use piezoid_verbs::{CompareOptions, ComparisonReport, ControlOptions, DataFile, File, ValidateRecords};
+use piezoid_verbs::{
+    CertificateOptions, CompareOptions, ComparisonReport, ControlOptions, DataFile, File, ValidateRecords,
+};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -28,6 +31,14 @@ pub(super) const OPERATIONS: &[Operation] = &[
         roles: &[MODEL, DATA],
         options: ReportCall::rows,
         run: |inputs, _| page(inputs),
+    },
+    Operation {
+        name: "certificate",
+        summary: "Certify the displacement that a model predicts: its expanded uncertainty, after the GUM",
+        module: "reports",
+        roles: &[MODEL, DATA],
+        options: CertificateOptions::rows,
+        run: |inputs, _| certify(inputs),
     },
     Operation {
         name: "compare",
@@ -105,6 +116,16 @@ fn page(inputs: &Inputs) -> Result<Output, Error> {
     let result = json!({"sentence": outcome.verdict(&model).map(|verdict| verdict.to_string())});
     let page = report(&model, &outcome).of_project(project);
     Ok(Output { result, series: Vec::new(), files: vec![File::new("report.html", page.html())] })
+}
+
+fn certify(inputs: &Inputs) -> Result<Output, Error> {
+    let found = inputs.options::<CertificateOptions>()?.run(&inputs.one("model")?, inputs.sources("data")?)?;
+    let mut files = vec![File::new("certificate.html", certificate(&found).html())];
+    // The XML needs names that the page does not.
+    if let (Some(_), Some(_)) = (&found.options.date, &found.options.country) {
+        files.push(File::new("certificate.xml", dcc(&found)?));
+    }
+    Ok(Output { result: found.to_json(), series: Vec::new(), files })
 }
 
 fn compare(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {

@@ -25,7 +25,7 @@ from .export import export
 from .identify import identify
 from .inspect import Inspection, inspect
 from .lists import actuators, controllers, drivers, estimators, excitations, operators, references, targets
-from .model import Compensation, FeedForward, Model, Validation, Verdict, load
+from .model import Certificate, Compensation, FeedForward, Model, Validation, Verdict, load
 from .online import Online
 from .plan import Plan, plan
 from .plants import Plant, plants
@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "Campaign",
+    "Certificate",
     "Comparison",
     "Compensation",
     "FeedForward",

@@ -13,21 +13,21 @@ import numpy.typing as npt
 from . import _files, _html, _piezoid
 from ._checks import whole
 from ._keywords import known, takes
-from ._options import CompensateOptions, InverseOptions, ValidateOptions
+from ._options import CertificateOptions, CompensateOptions, InverseOptions, ValidateOptions
 from ._piezoid import FeedForward, PiezoidError
 from ._progress import watched
 from ._types import Array, Begin, Progress, Samples, Units
-from .records import as_record, read_input
-from .results import Compensation, Validation, Verdict, frame
+from .records import as_record, as_records, read_input
+from .results import Certificate, Compensation, Validation, Verdict, frame
 from ._summary import summary
 
 if TYPE_CHECKING:
     import pandas as pd
     from typing_extensions import Unpack
 
-    from .records import Source
+    from .records import Source, Sources
 
-__all__ = ["Compensation", "FeedForward", "Model", "Validation", "Verdict", "load"]
+__all__ = ["Certificate", "Compensation", "FeedForward", "Model", "Validation", "Verdict", "load"]
 
 
 class Model:
@@ -241,6 +241,27 @@ class Model:
         settings, measured = known(Model.validate, options), as_record(record)
         figures, simulated = self._core._validate(measured._core, settings)
         return Validation(measured, simulated, figures)
+
+    @takes(CertificateOptions)
+    def certificate(self, records: Sources, **options: Unpack[CertificateOptions]) -> Certificate:
+        """The expanded uncertainty of its predictions after the GUM, from records that it was not identified from.
+
+        It is a statement by its user, not by an accredited laboratory: docs/certificate.md has the equations.
+
+        records: one or several of anything that `read` accepts
+
+        {options}
+
+        >>> import piezoid as pz
+        >>> wave = lambda hz: pz.excite.sine(ts=1e-3, duration=2, amplitude=25, frequency=hz)
+        >>> measure = lambda hz: pz.plants["pl140"].measure(wave(hz), ts=1e-3)
+        >>> model = pz.identify(measure(5), operator="prandtl-ishlinskii", order=2)
+        >>> certificate = model.certificate([measure(4), measure(7)], sensor_calibration=0.5, date="2026-11-30")
+        >>> certificate.unit, certificate.budget["source"][0]
+        ('um', 'error of the model')
+        """
+        settings, measured = known(Model.certificate, options), as_records(records)
+        return Certificate(*self._core._certificate([record._core for record in measured], settings))
 
     @takes(InverseOptions)
     def inverse(self, delay_samples: int = 0, **limits: Unpack[InverseOptions]) -> FeedForward:

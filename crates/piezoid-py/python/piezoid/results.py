@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _html
+from . import _files, _html
+from ._piezoid import PiezoidError
 from ._types import Array
 from .records import Record
 
@@ -142,6 +144,80 @@ class Validation:
 
     def _repr_html_(self) -> str:
         return _html.validation(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Certificate:
+    """The expanded uncertainty of the displacement that a model predicts. `str(certificate)` says it in one sentence."""
+
+    figures: dict[str, Any] = field(repr=False)
+    """All results, as the command line writes them."""
+    html: str = field(repr=False)
+    """The page."""
+    _xml: str | None = field(repr=False)
+    _why: str = field(repr=False)
+
+    @property
+    def expanded(self) -> float:
+        """Expanded uncertainty U, rounded up to two digits [`unit`]: the largest of all records and bands."""
+        return float(self.figures["expanded"])
+
+    @property
+    def unit(self) -> str:
+        """Unit of the displacement."""
+        return str(self.figures["unit"])
+
+    @property
+    def k(self) -> float:
+        """Coverage factor."""
+        return float(self.figures["budget"]["k"])
+
+    @property
+    def correction(self) -> float | None:
+        """What is added to every prediction [`unit`]; None if the mean error is a part of the uncertainty."""
+        value = self.figures["correction"]
+        return None if value is None else float(value)
+
+    @property
+    def within_percent(self) -> float:
+        """Share of the samples of the records within U [%]."""
+        return float(self.figures["within_percent"])
+
+    @property
+    def budget(self) -> pd.DataFrame:
+        """The budget with the largest U: one row a source."""
+        return frame(self.figures["budget"]["rows"])
+
+    @property
+    def records(self) -> pd.DataFrame:
+        """The records: one row each, with its own uncertainty."""
+        return frame([{name: value for name, value in one.items() if name != "rows"} for one in self.figures["records"]])
+
+    @property
+    def not_stated(self) -> list[str]:
+        """Sources of uncertainty that are not stated and in no budget."""
+        return list(self.figures["not_stated"])
+
+    @property
+    def remarks(self) -> list[str]:
+        """Remarks."""
+        return list(self.figures["remarks"])
+
+    @property
+    def dcc(self) -> str:
+        """The Digital Calibration Certificate (DCC 3.3.0) as XML; it needs `date` and `country`."""
+        if self._xml is None:
+            raise PiezoidError(self._why)
+        return self._xml
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the page, or the XML if the path ends in .xml."""
+        _files.write(path, self.dcc if os.fspath(path).lower().endswith(".xml") else self.html)
+
+    def __str__(self) -> str:
+        return str(self.figures["summary"])
+
+    __repr__ = __str__
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,5 +1,6 @@
 //! The reports: on a model and its validation, block by block, on several models, and on control schemes.
 
+mod certificate;
 mod comparison;
 mod creep;
 mod cycles;
@@ -15,6 +16,10 @@ mod record;
 mod residuals;
 mod tracking;
 
+pub use certificate::certificate;
+#[cfg(test)]
+pub(crate) use certificate::tests::example as example_certificate;
+pub(crate) use certificate::{METHOD, STATEMENT};
 pub use comparison::{comparison, leaderboard};
 pub use tracking::tracking;
 

@@ -139,7 +139,7 @@ fn cancelled(progress: &mut Progress, done: usize) -> Result<(), Error> {
 }
 
 /// The positive length in a text, with a unit or in the output unit.
-fn length(name: &str, text: &str, unit: &str) -> Result<f64, Error> {
+pub(super) fn length(name: &str, text: &str, unit: &str) -> Result<f64, Error> {
     let digits = text.trim_end_matches(|c: char| !c.is_ascii_digit() && c != '.');
     let own = ascii_unit(text[digits.len()..].trim());
     let factor = if own.is_empty() { Some(1.0) } else { Units::factor(&own, unit) };
