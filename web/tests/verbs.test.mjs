@@ -79,6 +79,9 @@ test("a model is proven and reported", () => {
   assert.match(result.sentence, /good to/);
   const page = new TextDecoder().decode(call({ call: "report", ...request }, [model, other]).files[0].bytes);
   assert.match(page, /^<!DOCTYPE html>/);
+  const certified = call({ call: "certificate", options: { date: "2026-11-30", country: "CZ" }, ...request }, [model, other]);
+  assert.ok(certified.result.expanded > 0);
+  assert.match(new TextDecoder().decode(certified.files[1].bytes), /^<\?xml/);
 });
 
 test("parameters follow a record", () => {

@@ -43,6 +43,7 @@ fn calls() -> Vec<Value> {
         json!({"call": "simulate", "files": {"model": ["m.json"], "input": ["d.csv"]}}),
         json!({"call": "validate", "files": data}),
         json!({"call": "report", "files": data}),
+        json!({"call": "certificate", "files": data, "options": {"voltage_gain": 0.1, "date": "2026-11-30", "country": "CZ"}}),
         json!({"call": "compare", "files": {"model": ["m.json", "m.json"], "data": ["d.csv"]}}),
         json!({"call": "compensate", "options": {"clip": true, "driver": "pl140", "iterations": 1}, "files": path}),
         json!({"call": "control", "options": {"plant": "pl140", "controller": ["feed-forward"]}, "files": path}),

@@ -111,6 +111,12 @@ fn a_record_becomes_a_model_a_proof_a_voltage_and_code() {
     assert!(export("c").files.iter().any(|file| file.name == "bender.c"));
     let page = answer(json!({"call": "report", "files": {"model": ["model.json"], "data": ["b.csv"]}}), &files);
     assert!(page.files[0].text().unwrap().starts_with("<!DOCTYPE html>"));
+    let options = json!({"sensor_linearity": "50nm", "date": "2026-11-30", "country": "CZ"});
+    let files_of = json!({"model": ["model.json"], "data": ["b.csv"]});
+    let certified = answer(json!({"call": "certificate", "options": options, "files": files_of}), &files);
+    let names: Vec<&str> = certified.files.iter().map(|file| &*file.name).collect();
+    assert_eq!(names, ["certificate.html", "certificate.xml"]);
+    assert!(certified.result["expanded"].as_f64().unwrap() > 0.0);
     let files_of = json!({"model": ["model.json", "model.json"], "data": ["b.csv"]});
     let both = answer(json!({"call": "compare", "files": files_of}), &files);
     assert_eq!((both.result["models"].as_array().map(Vec::len), &*both.files[0].name), (Some(2), "compare.html"));

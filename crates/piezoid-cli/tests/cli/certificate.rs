@@ -69,7 +69,9 @@ fn budgets_are_those_of_gtc() {
 fn the_xml_is_valid_in_dcclib() {
     let bench = bench();
     bench.run(&format!("certificate sine9.csv --model model.json {STATED} -o a.xml")).ok();
-    bench.run("certificate sine9.csv --model model.json --date 2026-11-30 --country CZ --mean-error corrected -o b.xml").ok();
+    bench
+        .run("certificate sine9.csv --model model.json --date 2026-11-30 --country CZ --mean-error corrected -o b.xml")
+        .ok();
     for file in ["a.xml", "b.xml"] {
         let Some(printed) = python(&bench, "dcclib", &["dcc", file]) else { return };
         assert!(printed.contains("Schematron: valid"), "{printed}");

@@ -144,14 +144,21 @@ fn results(certificate: &Certificate, unit: &str) -> Element {
         let both = vec![quantity("lowest", real(low, unit)), quantity("highest", real(high, unit))];
         Some(condition(name, both))
     };
-    let volt = electric(&certificate.units.u);
     let temperature = options.temperature.map(|t| {
         let half_width = options.temperature_half_width.map(|k| quantity("half-width", real(k, "\\kelvin")));
         let both = std::iter::once(quantity("temperature", real(t, "\\degreecelsius"))).chain(half_width);
         condition("temperature", both.collect())
     });
     let conditions = [
-        volt.and_then(|volt| ends("range of the voltage", domain.map(|d| d.u), volt)),
+        match electric(&certificate.units.u) {
+            Some(volt) => ends("range of the voltage", domain.map(|d| d.u), volt),
+            // D-SI has no such unit.
+            None => domain.map(|d| {
+                let text = format!("{} to {} {}", exact(d.u[0]), exact(d.u[1]), certificate.units.u);
+                let both = quantity("lowest and highest", named("dcc:noQuantity", &text));
+                condition("range of the voltage", vec![both])
+            }),
+        },
         ends("range of the frequency", domain.and_then(|d| d.hz), "\\hertz"),
         ends("range of the displacement", Some(certificate.stroke()), unit),
         temperature,

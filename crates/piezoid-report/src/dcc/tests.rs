@@ -41,20 +41,21 @@ const CHILDREN: [(&str, &str); 33] = [
     ("influenceCondition", "name data"),
     ("results", "result+"),
     ("result", "name description? data"),
-    ("quantity", "name? description? real"),
+    ("quantity", "name? description? noQuantity? real?"),
     ("real", "value unit measurementUncertaintyUnivariate?"),
     ("measurementUncertaintyUnivariate", "expandedMU"),
     ("expandedMU", "valueExpandedMU coverageFactor coverageProbability"),
 ];
 
 /// Elements with any number of these.
-const CONTAINERS: [(&str, &str); 6] = [
+const CONTAINERS: [(&str, &str); 7] = [
     ("data", "quantity list"),
     ("list", "quantity"),
     ("name", "content"),
     ("description", "content"),
     ("declaration", "content"),
     ("further", "content"),
+    ("noQuantity", "content"),
 ];
 
 /// What is wrong with an element and with those in it.
@@ -135,6 +136,16 @@ fn the_document_keeps_the_order_and_the_names_of_the_schema() {
         assert!(wrong.is_empty(), "{wrong:?}");
         assert_eq!(document.root_element().attribute("schemaVersion"), Some("3.3.0"));
     }
+}
+
+#[test]
+fn a_range_in_a_unit_that_is_no_voltage_is_a_text() {
+    let mut found = example(options());
+    found.units.u = "counts".into();
+    let text = dcc(&found).unwrap();
+    let mut wrong = Vec::new();
+    faults(roxmltree::Document::parse(&text).unwrap().root_element(), &mut wrong);
+    assert!(wrong.is_empty() && text.contains("to 9 counts<"), "{wrong:?} {text}");
 }
 
 #[test]

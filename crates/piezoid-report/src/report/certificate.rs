@@ -63,7 +63,7 @@ fn result(certificate: &Certificate) -> Section {
         .warning("A statement by its issuer", STATEMENT)
         .each(not_stated(certificate), |section, text| section.warning("Not stated, not included", text))
         .each((!certificate.remarks.is_empty()).then_some(()), |section, ()| {
-            section.heading("Remarks").list(certificate.remarks.iter().map(|remark| sentence(remark)))
+            section.heading("Remarks").list(certificate.remarks.iter().map(|remark| format!("{remark}.")))
         })
 }
 
@@ -79,18 +79,16 @@ fn degrees(nu: Option<f64>) -> String {
 fn budget(certificate: &Certificate) -> Section {
     let (worst, budget) = certificate.worst();
     let y = &certificate.units.y;
-    let table = PageTable::new(format!("Uncertainty budget of {worst}")).text("source").number("value").text("type");
-    let table = table.text("distribution").number("divisor").number("standard uncertainty");
-    let table = table.number("sensitivity coefficient").number(format!("contribution [{y}]"));
-    let table = table.number("degrees of freedom").number("share [%]");
+    let table = PageTable::new(format!("Uncertainty budget of {worst}")).text("source").number("value x").text("type");
+    let table = table.number("divisor").number("u(x)").number("c").number(format!("c u(x) [{y}]"));
+    let table = table.number("ν").number("share [%]");
     let row = |row: &Contribution| {
         let kind = if row.evaluation == Evaluation::A { "A" } else { "B" };
         let per = if row.unit == *y { String::new() } else { format!(" {y}/{}", row.unit) };
         let cells = [
             row.source.into(),
             format!("{} {}", short(row.value), row.unit),
-            kind.into(),
-            row.distribution.into(),
+            format!("{kind}, {}", row.distribution),
             short(row.divisor),
             format!("{} {}", short(row.standard), row.unit),
             format!("{}{per}", round(row.sensitivity)),
@@ -102,7 +100,7 @@ fn budget(certificate: &Certificate) -> Section {
     };
     let total = |what: &str, value: String, nu: String, share: &str| {
         let empty = String::new;
-        [what.into(), empty(), empty(), empty(), empty(), empty(), empty(), value, nu, share.into()].map(Cell::from)
+        [what.into(), empty(), empty(), empty(), empty(), empty(), value, nu, share.into()].map(Cell::from)
     };
     let Budget { standard, degrees_of_freedom, k, expanded, .. } = budget;
     let sources = budget.rows.iter().map(|row| format!("{}: {}", row.source, row.because));
@@ -110,7 +108,10 @@ fn budget(certificate: &Certificate) -> Section {
     let table = table
         .row(total("combined", short(*standard), degrees(*degrees_of_freedom), "100"))
         .row(total(&format!("expanded, k = {k:.3}"), short(*expanded), String::new(), ""))
-        .note("Type A: evaluated by statistics; type B: by other means. A coefficient of 0: listed, but not counted.");
+        .note(
+            "Type A: evaluated by statistics; type B: by other means. u(x): standard uncertainty, c: sensitivity \
+             coefficient (0: listed, but not counted), ν: degrees of freedom.",
+        );
     Section::new("Uncertainty budget").table(table).list(sources)
 }
 
@@ -118,7 +119,7 @@ fn records(certificate: &Certificate) -> Section {
     let y = &certificate.units.y;
     let table = PageTable::new("Uncertainty of each record").text("record").number("samples");
     let table = table.number(format!("mean error [{y}]")).number(format!("noise [{y}]"));
-    let table = table.number(format!("standard uncertainty [{y}]")).number("degrees of freedom").number("k");
+    let table = table.number(format!("u [{y}]")).number("ν").number("k");
     let table = table.number(format!("U [{y}]")).number("within its U [%]").number("within U [%]");
     let row = |record: &CertifiedRecord| {
         let Budget { standard, degrees_of_freedom, k, expanded, .. } = &record.budget;
@@ -136,7 +137,7 @@ fn records(certificate: &Certificate) -> Section {
         ]
     };
     let table = table.rows(certificate.records.iter().map(row)).note(
-        "Mean error: measured less predicted. The last columns are the shares of the samples whose measured error is \
+        "Mean error: measured less predicted; u: standard uncertainty; ν: degrees of freedom. The last columns are the shares of the samples whose measured error is \
          within the expanded uncertainty of the record, and within that of the certificate.",
     );
     Section::new("Records").table(table).figure(errors(certificate))
@@ -166,8 +167,8 @@ fn errors(certificate: &Certificate) -> Figure {
 fn bands(certificate: &Certificate) -> Section {
     let y = &certificate.units.y;
     let table = PageTable::new("Uncertainty by frequency").number("from [Hz]").number("to [Hz]").number("cycles");
-    let table = table.number(format!("rms error [{y}]")).number(format!("standard uncertainty [{y}]"));
-    let table = table.number("degrees of freedom").number("k").number(format!("U [{y}]"));
+    let table = table.number(format!("rms error [{y}]")).number(format!("u [{y}]"));
+    let table = table.number("ν").number("k").number(format!("U [{y}]"));
     let row = |band: &CertifiedBand| {
         let Budget { standard, degrees_of_freedom, k, expanded, .. } = &band.budget;
         [

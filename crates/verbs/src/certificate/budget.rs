@@ -6,6 +6,9 @@
 //! nu_eff = u_c^4 / sum ((c_i u_i)^4 / nu_i)              G.4.1, Welch-Satterthwaite, truncated to a whole number
 //! U = k u_c,  k = t(coverage, nu_eff)                    6.2, G.3
 //! ```
+//! Where the errors of a record are not normal, and fewer of them than `coverage` lie within, k is as large as they need
+//! (G.1.4: the distribution itself).
+//!
 //! Reference: JCGM 100:2008, Guide to the expression of uncertainty in measurement.
 
 use libm::{ceil, floor, log10, pow};
@@ -97,7 +100,9 @@ pub struct Budget {
     pub standard: f64,
     /// Effective degrees of freedom; `None` if there are infinitely many.
     pub degrees_of_freedom: Option<f64>,
-    /// Coverage factor.
+    /// The quantile of Student's t-distribution.
+    pub student_k: f64,
+    /// Coverage factor: this quantile, or more if the errors of the record need more.
     pub k: f64,
     /// Expanded uncertainty, not rounded [output unit].
     pub expanded: f64,
@@ -117,7 +122,16 @@ impl Budget {
         let degrees_of_freedom = nu.is_finite().then_some(nu);
         let k = coverage_factor(coverage, degrees_of_freedom.map_or(f64::INFINITY, |nu| floor(nu).max(1.0)));
         let standard = variance.sqrt();
-        Budget { rows, standard, degrees_of_freedom, k, expanded: k * standard }
+        Budget { rows, standard, degrees_of_freedom, student_k: k, k, expanded: k * standard }
+    }
+
+    /// The same with an expanded uncertainty of at least this size [output unit].
+    pub(super) fn at_least(self, size: f64) -> Self {
+        if size > self.expanded && self.standard > 0.0 {
+            Budget { k: size / self.standard, expanded: size, ..self }
+        } else {
+            self
+        }
     }
 }
 

@@ -19,7 +19,7 @@
 
 use piezoid_numerics::fourier::plain_power;
 use piezoid_numerics::series::{line, mean};
-use piezoid_validation::{Bin, Floor, Validation};
+use piezoid_validation::{Bin, Floor, Offset, Validation};
 
 /// Degrees of freedom of a noise that is read from a spectrum: its standard deviation is known to a tenth (G.4.2).
 const SPECTRUM_DEGREES: f64 = 50.0;
@@ -51,7 +51,9 @@ impl Evidence {
         let (square, nu) = independent(&rest);
         let noise = validation.floor.as_ref().map(|floor| (floor.rms.min(square.sqrt()), noise_degrees(floor)));
         let mean_uncertainty = (square / nu).sqrt();
-        Evidence { drift, mean: mean(errors), mean_uncertainty, ..Evidence::without_mean(square, nu, noise) }
+        // What was subtracted leaves nothing but rounding.
+        let mean = if validation.offset == Offset::Kept { mean(errors) } else { 0.0 };
+        Evidence { drift, mean, mean_uncertainty, ..Evidence::without_mean(square, nu, noise) }
     }
 
     /// Of a band, in whose errors mean and drift are contained; `nu` is the number of independent errors.

@@ -21,7 +21,7 @@ pub use options::{CertificateOptions, MeanError, NoiseOrigin};
 pub use part::{CertifiedBand, CertifiedRecord};
 
 use super::origin::{Training, training};
-use super::{File, Origin, Source, ValidateRecords, Validated};
+use super::{Compared, File, Origin, Source, ValidateRecords, Validated};
 use part::{Reach, Rules};
 use piezoid_models::hammerstein::{Domain, Model};
 use piezoid_numerics::error::Error;
@@ -104,7 +104,12 @@ impl CertificateOptions {
         let parts = validated.files.iter().cloned().zip(origins).zip(&reaches);
         let mut records: Vec<CertifiedRecord> =
             parts.map(|((compared, origin), reach)| rules.record(compared, origin, reach, correction)).collect();
-        let bands = rules.bands(&validated, &records, &Reach::largest(&reaches));
+        let corrected = match correction {
+            None => None,
+            Some((value, _)) => Some(self.corrected(model, &validated, value)?),
+        };
+        let [bins, _] = corrected.as_ref().unwrap_or(&validated).bins();
+        let bands = rules.bands(&bins, &records, &Reach::largest(&reaches));
         let largest = records.iter().map(|r| r.budget.expanded).chain(bands.iter().map(|b| b.budget.expanded));
         let (expanded, digit) = Digit::of(largest.fold(0.0, f64::max));
         let offset = correction.map_or(0.0, |(value, _)| value);
@@ -126,6 +131,16 @@ impl CertificateOptions {
         };
         certificate.remark(&validated);
         Ok(certificate)
+    }
+
+    /// The validation with records less the correction: the errors of bands contain their mean.
+    fn corrected(&self, model: &Model, validated: &Validated, correction: f64) -> Result<Validated, Error> {
+        let shifted = |compared: &Compared| {
+            let record = &compared.record;
+            let y = record.y().iter().map(|y| y - correction).collect();
+            Ok((compared.name.clone(), record.with_samples(record.ts(), record.u().to_vec(), y)?))
+        };
+        self.validation.on(model, &validated.files.iter().map(shifted).collect::<Result<Vec<_>, Error>>()?)
     }
 }
 
@@ -269,19 +284,22 @@ impl Certificate {
             if self.options.validation.offset == Offset::Kept
                 && (record.mean_error - offset).abs() > 2.0 * record.mean_uncertainty
             {
-                let what = if self.correction.is_some() { "after the correction" } else { "in the uncertainty" };
                 let [mean, left] = [record.mean_error, record.mean_error - offset].map(short);
-                self.remarks.push(format!("{name}: the mean error is {mean} {y}, of which {left} {y} are {what}"));
+                self.remarks.push(match self.correction {
+                    Some(_) => format!("{name}: of the mean error of {mean} {y}, the correction leaves {left} {y}"),
+                    None => format!("{name}: the mean error of {mean} {y} is in the uncertainty"),
+                });
             }
             if record.noise.is_none() {
                 let text = "the noise of the record is not known: the error of the model contains it";
                 self.remarks.push(format!("{name}: {text}"));
             }
-            if record.own_within_percent < self.options.coverage {
+            let Budget { k, student_k, .. } = record.budget;
+            if k > student_k {
                 self.remarks.push(format!(
-                    "{name}: only {} % of its samples are within its own +-{} {y}: its errors are not normal",
-                    share(record.own_within_percent),
-                    short(record.budget.expanded)
+                    "{name}: its errors are not normal, so that k is {k:.2}, within which {} % of them lie, and not \
+                     {student_k:.2}",
+                    self.options.coverage
                 ));
             }
             let texts = record.compared.validation.remarks.iter();
@@ -289,7 +307,7 @@ impl Certificate {
         }
         if self.within_percent() < self.options.coverage {
             let percent = share(self.within_percent());
-            self.remarks.push(format!("only {percent} % of all samples are within: do not use this certificate"));
+            self.remarks.push(format!("only {percent} % of all samples are within: its errors are not normal"));
         }
     }
 

@@ -3,7 +3,7 @@
 use super::budget::{Budget, Contribution};
 use super::evidence::Evidence;
 use super::options::{CertificateOptions, Coefficient, MeanError, NoiseOrigin, Stated};
-use crate::{Compared, Origin, Validated, merge};
+use crate::{Compared, Origin, merge};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::{round, short};
@@ -19,6 +19,9 @@ const MIN_CYCLES: usize = 3;
 
 /// Relative change of a voltage by which its influence is computed, if none is stated.
 const SMALL: f64 = 1e-3;
+
+/// The source that is noise.
+const NOISE: &str = "noise";
 
 /// A record of a certificate.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,10 +75,14 @@ impl CertifiedRecord {
         errors(&self.compared)
     }
 
-    /// Counts the samples within the expanded uncertainty of the certificate, and within its own.
+    /// Counts the samples within the expanded uncertainty of the certificate, and within its own. Measured errors have
+    /// noise; if that does not count, it is added to the uncertainty here.
     pub(super) fn count_within(&mut self, correction: f64, expanded: f64) {
         let errors = self.errors();
-        let within = |limit: f64| {
+        let counts = |row: &&Contribution| row.source == NOISE && row.sensitivity == 0.0;
+        let noise = self.budget.rows.iter().find(counts).map_or(0.0, |row| self.budget.student_k * row.standard);
+        let within = |uncertainty: f64| {
+            let limit = uncertainty.hypot(noise);
             let count = errors.iter().filter(|e| (*e - correction).abs() <= limit).count();
             100.0 * count as f64 / errors.len() as f64
         };
@@ -210,10 +217,17 @@ impl Rules<'_> {
         });
         let Evidence { mean: mean_error, mean_uncertainty, nu: independent, .. } = evidence;
         rows.extend(self.stated(reach));
+        let coverage = 0.01 * self.options.coverage;
+        let mut budget = Budget::of(rows, coverage);
+        if self.options.noise == NoiseOrigin::Unknown {
+            let offset = correction.map_or(0.0, |(value, _)| value);
+            let sizes = errors(&compared).iter().map(|e| (e - offset).abs()).collect();
+            budget = budget.at_least(covering(sizes, coverage));
+        }
         CertifiedRecord {
             origin,
             n: compared.record.len() - compared.validation.start,
-            budget: Budget::of(rows, 0.01 * self.options.coverage),
+            budget,
             mean_error,
             mean_uncertainty,
             noise: evidence.noise.map(|(rms, _)| rms),
@@ -225,13 +239,7 @@ impl Rules<'_> {
     }
 
     /// The bands, if there are several.
-    pub(super) fn bands(
-        &self,
-        validated: &Validated,
-        records: &[CertifiedRecord],
-        reach: &Reach,
-    ) -> Vec<CertifiedBand> {
-        let [bins, _] = validated.bins();
+    pub(super) fn bands(&self, bins: &[Bin], records: &[CertifiedRecord], reach: &Reach) -> Vec<CertifiedBand> {
         let counts = |bin: &&Bin| bin.source == Source::Cycles && bin.cycles >= MIN_CYCLES && !bin.little_excited;
         let bins: Vec<&Bin> = bins.iter().filter(counts).collect();
         if bins.len() < 2 {
@@ -263,7 +271,7 @@ impl Rules<'_> {
                 true => "measured: noise floor of the record, which may be motion",
                 false => "measured: noise floor of the record; stated to be of the sensor alone",
             };
-            counted(Contribution::measured("noise", rms, y, nu, because.into()), counts)
+            counted(Contribution::measured(NOISE, rms, y, nu, because.into()), counts)
         });
         let resolution = self.stated.resolution.map(|step| {
             let of = ("resolution", "stated: half of the step".to_string());
@@ -328,6 +336,13 @@ impl Rules<'_> {
         ];
         all.into_iter().filter(|(_, is_stated)| !is_stated).map(|(source, _)| source).collect()
     }
+}
+
+/// The smallest of these sizes that has at least this share of them up to it.
+fn covering(mut sizes: Vec<f64>, share: f64) -> f64 {
+    sizes.sort_unstable_by(f64::total_cmp);
+    let count = libm::ceil(share * sizes.len() as f64) as usize;
+    sizes.get(count.clamp(1, sizes.len().max(1)) - 1).copied().unwrap_or(0.0)
 }
 
 /// A row that counts, or else is listed alone: with a sensitivity coefficient of 0.
