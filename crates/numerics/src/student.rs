@@ -99,7 +99,8 @@ mod tests {
     #[test]
     fn the_quantiles_are_those_of_scipy() {
         for (p, nu, k) in SCIPY {
-            assert_close(&[coverage_factor(p, nu)], &[k], 1e-10, 0.0);
+            // The next correction is of the order of 1 / nu^2.
+            assert_close(&[coverage_factor(p, nu)], &[k], if nu < MANY { 1e-11 } else { 1e-9 }, 0.0);
         }
     }
 
