@@ -397,6 +397,61 @@ export interface CallOptions {
     /** Offset of the model */
     offset?: "kept" | "free" | "drift";
   };
+  /** Certify the displacement that a model predicts: its expanded uncertainty, after the GUM. */
+  certificate: {
+    /** Coverage probability of the expanded uncertainty [%] */
+    coverage?: number | string;
+    /** What the noise of the records is taken for */
+    noise?: "unknown" | "sensor";
+    /** What happens to the mean error of the predictions */
+    mean_error?: "included" | "corrected";
+    /** Expanded uncertainty of the scale of the sensor, relative to the displacement, from its certificate [%] */
+    sensor_calibration?: number | string;
+    /** Coverage factor of {sensor_calibration} */
+    sensor_k?: number | string;
+    /** Largest deviation of the sensor from its straight line: a number in the output unit, or with a unit (50nm) */
+    sensor_linearity?: string;
+    /** Smallest step of the reading, written like {sensor_linearity} */
+    resolution?: string;
+    /** Largest drift of sensor and actuator from the records to the use, written like {sensor_linearity} */
+    drift?: string;
+    /** Change of the displacement per kelvin: a length such as 20nm, or a share of the displacement such as 0.1% */
+    temperature_coefficient?: string;
+    /** Largest difference of the temperature from that of the records [K] */
+    temperature_half_width?: number | string;
+    /** Expanded uncertainty of the gain of driver and voltmeter, relative to the voltage [%] */
+    voltage_gain?: number | string;
+    /** Coverage factor of {voltage_gain} */
+    voltage_k?: number | string;
+    /** Largest offset of the voltage [input unit] */
+    voltage_offset?: number | string;
+    /** Temperature of the records [degC] */
+    temperature?: number | string;
+    /** Date of issue, such as 2026-11-30: a certificate does not read the clock */
+    date?: string;
+    /** Date on which the records were measured */
+    measured?: string;
+    /** Number of the certificate */
+    number?: string;
+    /** Who states it */
+    issuer?: string;
+    /** The person responsible */
+    person?: string;
+    /** Who it is for */
+    customer?: string;
+    /** Country of the issuer: two letters (ISO 3166-1) */
+    country?: string;
+    /** The actuator: manufacturer and type */
+    item?: string;
+    /** Serial number of the actuator */
+    serial?: string;
+    /** The sensor of the records, with the number of its certificate */
+    sensor?: string;
+    /** Time at the start of each record that the error figures leave out [s] */
+    skip?: number | string;
+    /** Offset of the model */
+    offset?: "kept" | "free" | "drift";
+  };
   /** Compare models, operators and structures on the same records. */
   compare: {
     /** Address of the page that has the project open, for a link to it */

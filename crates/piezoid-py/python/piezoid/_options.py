@@ -9,6 +9,74 @@ if TYPE_CHECKING:
     from typing_extensions import Required
 
 
+class CertificateOptions(TypedDict, total=False):
+    """Keywords of `Model.certificate`.
+
+    coverage: Coverage probability of the expanded uncertainty [%]; default: 95.45
+    noise: What the noise of the records is taken for ["unknown" or "sensor"]; default: unknown
+    mean_error: What happens to the mean error of the predictions ["included" or "corrected"]; default: included
+    skip: Time at the start of each record that the error figures leave out [s]; default: 0
+    offset: Offset of the model ["kept" or "free" or "drift"]; default: kept
+
+    Uncertainties as stated:
+
+    sensor_calibration: Expanded uncertainty of the scale of the sensor, relative to the displacement, from its
+        certificate [%]
+    sensor_k: Coverage factor of sensor_calibration; default: 2
+    sensor_linearity: Largest deviation of the sensor from its straight line: a number in the output unit, or with a
+        unit (50nm)
+    resolution: Smallest step of the reading, written like sensor_linearity
+    drift: Largest drift of sensor and actuator from the records to the use, written like sensor_linearity
+    temperature_coefficient: Change of the displacement per kelvin: a length such as 20nm, or a share of the
+        displacement such as 0.1%
+    temperature_half_width: Largest difference of the temperature from that of the records [K]
+    voltage_gain: Expanded uncertainty of the gain of driver and voltmeter, relative to the voltage [%]
+    voltage_k: Coverage factor of voltage_gain; default: 2
+    voltage_offset: Largest offset of the voltage [input unit]
+
+    Certificate:
+
+    temperature: Temperature of the records [degC]
+    date: Date of issue, such as 2026-11-30: a certificate does not read the clock
+    measured: Date on which the records were measured; default: the date of issue
+    number: Number of the certificate; default: made of the hashes of model and records
+    issuer: Who states it
+    person: The person responsible; default: the issuer
+    customer: Who it is for
+    country: Country of the issuer: two letters (ISO 3166-1)
+    item: The actuator: manufacturer and type
+    serial: Serial number of the actuator
+    sensor: The sensor of the records, with the number of its certificate
+    """
+
+    coverage: float | str
+    noise: Literal["unknown", "sensor"]
+    mean_error: Literal["included", "corrected"]
+    sensor_calibration: float | str | None
+    sensor_k: float
+    sensor_linearity: str | None
+    resolution: str | None
+    drift: str | None
+    temperature_coefficient: str | None
+    temperature_half_width: float | str | None
+    voltage_gain: float | str | None
+    voltage_k: float
+    voltage_offset: float | None
+    temperature: float | str | None
+    date: str | None
+    measured: str | None
+    number: str | None
+    issuer: str | None
+    person: str | None
+    customer: str | None
+    country: str | None
+    item: str | None
+    serial: str | None
+    sensor: str | None
+    skip: float | str
+    offset: Literal["kept", "free", "drift"]
+
+
 class ColumnOptions(TypedDict, total=False):
     """Keywords of `read` and `inspect`.
 
@@ -459,6 +527,34 @@ class ValidateOptions(TypedDict, total=False):
 
 
 DEFAULTS: dict[str, dict[str, Any]] = {
+    "CertificateOptions": {
+        "coverage": 95.45,
+        "noise": "unknown",
+        "mean_error": "included",
+        "sensor_calibration": None,
+        "sensor_k": 2.0,
+        "sensor_linearity": None,
+        "resolution": None,
+        "drift": None,
+        "temperature_coefficient": None,
+        "temperature_half_width": None,
+        "voltage_gain": None,
+        "voltage_k": 2.0,
+        "voltage_offset": None,
+        "temperature": None,
+        "date": None,
+        "measured": None,
+        "number": None,
+        "issuer": None,
+        "person": None,
+        "customer": None,
+        "country": None,
+        "item": None,
+        "serial": None,
+        "sensor": None,
+        "skip": 0.0,
+        "offset": "kept",
+    },
     "ColumnOptions": {
         "ts": None,
         "fs": None,
