@@ -190,7 +190,10 @@ fn bands(certificate: &Certificate) -> Section {
 
 fn range(certificate: &Certificate) -> Section {
     let Certificate { units, options, .. } = certificate;
-    let between = |[low, high]: [f64; 2], unit: &str| format!("{} to {} {unit}", round(low), round(high));
+    let between = |ends: [f64; 2], unit: &str| match ends.map(round) {
+        [low, high] if low == high => format!("{low} {unit}"),
+        [low, high] => format!("{low} to {high} {unit}"),
+    };
     let domain = certificate.domain();
     let sampling: Vec<String> = certificate.records.iter().map(|r| round(r.compared.record.ts())).collect();
     let all_the_same = sampling.iter().all(|ts| *ts == sampling[0]);
@@ -279,7 +282,8 @@ pub(crate) mod tests {
             "P-885 &amp; co",
             "not issued by an accredited laboratory",
             "linearity of the sensor, resolution, drift after the records, temperature",
-            "Uncertainty budget of &lt;40&gt;.csv",
+            &format!("Uncertainty budget of {}", found.worst().0),
+            "&lt;40&gt;.csv",
             "calibration of the sensor",
             "2026-11-30",
             &"ab".repeat(32),
@@ -288,6 +292,6 @@ pub(crate) mod tests {
         ] {
             assert!(html.contains(text), "{text}");
         }
-        assert!(!html.contains("NaN"));
+        assert!(!html.split("<script>").next().unwrap().contains("NaN"));
     }
 }

@@ -81,8 +81,8 @@ options! {
         voltage_gain: Option<f64> = None, OptionRow::not_negative("%").group(BUDGET);
         /// Coverage factor of {voltage_gain}.
         voltage_k: f64 = 2.0, OptionRow::positive("").group(BUDGET);
-        /// Largest offset of the voltage [input unit].
-        voltage_offset: Option<f64> = None, OptionRow::not_negative("").group(BUDGET);
+        /// Largest offset of the voltage, in the unit of the input.
+        voltage_offset: Option<f64> = None, OptionRow::not_negative("V").group(BUDGET);
         /// Temperature of the records.
         temperature: Option<f64> = None, TEMPERATURE.group(NAMES);
         /// Date of issue, such as 2026-11-30: a certificate does not read the clock.
