@@ -423,7 +423,7 @@ export interface CallOptions {
     voltage_gain?: number | string;
     /** Coverage factor of {voltage_gain} */
     voltage_k?: number | string;
-    /** Largest offset of the voltage [input unit] */
+    /** Largest offset of the voltage, in the unit of the input [V] */
     voltage_offset?: number | string;
     /** Temperature of the records [degC] */
     temperature?: number | string;

@@ -32,7 +32,7 @@ class CertificateOptions(TypedDict, total=False):
     temperature_half_width: Largest difference of the temperature from that of the records [K]
     voltage_gain: Expanded uncertainty of the gain of driver and voltmeter, relative to the voltage [%]
     voltage_k: Coverage factor of voltage_gain; default: 2
-    voltage_offset: Largest offset of the voltage [input unit]
+    voltage_offset: Largest offset of the voltage, in the unit of the input [V]
 
     Certificate:
 
@@ -61,7 +61,7 @@ class CertificateOptions(TypedDict, total=False):
     temperature_half_width: float | str | None
     voltage_gain: float | str | None
     voltage_k: float
-    voltage_offset: float | None
+    voltage_offset: float | str | None
     temperature: float | str | None
     date: str | None
     measured: str | None
