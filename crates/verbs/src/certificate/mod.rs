@@ -32,6 +32,9 @@ use piezoid_validation::Offset;
 use serde_json::{Value, json};
 use sha2::{Digest, Sha256};
 
+/// Smallest number of samples of a record.
+const MIN_SAMPLES: usize = 100;
+
 /// The certificate of a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Certificate {
@@ -96,6 +99,13 @@ impl CertificateOptions {
             let why = "a certificate states a displacement";
             return Err(Error::units(&format!("{why}; the output"), &units.y, "a unit of length (um, nm, mm, m)"));
         }
+        for compared in &validated.files {
+            let have = compared.record.len() - compared.validation.start;
+            if have < MIN_SAMPLES {
+                let (what, remedy) = ("the record".into(), "give a longer one".into());
+                return Err(Error::TooShort { what, have, need: MIN_SAMPLES, remedy }.of(&compared.name));
+            }
+        }
         let stated = self.stated(&units.y)?;
         let verdict = validated.verdict(model);
         let rules = Rules { options: self, stated: &stated, units: &units };
@@ -110,8 +120,13 @@ impl CertificateOptions {
         };
         let [bins, _] = corrected.as_ref().unwrap_or(&validated).bins();
         let bands = rules.bands(&bins, &records, &Reach::largest(&reaches));
-        let largest = records.iter().map(|r| r.budget.expanded).chain(bands.iter().map(|b| b.budget.expanded));
-        let (expanded, digit) = Digit::of(largest.fold(0.0, f64::max));
+        let all = records.iter().map(|r| r.budget.expanded).chain(bands.iter().map(|b| b.budget.expanded));
+        let all: Vec<f64> = all.collect();
+        if all.iter().any(|expanded| !expanded.is_finite()) {
+            let why = "the squares of the errors are not finite: check the scale of the records, and what is stated";
+            return Err(Error::Content(why.into()));
+        }
+        let (expanded, digit) = Digit::of(all.into_iter().fold(0.0, f64::max));
         let offset = correction.map_or(0.0, |(value, _)| value);
         records.iter_mut().for_each(|record| record.count_within(offset, expanded));
         let not_stated = rules.not_stated();

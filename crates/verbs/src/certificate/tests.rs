@@ -214,3 +214,17 @@ fn units_that_do_not_fit_are_refused() {
     let none = CertificateOptions::default().on(&model(), "", Vec::new()).unwrap_err().to_string();
     assert!(none.contains("needs one or more records"), "{none}");
 }
+
+#[test]
+fn records_that_are_too_short_or_too_large_are_refused() {
+    let of = |n: usize, scale: f64| {
+        let u: Vec<f64> = wave(5.0)[..n].to_vec();
+        let y = u.iter().map(|u| scale * u).collect();
+        let records = vec![("a.csv".into(), Record::new(TS, u, y).unwrap(), Origin::default())];
+        CertificateOptions::default().on(&model(), "", records).unwrap_err().to_string()
+    };
+    let short = of(99, 2.0);
+    assert!(short.starts_with("a.csv: the record has 99 samples, but at least 100 are needed"), "{short}");
+    let large = of(1000, 1e200);
+    assert!(large.contains("the squares of the errors are not finite"), "{large}");
+}
