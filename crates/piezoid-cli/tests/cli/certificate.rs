@@ -7,7 +7,8 @@ use std::process::Command;
 /// What is stated in all tests.
 const STATED: &str = "--sensor-calibration 0.5% --sensor-linearity 200nm --resolution 10nm --drift 0.1um \
      --temperature-coefficient 0.05% --temperature-half-width 2 --voltage-gain 0.1% --voltage-offset 5mV \
-     --date 2026-11-30 --country CZ --issuer Lab --customer Works --item pl140 --serial 7 --sensor laser --temperature 22";
+     --date 2026-11-30 --country CZ --issuer Lab --customer Works --item pl140 --serial 7 --sensor laser \
+     --temperature 22";
 
 /// A bench with a record that the model was not identified from.
 fn bench() -> Bench {

@@ -39,7 +39,7 @@ class CertificateOptions(TypedDict, total=False):
     temperature: Temperature of the records [degC]
     date: Date of issue, such as 2026-11-30: a certificate does not read the clock
     measured: Date on which the records were measured; default: the date of issue
-    number: Number of the certificate; default: made of the hashes of model and records
+    number: Number of the certificate; default: one from the hashes of all files
     issuer: Who states it
     person: The person responsible; default: the issuer
     customer: Who it is for

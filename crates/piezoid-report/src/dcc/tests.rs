@@ -5,7 +5,8 @@ use super::*;
 use crate::report::example_certificate as example;
 use piezoid_verbs::{CertificateOptions, MeanError};
 
-/// The children of an element in DCC 3.3.0 and D-SI 2.2.1, in their order; `?` may be missing, `+` may repeat, `*` both.
+/// The children of an element in DCC 3.3.0 and D-SI 2.2.1, in their order; `?` may be missing, `+` may repeat, `*`
+/// both.
 /// Those that a certificate does not use are left out, unless they must be there.
 const CHILDREN: [(&str, &str); 33] = [
     ("digitalCalibrationCertificate", "administrativeData measurementResults"),

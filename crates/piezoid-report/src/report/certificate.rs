@@ -137,8 +137,9 @@ fn records(certificate: &Certificate) -> Section {
         ]
     };
     let table = table.rows(certificate.records.iter().map(row)).note(
-        "Mean error: measured less predicted; u: standard uncertainty; ν: degrees of freedom. The last columns are the shares of the samples whose measured error is \
-         within the expanded uncertainty of the record, and within that of the certificate.",
+        "Mean error: measured less predicted; u: standard uncertainty; ν: degrees of freedom. The last columns are \
+         the shares of the samples whose measured error is within the expanded uncertainty of the record, and within \
+         that of the certificate.",
     );
     Section::new("Records").table(table).figure(errors(certificate))
 }

@@ -6,8 +6,8 @@
 //! nu_eff = u_c^4 / sum ((c_i u_i)^4 / nu_i)              G.4.1, Welch-Satterthwaite, truncated to a whole number
 //! U = k u_c,  k = t(coverage, nu_eff)                    6.2, G.3
 //! ```
-//! Where the errors of a record are not normal, and fewer of them than `coverage` lie within, k is as large as they need
-//! (G.1.4: the distribution itself).
+//! Where the errors of a record are not normal, and fewer of them than `coverage` lie within, k is as large as they
+//! need (G.1.4: the distribution itself).
 //!
 //! Reference: JCGM 100:2008, Guide to the expression of uncertainty in measurement.
 

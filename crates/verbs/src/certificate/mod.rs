@@ -262,8 +262,8 @@ impl Certificate {
         });
         let correction = correction.unwrap_or_default();
         format!(
-            "displacement = prediction{correction} +- {expanded} {y} (k = {:.2}, {probability} %; largest of {}, {worst}); \
-             {} % of the samples are within",
+            "displacement = prediction{correction} +- {expanded} {y} (k = {:.2}, {probability} %; largest of {}, \
+             {worst}); {} % of the samples are within",
             budget.k,
             self.scope(),
             share(self.within_percent()),

@@ -39,6 +39,7 @@ const MEAN_ERRORS: OptionKind = OptionKind::Choice(&[
 ]);
 
 const LENGTH: OptionKind = OptionKind::Text("LENGTH");
+const COEFFICIENT: OptionKind = OptionKind::Text("LENGTH|PERCENT");
 const DATE: OptionKind = OptionKind::Text("DATE");
 const TEXT: OptionKind = OptionKind::Text("TEXT");
 const BUDGET: &str = "Uncertainties as stated";
@@ -74,7 +75,7 @@ options! {
         /// Largest drift of sensor and actuator from the records to the use, written like {sensor_linearity}.
         drift: Option<String> = None, OptionRow::new(LENGTH).group(BUDGET);
         /// Change of the displacement per kelvin: a length such as 20nm, or a share of the displacement such as 0.1%.
-        temperature_coefficient: Option<String> = None, OptionRow::new(OptionKind::Text("LENGTH|PERCENT")).group(BUDGET);
+        temperature_coefficient: Option<String> = None, OptionRow::new(COEFFICIENT).group(BUDGET);
         /// Largest difference of the temperature from that of the records.
         temperature_half_width: Option<f64> = None, OptionRow::not_negative("K").group(BUDGET);
         /// Expanded uncertainty of the gain of driver and voltmeter, relative to the voltage.
@@ -90,7 +91,7 @@ options! {
         /// Date on which the records were measured.
         measured: Option<String> = None, OptionRow::new(DATE).absent("the date of issue").group(NAMES);
         /// Number of the certificate.
-        number: Option<String> = None, OptionRow::new(TEXT).absent("made of the hashes of model and records").group(NAMES);
+        number: Option<String> = None, OptionRow::new(TEXT).absent("one from the hashes of all files").group(NAMES);
         /// Who states it.
         issuer: Option<String> = None, OptionRow::new(TEXT).group(NAMES);
         /// The person responsible.
