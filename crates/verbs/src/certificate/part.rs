@@ -82,7 +82,7 @@ impl CertifiedRecord {
         let counts = |row: &&Contribution| row.source == NOISE && row.sensitivity == 0.0;
         let noise = self.budget.rows.iter().find(counts).map_or(0.0, |row| self.budget.student_k * row.standard);
         let within = |uncertainty: f64| {
-            let limit = uncertainty.hypot(noise);
+            let limit = libm::hypot(uncertainty, noise);
             let count = errors.iter().filter(|e| (*e - correction).abs() <= limit).count();
             100.0 * count as f64 / errors.len() as f64
         };
