@@ -1,6 +1,16 @@
 //! Numbers as text.
 
 use libm::{log10, pow};
+
+/// The largest size of a reading, in any unit. Its square is finite in single precision. What is beyond is a fault of
+/// the sensor or of the memory, as a NaN is.
+pub const MEASURABLE: f64 = 1e18;
+
+/// True for a number that a sensor can give.
+pub fn is_measurable(v: f64) -> bool {
+    v.abs() <= MEASURABLE
+}
+
 /// `x` with four significant digits, with a power of ten if it is very small or large; `-` if it is not finite.
 ///
 /// ```

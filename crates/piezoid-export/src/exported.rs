@@ -1,5 +1,6 @@
 //! The exported program: blocks and functions, its interface, and test vectors.
 
+use super::guard::guarded;
 use super::vectors::{self, Vectors};
 use super::{ExportRequest, ExportedFunction};
 use piezoid::compensation::FeedForwardSettings;
@@ -103,6 +104,15 @@ impl ExportedProgram {
     /// # Errors
     /// [`Error::Unsuited`] for a model or controller without a program, and a model without parameters that can move.
     pub fn new(request: &ExportRequest) -> Result<Self, Error> {
+        Self::made(request, true)
+    }
+
+    /// The same without the guard of the model, for integers, all of which it takes.
+    pub(super) fn unguarded(request: &ExportRequest) -> Result<Self, Error> {
+        Self::made(request, false)
+    }
+
+    fn made(request: &ExportRequest, guard: bool) -> Result<Self, Error> {
         let model = request.model;
         let Units { u, y } = model.units();
         for (name, unit) in [("u", u), ("y", y)] {
@@ -115,7 +125,11 @@ impl ExportedProgram {
         let y = Port { name: "y", unit: y.clone(), about: "displacement" };
         let about = "the model: input to displacement".into();
         let step = Entry::new(["step", "reset", "state"], about, vec![u.clone()], y.clone());
-        let mut whole = ExportedProgram { program: model.program()?, entries: vec![step], notes: Vec::new() };
+        let mut program = model.program()?;
+        if guard {
+            guarded(&mut program, model)?;
+        }
+        let mut whole = ExportedProgram { program, entries: vec![step], notes: Vec::new() };
         if model.interpolates() {
             let note =
                 "the input moves along a straight line between its samples; a simulation interpolates it instead";
@@ -197,8 +211,8 @@ impl ExportedProgram {
     /// What users call, with its operations.
     pub(super) fn functions(&self) -> Vec<ExportedFunction> {
         let function = |entry: &Entry| {
-            let Vectors { mean, most, bound, .. } = entry.vectors;
-            ExportedFunction { name: entry.step, about: entry.about.clone(), mean, most_seen: most, bound }
+            let Vectors { mean, most, bound, bounds, .. } = entry.vectors;
+            ExportedFunction { name: entry.step, about: entry.about.clone(), mean, most_seen: most, bound, bounds }
         };
         self.entries.iter().map(function).collect()
     }

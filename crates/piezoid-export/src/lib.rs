@@ -8,11 +8,14 @@ mod exported;
 mod fixed;
 mod fmu;
 mod folder;
+mod guard;
 mod language;
 mod rust;
 mod served;
 mod simulink;
 mod st;
+#[cfg(test)]
+mod stress;
 mod template;
 mod vectors;
 mod waveform;
@@ -230,6 +233,8 @@ pub struct ExportedFunction {
     pub most_seen: usize,
     /// Upper bound of the operations in one sample, for any input and state.
     pub bound: usize,
+    /// The same of each kind. Their sum may be larger, because the sides of a choice may have different kinds.
+    pub bounds: Counts,
 }
 
 impl Exported {
@@ -237,13 +242,15 @@ impl Exported {
     pub fn to_json(&self) -> Value {
         let file = |file: &File| json!({"file": file.name, "bytes": file.bytes.len()});
         let function = |f: &ExportedFunction| {
-            let Counts { sums, products, quotients, comparisons } = f.mean;
+            let kinds = |Counts { sums, products, quotients, comparisons }: Counts| {
+                json!({
+                    "additions": sums, "multiplications": products, "divisions": quotients, "comparisons": comparisons,
+                })
+            };
             json!({
                 "function": f.name, "about": f.about,
                 "operations": {
-                    "mean": {"additions": sums, "multiplications": products, "divisions": quotients,
-                             "comparisons": comparisons},
-                    "most_seen": f.most_seen, "bound": f.bound,
+                    "mean": kinds(f.mean), "most_seen": f.most_seen, "bound": f.bound, "bound_by_kind": kinds(f.bounds),
                 },
             })
         };

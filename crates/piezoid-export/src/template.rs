@@ -10,6 +10,7 @@
 
 use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram, Port};
+use super::guard::farthest;
 use minijinja::syntax::SyntaxConfig;
 use minijinja::{AutoEscape, Environment, Output, State, UndefinedBehavior};
 pub(super) use minijinja::{Value, context};
@@ -31,9 +32,10 @@ macro_rules! template {
 pub(super) use template;
 
 /// Included templates.
-const INCLUDED: [Template; 6] = [
+const INCLUDED: [Template; 7] = [
     template!("readme/opening.md.j2"),
     template!("readme/calls.md.j2"),
+    template!("readme/inputs.md.j2"),
     template!("readme/refused.md.j2"),
     template!("readme/operations.md.j2"),
     template!("fixed/counts.c.j2"),
@@ -91,7 +93,7 @@ pub(super) fn template_context(
         context! { name => *name, unit, about => *about, values => table(values) }
     };
     let entry = |entry: &Entry| {
-        let (vectors, mean) = (&entry.vectors, entry.vectors.mean);
+        let (vectors, mean, bounds) = (&entry.vectors, entry.vectors.mean, entry.vectors.bounds);
         let input =
             |(k, input): (usize, &Port)| signal(input, &vectors.inputs.iter().map(|row| row[k]).collect::<Vec<_>>());
         context! {
@@ -100,13 +102,14 @@ pub(super) fn template_context(
             inputs => entry.inputs.iter().enumerate().map(input).collect::<Value>(),
             output => signal(&entry.output, &vectors.outputs), samples => vectors.outputs.len(),
             sums => mean.sums, products => mean.products, quotients => mean.quotients,
-            comparisons => mean.comparisons, most => vectors.most, bound => vectors.bound, off => vectors.off, missed => vectors.missed,
+            comparisons => mean.comparisons, most => vectors.most, bound => vectors.bound, bound_sums => bounds.sums, bound_products => bounds.products,
+            bound_quotients => bounds.quotients, bound_comparisons => bounds.comparisons, off => vectors.off, missed => vectors.missed,
         }
     };
     let mut called = Vec::new();
     whole.program.functions.iter().for_each(|function| function.calls(&mut |name| called.push(name.to_owned())));
     context! {
-    called, name, upper => name.to_uppercase(), single => request.options.float, ts => model.ts(),
+    called, name, farthest => farthest(model), range_is_known => model.known_inputs().is_some(), upper => name.to_uppercase(), single => request.options.float, ts => model.ts(),
     preview => request.preview(),
             hysteresis => model.hysteresis().operator().name, creep => model.creep().order(),
             order => model.linear().a().len(), u_unit => &model.units().u, y_unit => &model.units().y,

@@ -2,6 +2,7 @@
 
 use super::ExportRequest;
 use super::exported::{Entry, ExportedProgram};
+use super::guard::UNGUARDED;
 use piezoid::{Error, System};
 use piezoid_models::program::{Counts, Machine, Program};
 use piezoid_numerics::series::ends;
@@ -19,16 +20,25 @@ pub struct Vectors {
     pub most: usize,
     /// Largest number of operations in one sample, whatever the input.
     pub bound: usize,
+    /// The same of each kind; their sum may be larger.
+    pub bounds: Counts,
     /// Largest difference to double precision, over the height of the outputs.
     pub off: f64,
     /// Rms error of feed-forward and model along the wandering part, over the height of the reference.
     pub missed: Option<f64>,
 }
 
+/// Inputs of a model without a known range.
+pub(super) const UNKNOWN_RANGE: (f64, f64) = (-1.0, 1.0);
+
 /// Number of samples: a wandering part, one pass through the whole range, and jumps.
 pub(super) const SAMPLES: usize = 400;
 const WANDERING: usize = 280;
 const RANGE_SAMPLES: usize = 81;
+
+/// Samples at which the input of a guarded model is too far out, and its sign: the first one, some among slow ones, and
+/// one among jumps.
+const FAR: [(usize, f64); 5] = [(0, 1.0), (40, 1.0), (41, -1.0), (42, 1.0), (370, -1.0)];
 
 /// Operations after which the vectors of an entry end early: seconds of interpretation. The default sizes of all
 /// operators take less than a fifth of it.
@@ -40,12 +50,17 @@ const SETTLING_SAMPLES: usize = 60;
 /// The vectors of each entry, for inputs in the range of the model, in the requested precision.
 pub(super) fn of(whole: &ExportedProgram, request: &ExportRequest) -> Result<Vec<Vectors>, Error> {
     let model = request.model;
-    let u = inputs(model.known_inputs().unwrap_or((-1.0, 1.0)));
+    let u = inputs(model.known_inputs().unwrap_or(UNKNOWN_RANGE));
     let y = model.simulate(&u);
     let of = |entry: &Entry| {
         let missed = if entry.step == "ff_step" { missed(request, &y) } else { None };
         // As if the response were a fifth too large and the feed-forward were the input.
-        Ok(Vectors { missed, ..answers(whole, entry, entry.rows(&u, &y, 1.2), request.options.float)? })
+        let mut inputs = entry.rows(&u, &y, 1.2);
+        if entry.step == "step" && whole.program.function(UNGUARDED).is_some() {
+            let far = if request.options.float { f32::MAX.into() } else { 1e300 };
+            FAR.iter().for_each(|(t, sign)| inputs[*t] = vec![sign * far]);
+        }
+        Ok(Vectors { missed, ..answers(whole, entry, inputs, request.options.float)? })
     };
     whole.entries.iter().map(of).collect()
 }
@@ -78,7 +93,8 @@ pub(super) fn counted(program: &Program, entry: &Entry, inputs: &[Vec<f64>], sin
         quotients: all.quotients / n,
         comparisons: all.comparisons / n,
     };
-    Ok(Vectors { outputs, mean, most, bound: program.bound(entry.step)?, ..Vectors::default() })
+    let (bound, bounds) = (program.bound(entry.step)?, program.bound_by_kind(entry.step)?);
+    Ok(Vectors { outputs, mean, most, bound, bounds, ..Vectors::default() })
 }
 
 fn answers(whole: &ExportedProgram, entry: &Entry, mut inputs: Vec<Vec<f64>>, single: bool) -> Result<Vectors, Error> {

@@ -60,9 +60,9 @@ impl Causal {
             "
 // One sample: requested displacement r to actuator input u.
 fn ff_step(s: ff_state, r) {{
-    // If the reference is not finite, the last finite one is used.
+    // If the reference is not measurable, the last one that was is used.
     let last = {last};
-    if magnitude(r) <= most {{
+    if magnitude(r) <= measurable {{
         last = r;
     }}
     let shaped = {shaped} - at_rest;

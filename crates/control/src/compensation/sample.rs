@@ -13,6 +13,7 @@ use super::flat::Flat;
 use super::{FeedForward, FeedForwardSettings, FirDesign, Preview};
 use piezoid_models::hammerstein::Model;
 use piezoid_numerics::error::Error;
+use piezoid_numerics::number::is_measurable;
 use piezoid_numerics::system::System;
 use std::ops::RangeInclusive;
 
@@ -202,7 +203,7 @@ impl System for Causal {
                 let (preview, model) = x.split_at_mut(self.preview().order());
                 // The static gain of the filter is 1 / G(0), which therefore also applies to the offset.
                 let block = self.inverse.model();
-                let r = if r.is_finite() { r } else { preview.first().copied().unwrap_or_default() };
+                let r = if is_measurable(r) { r } else { preview.first().copied().unwrap_or_default() };
                 let z = self.preview().step(preview, r) - block.offset() / block.linear().dc_gain();
                 block.invert_before_linear(model, z, allowed).u
             }

@@ -50,9 +50,11 @@ pub(crate) use tolerance::Spread;
 pub use tolerance::Tolerance;
 pub use tune::MarginTarget;
 
+use piezoid_models::hysteresis::Real;
 use piezoid_models::linear::Arx;
 use piezoid_models::program::Block;
 use piezoid_numerics::error::{Error, row};
+use piezoid_numerics::number::is_measurable;
 use serde::Serialize;
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -71,14 +73,14 @@ pub struct ControllerInput<'a> {
 }
 
 impl ControllerInput<'_> {
-    /// The feed-forward within the limits; 0 if it is not a finite number.
+    /// The feed-forward within the limits; 0 if it is no [measurable](is_measurable) number.
     fn limited_feed_forward(&self, (low, high): (f64, f64)) -> f64 {
-        Some(self.feed_forward).filter(|feed_forward| feed_forward.is_finite()).unwrap_or(0.0).clamp(low, high)
+        Some(self.feed_forward).filter(|feed_forward| is_measurable(*feed_forward)).unwrap_or(0.0).clamp(low, high)
     }
 
-    /// r - y; 0 if the measurement is not a finite number, so that the state does not change.
+    /// r - y; 0 if that is no measurable number, so that the state does not change.
     fn error(&self) -> f64 {
-        Some(self.r - self.y).filter(|e| e.is_finite()).unwrap_or(0.0)
+        Some(self.r - self.y).filter(|e| is_measurable(*e)).unwrap_or(0.0)
     }
 }
 
@@ -156,14 +158,21 @@ impl ControllerKind {
 }
 
 /// `w` plus the feed-forward, within the limits. The integral changes by `gain`, unless that would drive the voltage
-/// further beyond an active limit.
+/// further beyond an active limit, and by no more than the limits are apart: one wrong reading cannot drive it where
+/// right ones would not bring it back from.
 fn integrating(limits: (f64, f64), input: &ControllerInput, w: f64, integral: &mut f64, gain: f64) -> f64 {
     let v = input.limited_feed_forward(limits) + w;
     let u = v.clamp(limits.0, limits.1);
     if u == v || (v - u) * gain < 0.0 {
-        *integral += gain;
+        let span = apart(limits);
+        *integral += Real::clamp(gain, -span, span);
     }
     u
+}
+
+/// How far the limits are apart [V].
+fn apart((low, high): (f64, f64)) -> f64 {
+    (high - low).min(f64::MAX)
 }
 
 /// Checks that gains are finite and not negative, and that the limits are ordered.

@@ -279,7 +279,7 @@ const OPEN: &str = "
 // One sample: input and reading to the response that was expected. The parameters move: gain, offset, factor, a, b.
 fn online_step(s: online_state, u, y) {
     // An input that is no number is held, and one far beyond the range counts as its end.
-    if magnitude(u) <= most { s.input = clamp(u, lowest, highest); }
+    if magnitude(u) <= measurable { s.input = clamp(u, lowest, highest); }
     let input = s.input;
     let part = [0.0; groups];
 ";
@@ -295,7 +295,7 @@ const MEASURE: &str = "    let expected = s.offset + s.gain * response;
     let off = response - s.mean;
     s.power += fresh * (off * off - s.power);
     // A reading that is no number is skipped.
-    if magnitude(y) <= most {
+    if magnitude(y) <= measurable {
         s.error = y - expected;
         if s.error > dead_zone || s.error < -dead_zone {
             let e = clamp(s.error, -stroke, stroke);

@@ -7,6 +7,7 @@ use super::{
 };
 use piezoid_models::hysteresis::Real;
 use piezoid_models::linear::decays_within;
+use piezoid_numerics::number::is_measurable;
 use piezoid_numerics::series::shift_in;
 
 impl Online {
@@ -14,7 +15,7 @@ impl Online {
     /// parameters before this sample [output unit]. A reading that is no number is skipped, an input that is none held.
     pub fn step(&self, x: &mut [f64], u: f64, y: f64) -> f64 {
         let (mut s, mut fits) = self.split(x);
-        if u.is_finite() {
+        if is_measurable(u) {
             *s.input = Real::clamp(u, self.scales.inputs.0, self.scales.inputs.1);
         }
         let mut parts = [0.0; MAX_GROUPS];
@@ -28,7 +29,7 @@ impl Online {
         *s.mean += self.scales.fresh * (response - *s.mean);
         let off = response - *s.mean;
         *s.power += self.scales.fresh * (off * off - *s.power);
-        if y.is_finite() {
+        if is_measurable(y) {
             *s.error = y - expected;
             if *s.error > self.dead_zone || *s.error < -self.dead_zone {
                 let e = Real::clamp(*s.error, -self.scales.stroke, self.scales.stroke);

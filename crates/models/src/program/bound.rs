@@ -10,7 +10,7 @@
 //! text states them (`at most`), and a machine stops with an error if that is wrong. It does not do: conditions that
 //! exclude each other in different statements, so the bound need not be reached.
 
-use super::{Expr, Op, Place, Program, Statement};
+use super::{Counts, Expr, Op, Place, Program, Statement};
 use piezoid_numerics::error::Error;
 use std::collections::HashMap;
 
@@ -29,49 +29,109 @@ impl Program {
     /// # Errors
     /// [`Error::Content`] if there is no such function, or the number of passes of a loop is not known.
     pub fn bound(&self, name: &str) -> Result<usize, Error> {
+        Ok(self.bounds(name)?.all)
+    }
+
+    /// The largest number of operations of each kind. Their sum may exceed [`bound`](Self::bound), because the sides of
+    /// a choice may have different kinds.
+    ///
+    /// # Errors
+    /// Those of [`bound`](Self::bound).
+    pub fn bound_by_kind(&self, name: &str) -> Result<Counts, Error> {
+        let Bound { sums, products, quotients, comparisons, .. } = self.bounds(name)?;
+        Ok(Counts { sums, products, quotients, comparisons })
+    }
+
+    fn bounds(&self, name: &str) -> Result<Bound, Error> {
         let mut bounds = Bounds { known: HashMap::new(), whole: Vec::new() };
         for function in &self.functions {
             let steps = bounds
                 .steps(&function.steps)
                 .map_err(|what| Error::Content(format!("program, fn {}: {what}", function.name)))?;
-            let returns: usize = function.returns.iter().map(|expr| bounds.expr(expr)).sum();
-            bounds.known.insert(&function.name, steps.saturating_add(returns));
+            let returns = function.returns.iter().fold(steps, |sum, expr| sum.and(bounds.expr(expr)));
+            bounds.known.insert(&function.name, returns);
         }
         let missing = || Error::Content(format!("program: there is no function `{name}`"));
         bounds.known.get(name).copied().ok_or_else(missing)
     }
 }
 
+/// Largest numbers of operations, which are counted apart.
+#[derive(Clone, Copy, Default)]
+struct Bound {
+    all: usize,
+    sums: usize,
+    products: usize,
+    quotients: usize,
+    comparisons: usize,
+}
+
+impl Bound {
+    fn with(self, other: Bound, of: fn(usize, usize) -> usize) -> Bound {
+        Bound {
+            all: of(self.all, other.all),
+            sums: of(self.sums, other.sums),
+            products: of(self.products, other.products),
+            quotients: of(self.quotients, other.quotients),
+            comparisons: of(self.comparisons, other.comparisons),
+        }
+    }
+
+    fn and(self, other: Bound) -> Bound {
+        self.with(other, usize::saturating_add)
+    }
+
+    fn or(self, other: Bound) -> Bound {
+        self.with(other, usize::max)
+    }
+
+    fn times(self, n: usize) -> Bound {
+        self.with(Bound { all: n, sums: n, products: n, quotients: n, comparisons: n }, usize::saturating_mul)
+    }
+
+    /// One operation.
+    fn one(op: Op) -> Bound {
+        let mut bound = Bound { all: 1, ..Bound::default() };
+        *match op {
+            Op::Add | Op::Subtract => &mut bound.sums,
+            Op::Multiply => &mut bound.products,
+            Op::Divide => &mut bound.quotients,
+            _ => &mut bound.comparisons,
+        } = 1;
+        bound
+    }
+}
+
 struct Bounds<'p> {
     /// Bounds of the functions so far.
-    known: HashMap<&'p str, usize>,
+    known: HashMap<&'p str, Bound>,
     /// The values of the integers of the loops around.
     whole: Vec<(&'p str, usize)>,
 }
 
 impl<'p> Bounds<'p> {
-    fn steps(&mut self, steps: &'p [Statement]) -> Result<usize, String> {
-        steps.iter().try_fold(0usize, |sum, step| Ok(sum.saturating_add(self.step(step)?)))
+    fn steps(&mut self, steps: &'p [Statement]) -> Result<Bound, String> {
+        steps.iter().try_fold(Bound::default(), |sum, step| Ok(sum.and(self.step(step)?)))
     }
 
-    fn step(&mut self, step: &'p Statement) -> Result<usize, String> {
+    fn step(&mut self, step: &'p Statement) -> Result<Bound, String> {
         Ok(match step {
-            Statement::Note(_) | Statement::Copy { .. } | Statement::Array(..) => 0,
+            Statement::Note(_) | Statement::Copy { .. } | Statement::Array(..) => Bound::default(),
             Statement::Let(_, expr) | Statement::Do(expr) => self.expr(expr),
-            Statement::Set(place, expr) => self.place(place) + self.expr(expr),
-            Statement::If(holds, yes, no) => self.expr(holds) + self.steps(yes)?.max(self.steps(no)?),
+            Statement::Set(place, expr) => self.place(place).and(self.expr(expr)),
+            Statement::If(holds, yes, no) => self.expr(holds).and(self.steps(yes)?.or(self.steps(no)?)),
             Statement::While(holds, most, steps) => {
                 let holds = self.expr(holds);
-                most.saturating_mul(holds.saturating_add(self.steps(steps)?)).saturating_add(holds)
+                holds.and(self.steps(steps)?).times(*most).and(holds)
             }
             Statement::For { name, from, to, most, steps, .. } => {
-                let ends = self.expr(from) + self.expr(to);
+                let ends = self.expr(from).and(self.expr(to));
                 let passes = match (most, value(from, &self.whole), value(to, &self.whole)) {
                     (Some(most), ..) => self.passes(name, 0..*most, steps)?,
                     (None, Some(from), Some(to)) => self.passes(name, from..to, steps)?,
                     _ => return Err(format!("the loop over `{name}` must say `at most` how many passes it takes")),
                 };
-                ends.saturating_add(passes)
+                ends.and(passes)
             }
         })
     }
@@ -82,7 +142,7 @@ impl<'p> Bounds<'p> {
         name: &'p str,
         range: std::ops::Range<usize>,
         steps: &'p [Statement],
-    ) -> Result<usize, String> {
+    ) -> Result<Bound, String> {
         let mut depends = false;
         let mut look = |step: &Statement| {
             if let Statement::For { from, to, .. } = step {
@@ -94,31 +154,32 @@ impl<'p> Bounds<'p> {
         steps.iter().for_each(|step| step.all(&mut look));
         let (tried, times) =
             if depends { (range, 1) } else { (range.start..range.end.min(range.start + 1), range.len()) };
-        tried.into_iter().try_fold(0usize, |sum, k| {
+        tried.into_iter().try_fold(Bound::default(), |sum, k| {
             self.whole.push((name, k));
             let pass = self.steps(steps);
             self.whole.pop();
-            Ok(sum.saturating_add(pass?.saturating_mul(times)))
+            Ok(sum.and(pass?.times(times)))
         })
     }
 
-    fn place(&self, place: &Place) -> usize {
-        place.index.as_ref().map_or(0, |index| self.expr(index))
+    fn place(&self, place: &Place) -> Bound {
+        place.index.as_ref().map_or(Bound::default(), |index| self.expr(index))
     }
 
-    fn expr(&self, expr: &Expr) -> usize {
+    fn expr(&self, expr: &Expr) -> Bound {
         match expr {
-            Expr::Real(_) | Expr::Integer(_) | Expr::Limit(_) | Expr::Variable(..) => 0,
-            Expr::Constant(_, _, index) => index.as_ref().map_or(0, |index| self.expr(index)),
+            Expr::Real(_) | Expr::Integer(_) | Expr::Limit(_) | Expr::Variable(..) => Bound::default(),
+            Expr::Constant(_, _, index) => index.as_ref().map_or(Bound::default(), |index| self.expr(index)),
             Expr::At(place) | Expr::Part(place) => self.place(place),
             Expr::Negative(inner) => self.expr(inner),
             Expr::Call(name, arguments) => {
-                let own = self.known.get(name.as_str()).copied().unwrap_or(0);
-                arguments.iter().fold(own, |sum, argument| sum.saturating_add(self.expr(argument)))
+                let own = self.known.get(name.as_str()).copied().unwrap_or_default();
+                arguments.iter().fold(own, |sum, argument| sum.and(self.expr(argument)))
             }
             Expr::Binary(op, left, right) => {
                 let counts = !(matches!(op, Op::And | Op::Or) || left.whole());
-                self.expr(left).saturating_add(self.expr(right)).saturating_add(usize::from(counts))
+                let own = if counts { Bound::one(*op) } else { Bound::default() };
+                own.and(self.expr(left)).and(self.expr(right))
             }
         }
     }
@@ -180,6 +241,14 @@ mod tests {
         ] {
             assert_eq!(both(text, numbers), (most, most), "{text}");
         }
+    }
+
+    #[test]
+    fn operations_of_each_kind_are_bounded_apart() {
+        let text = "fn f(u) { let s = u; if u > 1.0 { s = u * u / 2.0; } else { s = u + u - 1.0 + u; } return s; }";
+        let program = Program::new(vec![Block::new("b", "").text(text)]).unwrap();
+        let counts = Counts { sums: 3, products: 1, quotients: 1, comparisons: 1 };
+        assert_eq!((program.bound("f").unwrap(), program.bound_by_kind("f").unwrap()), (4, counts));
     }
 
     #[test]

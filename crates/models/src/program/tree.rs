@@ -1,5 +1,7 @@
 //! The parts of a function: statements, expressions, places.
 
+use piezoid_numerics::number::MEASURABLE;
+
 /// Type of a name.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ValueType {
@@ -131,6 +133,8 @@ pub enum Limit {
     Least,
     /// Largest number.
     Most,
+    /// The largest size of a reading: [`MEASURABLE`].
+    Measurable,
 }
 
 impl Limit {
@@ -143,6 +147,8 @@ impl Limit {
             (Limit::Epsilon, false) => f64::EPSILON,
             (Limit::Least, false) => f64::MIN_POSITIVE,
             (Limit::Most, false) => f64::MAX,
+            (Limit::Measurable, true) => f64::from(MEASURABLE as f32),
+            (Limit::Measurable, false) => MEASURABLE,
         }
     }
 }

@@ -24,6 +24,10 @@ struct Taken {
     step: String,
     mean: f64,
     most: f64,
+    /// The same of samples in any order, a quarter of them eight times as large.
+    adverse: f64,
+    /// Bound on the operations.
+    bound: usize,
     /// Code and constants [bytes].
     flash: usize,
 }
@@ -36,10 +40,13 @@ static ON_THE_BOARD: LazyLock<Vec<Taken>> = LazyLock::new(|| {
     models.insert("fifteen".into(), fifteen_plays());
     models.extend(online_models().into_iter().map(|(name, model)| (format!("online_{name}"), model)));
     let names: Vec<String> = models.keys().cloned().collect();
+    let bounds = std::cell::RefCell::new(BTreeMap::new());
     let files = together(folder.path(), &names, |name| {
         let mut expected = ExportRequest::new(&models[name], name).single(true);
         expected.options.online = name.starts_with("online_");
-        exported("c", &expected, folder.path());
+        let result = exported("c", &expected, folder.path());
+        let stated = result.functions.iter().map(|f| ((name.to_string(), f.name.to_string()), f.bound));
+        bounds.borrow_mut().extend(stated);
         counting(name, &ExportedProgram::new(&expected).unwrap())
     });
     let here = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/export/cortex");
@@ -57,8 +64,10 @@ static ON_THE_BOARD: LazyLock<Vec<Taken>> = LazyLock::new(|| {
     rows.map(|row| {
         let words: Vec<&str> = row.split(' ').collect();
         let instructions = |word: &str| word.parse::<f64>().unwrap() * 40.0 / 64.0;
-        let (mean, most) = (instructions(words[2]) / 400.0, instructions(words[3]));
-        Taken { model: words[0].into(), step: words[1].into(), mean, most, flash: flash[words[0]] }
+        let (mean, most, adverse) = (instructions(words[2]) / 400.0, instructions(words[3]), instructions(words[4]));
+        let (model, step) = (words[0].to_string(), words[1].to_string());
+        let bound = bounds.borrow()[&(model.clone(), step.clone())];
+        Taken { flash: flash[words[0]], model, step, mean, most, adverse, bound }
     })
     .collect()
 });
@@ -68,13 +77,17 @@ fn counting(name: &str, whole: &ExportedProgram) -> String {
     let mut body = String::new();
     for entry in &whole.entries {
         let inputs: String = entry.inputs.iter().map(|i| format!(", {}_{}[k]", entry.step, i.name)).collect();
+        let adverse = inputs.replace("[k]", "[j] * far");
         let state =
             if entry.state.ends_with("state") { entry.state.to_string() } else { format!("{}_state", entry.state) };
         body += &format!(
             "    {{ {name}_{state} s; unsigned all = 0, most = 0; {name}_{}(&s);\n    for (int k = 0; k < 400; k++) {{ const unsigned from = ticks(); \
              kept = {name}_{}(&s{inputs}); const unsigned took = (ticks() - from - idle) & 0xFFFFFF; all += took; if (took > most) {{ most = took; }} }}\n    \
-             printf(\"took {name} {} %u %u\\n\", all, most); }}\n",
-            entry.reset, entry.step, entry.step,
+             unsigned adverse = 0, r = 1;\n    for (int k = 0; k < 400; k++) {{ r = r * 1664525u + 1013904223u; const int j = (int)((r >> 8) % 400u); \
+             const float far = (r >> 30) == 0u ? 8.0f : 1.0f; const unsigned from = ticks(); kept = {name}_{}(&s{adverse}); \
+             const unsigned took = (ticks() - from - idle) & 0xFFFFFF; if (took > adverse) {{ adverse = took; }} }}\n    \
+             printf(\"took {name} {} %u %u %u\\n\", all, most, adverse); }}\n",
+            entry.reset, entry.step, entry.step, entry.step,
         );
     }
     format!(
@@ -90,8 +103,24 @@ fn every_operator_gives_the_bits_of_this_machine_and_what_a_step_takes_is_told()
         return;
     }
     println!("| model | step | flash [bytes] | instructions, mean | most |\n|---|---|--:|--:|--:|");
-    for Taken { model, step, mean, most, flash } in ON_THE_BOARD.iter() {
+    for Taken { model, step, mean, most, flash, .. } in ON_THE_BOARD.iter() {
         println!("| {model} | `{step}` | {flash} | {mean:.0} | {most:.0} |");
+    }
+}
+
+#[test]
+fn no_sample_takes_more_than_four_instructions_for_each_operation_of_the_bound() {
+    if !(there("arm-none-eabi-gcc") && there("qemu-system-arm")) {
+        return;
+    }
+    println!(
+        "| model | step | instructions, most | adverse | bound [operations] | instructions over bound |\n|---|---|--:|--:|--:|--:|"
+    );
+    for Taken { model, step, most, adverse, bound, .. } in ON_THE_BOARD.iter() {
+        let share = most.max(*adverse) / *bound as f64;
+        println!("| {model} | `{step}` | {most:.0} | {adverse:.0} | {bound} | {share:.2} |");
+        // Call, copies and return take the rest.
+        assert!(most.max(*adverse) <= 4.0 * *bound as f64 + 60.0, "{model} {step}: {most}, {adverse} for {bound}");
     }
 }
 

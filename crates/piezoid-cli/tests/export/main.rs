@@ -8,6 +8,7 @@ mod fixed;
 mod rust;
 mod simulink;
 mod st;
+mod stress;
 mod structured_text;
 
 use piezoid::creep::Creep;

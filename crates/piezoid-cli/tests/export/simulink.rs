@@ -105,6 +105,15 @@ fn the_example_of_the_help_runs_and_signals_keep_their_shape() {
             assert(~isequal(other.state, bender().state));
             other.reset();
             assert(isequal(other.state, bender().state) && ~isequal(other.state, model.state));
+            held = bender();
+            held.reset();
+            other.reset();
+            held.step(3);
+            other.step(3);
+            for v = [NaN, Inf, -1e300]
+                assert(isequal(other.step(v), held.step(3)));
+            end
+            assert(isequal(other.state, held.state));
             model.step([1, 2]);\n"
         );
         let (text, well) = octave(folder.path(), &script);

@@ -13,7 +13,7 @@ use super::language::{Language, Printer};
 use super::template::{Value, blocks, context, render, template, template_context};
 use super::{CODE, ExportRequest, ExportTarget, Exported, File, named};
 use piezoid::{Error, System};
-use piezoid_models::program::{Argument, Block, Constant, Field, FieldValue, Function, ValueType};
+use piezoid_models::program::{Argument, Block, Constant, Field, FieldValue, Function, Limit, ValueType};
 use std::collections::BTreeMap;
 
 pub(super) const TARGET: ExportTarget = ExportTarget {
@@ -60,8 +60,13 @@ fn sealed<const N: usize>(files: [String; N]) -> [String; N] {
 
 /// The exported program, under a name that is free in C.
 pub(super) fn checked(request: &ExportRequest) -> Result<ExportedProgram, Error> {
-    named(request.name(), RESERVED)?;
+    free(request)?;
     ExportedProgram::new(request)
+}
+
+/// Returns an error for a name that is taken in C.
+pub(super) fn free(request: &ExportRequest) -> Result<(), Error> {
+    named(request.name(), RESERVED)
 }
 
 /// The printer.
@@ -98,7 +103,7 @@ impl<'c> C<'c> {
     pub(super) fn template_context(&self) -> Value {
         let all = template_context(self.request, self.whole, &|values| self.numbers(values));
         let counts = self.counts.map_or(context!(), Fixed::template_context);
-        let own = context! { number => self.number(), zero => self.real(0.0), one => self.real(1.0), set => SET, counts => self.counts.is_some(),
+        let own = context! { number => self.number(), zero => self.real(0.0), largest => self.real(Limit::Most.value(self.request.options.float)), one => self.real(1.0), set => SET, counts => self.counts.is_some(),
         saved => self.saved() };
         context! { ..own, ..counts, ..all }
     }

@@ -4,7 +4,7 @@ use super::formats::{adding, fields, fitting};
 use super::number::counts;
 use crate::ExportRequest;
 use crate::exported::{Entry, ExportedProgram};
-use crate::vectors::{turned, wander};
+use crate::vectors::{UNKNOWN_RANGE, turned, wander};
 use piezoid::system::System;
 use piezoid_numerics::series::ends;
 
@@ -23,7 +23,7 @@ pub(super) struct TestInputs {
 /// The test runs of each entry.
 pub(super) fn test_inputs(whole: &ExportedProgram, request: &ExportRequest) -> Vec<TestInputs> {
     let model = request.model;
-    let (low, high) = model.known_inputs().unwrap_or((-1.0, 1.0));
+    let (low, high) = model.known_inputs().unwrap_or(UNKNOWN_RANGE);
     let more = 0.05 * (high - low);
     let far = (low - more, high + more);
     let slow = wander(far, PART);

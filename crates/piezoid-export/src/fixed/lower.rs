@@ -166,7 +166,7 @@ impl Lowering<'_> {
         }
         Ok(match expr {
             Expr::Limit(limit) => {
-                let limit = if *limit == Limit::Most { "largest" } else { "least positive" };
+                let limit = if matches!(limit, Limit::Most | Limit::Measurable) { "largest" } else { "least positive" };
                 let compares = format!("its function `{}` compares with the {limit}", self.function.name);
                 return unsuited(format!("{compares} floating-point number, which fixed point does not have"));
             }
@@ -276,7 +276,7 @@ impl Lowering<'_> {
                 (_, decided, _) => decided,
             },
             // Integers are always finite.
-            Op::AtMost if **right == Expr::Limit(Limit::Most) => Condition::Always,
+            Op::AtMost if matches!(**right, Expr::Limit(Limit::Most | Limit::Measurable)) => Condition::Always,
             _ if left.whole() => Condition::If(binary(*op, self.whole(left)?, self.whole(right)?)),
             _ => {
                 let numbers = aligned(vec![self.real(left, None)?, self.real(right, None)?]);

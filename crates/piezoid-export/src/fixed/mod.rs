@@ -18,7 +18,7 @@ mod number;
 
 pub(super) use formats::PLAIN;
 
-use super::c::{C, checked};
+use super::c::{C, free};
 use super::exported::{Entry, ExportedProgram, Port};
 use super::template::{Value, context, render, template};
 use super::vectors::{Vectors, counted};
@@ -40,7 +40,8 @@ pub(super) const TARGET: ExportTarget = ExportTarget {
     reference: "ISO/IEC 9899:1999; ISO/IEC TR 18037",
     takes: &["preview", "controller", "delay_samples", "gain_margin", "phase_margin"],
     make: |request| {
-        let fixed = Fixed::new(checked(request)?, request)?;
+        free(request)?;
+        let fixed = Fixed::new(ExportedProgram::unguarded(request)?, request)?;
         let c = C { counts: Some(&fixed), ..C::of(&fixed.whole, request) };
         let bytes: BTreeMap<_, _> = fixed.whole.entries.iter().map(|e| (e.state, fixed.bytes(e.state))).collect();
         let page = context! { bytes, every => format!("{} s", request.model.ts()), ..c.template_context() };
@@ -153,11 +154,11 @@ impl Fixed {
                 }
             }
             let rms = (squares / (exact.len() * inputs.len()) as f64).sqrt();
-            let Vectors { mean, most, bound, .. } = counted(&whole.program, entry, &entry.vectors.inputs, false)?;
+            let Vectors { mean, most, bound, bounds, .. } = counted(&whole.program, entry, &entry.vectors.inputs, false)?;
             let inputs = rows(&entry.vectors.inputs);
             let at_rest = row(&starts[0], &state);
             let outputs = run(&mut machine, entry, &at_rest, &inputs)?;
-            with_counts.entries[k].vectors = Vectors { inputs, outputs, mean, most, bound, ..entry.vectors.clone() };
+            with_counts.entries[k].vectors = Vectors { inputs, outputs, mean, most, bound, bounds, ..entry.vectors.clone() };
             errors.push(CountingError { rms, most: largest });
         }
         for entry in &mut with_counts.entries {

@@ -29,6 +29,10 @@ enum { NOTHING = 0, ERRORS = 1, EVENTS = 2, ALL = 3 };
 static const char *const error_category = "logStatusError";
 static const char *const event_category = "logEvents";
 
+/* Only states that were set by hand lead there. */
+static const char *const overflow =
+    "output or state would be no finite number, because the state is too large: reset the instance, or set an earlier state";
+
 /* All that can be kept and brought back later. */
 typedef struct {
     char token[sizeof(TOKEN)];
@@ -99,6 +103,17 @@ static int is_number(double v)
     return (v >= -LARGEST) && (v <= LARGEST);
 }
 
+/* Whether all numbers of a state are finite. */
+static int is_finite(const State *s)
+{
+    State copy = *s;
+    int all = 1;
+    for (unsigned int k = 0; k < VARIABLES - STATE; k++) {
+        all = all && is_number((double)*place(&copy, k));
+    }
+    return all;
+}
+
 /* All as it is after instantiation. */
 static void begin(Course *now)
 {
@@ -132,7 +147,7 @@ static int set_logging(Instance *m, const char *call, int on, size_t n, const ch
     int status = expect(m, ANY_TIME, call);
     int meant = (n == 0u) ? unnamed : NOTHING;
     int known = 1;
-    for (size_t k = 0; k < n; k++) {
+    for (size_t k = 0; (k < n) && known; k++) {
         const char *category = (categories != NULL) ? categories[k] : NULL;
         if ((category != NULL) && (strcmp(category, error_category) == 0)) {
             meant |= ERRORS;
@@ -190,8 +205,12 @@ static int enter_initialisation(Instance *m, const char *call, double start)
 static int exit_initialisation(Instance *m, const char *call)
 {
     int status = expect(m, INITIALISING, call);
+    const double first = (status == DONE) ? output(&m->now) : 0.0;
+    if ((status == DONE) && !is_number(first)) {
+        status = refuse(m, call, overflow);
+    }
     if (status == DONE) {
-        m->now.output = output(&m->now);
+        m->now.output = first;
         m->now.phase = STEPPING;
         status = done(m, "initialised");
     }
@@ -244,13 +263,17 @@ static int step(Instance *m, const char *call, double from, double length)
         } else if (!entering(now, enters)) {
             (void)snprintf(why, sizeof(why), "gain times input plus offset is no finite number: make them smaller");
         } else {
+            State next = now->state;
+            double y = now->output;
             for (long k = 0; k < samples; k++) {
-                now->output = sample(&now->state, enters);
+                y = sample(&next, enters);
             }
-            now->time = from + length;
-            if (!is_number(now->output)) {
-                (void)snprintf(why, sizeof(why),
-                               "the output has overflowed: reset the instance, or set an earlier state");
+            if (is_number(y) && is_finite(&next)) {
+                now->state = next;
+                now->output = y;
+                now->time = from + length;
+            } else {
+                (void)snprintf(why, sizeof(why), "%s", overflow);
             }
         }
     }
@@ -290,6 +313,9 @@ static int get_reals(Instance *m, const char *call, const unsigned int reference
     }
     for (size_t k = 0; (k < n) && (status == DONE); k++) {
         values[k] = value(m, references[k]);
+        if (!is_number(values[k])) {
+            status = refuse(m, call, overflow);
+        }
     }
     return status;
 }

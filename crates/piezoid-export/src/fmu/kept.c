@@ -1,12 +1,15 @@
 /* States of the FMU as a whole: kept, brought back, written down and read */
 
-/* Whether these bytes are a state of this very FMU. */
+/* Whether these bytes are a state of this very FMU, of finite numbers. */
 static int is_course(const Course *kept)
 {
     const int phase = (int)kept->phase;
-    const int known =
-        (phase == INSTANTIATED) || (phase == INITIALISING) || (phase == STEPPING) || (phase == TERMINATED);
-    return known && (memcmp(kept->token, TOKEN, sizeof(TOKEN)) == 0);
+    int fits = (phase == INSTANTIATED) || (phase == INITIALISING) || (phase == STEPPING) || (phase == TERMINATED);
+    fits = fits && (memcmp(kept->token, TOKEN, sizeof(TOKEN)) == 0) && is_number(kept->time) && is_number(kept->output);
+    for (int k = 0; k < INPUTS; k++) {
+        fits = fits && is_number(kept->input[k]) && is_number(kept->gain[k]) && is_number(kept->offset[k]);
+    }
+    return fits && is_finite(&kept->state);
 }
 
 /* Keeps a course in *state, which is made if it is not there yet. */

@@ -282,7 +282,8 @@ mod tests {
         }
         let names: Vec<&str> = variables.iter().map(|v| v.attribute("name").unwrap()).collect();
         assert_eq!(names[..7], ["time", "u", "u_gain", "u_offset", "y", "ts", "state.hysteresis.last"]);
-        let order = model.program().unwrap().order("state");
+        // The last field is the input that was taken.
+        let order = model.program().unwrap().order("state") + 1;
         assert_eq!(names.len(), 6 + order);
         let wrapper = text(&result.files[0], "sources/bender_fmi3_fmu.c");
         let variables = format!("VARIABLES = {},", 6 + order);

@@ -83,6 +83,7 @@ impl Language for RustBody<'_> {
             Limit::Epsilon => "EPSILON",
             Limit::Least => "MIN_POSITIVE",
             Limit::Most => "MAX",
+            Limit::Measurable => return self.real(limit.value(self.rust.single)),
         };
         format!("{}::{name}", self.rust.number())
     }

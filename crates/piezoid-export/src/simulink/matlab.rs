@@ -13,11 +13,11 @@ use crate::c::{shortest, wrapped};
 use crate::exported::{Entry, ExportedProgram};
 use crate::language::{Keywords, Language, Printer, less_one};
 use crate::template::{Value, blocks, context, template_context};
+use crate::vectors::UNKNOWN_RANGE;
 use crate::{ExportRequest, named};
 use piezoid::Model;
 use piezoid::error::Error;
 use piezoid_models::program::{Block, Constant, Expr, Field, FieldValue, Function, Op, Place, Program, ValueType};
-use piezoid_numerics::series::ends;
 use std::collections::BTreeMap;
 
 /// Keywords of MATLAB and Octave.
@@ -87,7 +87,7 @@ impl<'m> Matlab<'m> {
             context! { name => &block.name, about => &block.about, constants, functions }
         };
         // The example covers the whole input range of the model.
-        let (low, high) = ends(whole.entries[0].vectors.inputs.iter().map(|row| row[0]));
+        let (low, high) = request.model.known_inputs().unwrap_or(UNKNOWN_RANGE);
         let simulate = |e: &Entry| (e.kind(), format!("{}_simulate", e.kind()).trim_start_matches('_').to_owned());
         let rest = |e: &Entry| (e.state, self.rest(e.state, "s", false));
         let own = context! {

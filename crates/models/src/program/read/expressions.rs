@@ -167,6 +167,7 @@ impl Reader<'_> {
             "epsilon" => Ok(Expr::Limit(Limit::Epsilon)),
             "least" => Ok(Expr::Limit(Limit::Least)),
             "most" => Ok(Expr::Limit(Limit::Most)),
+            "measurable" => Ok(Expr::Limit(Limit::Measurable)),
             _ => self.wrong(format!("`{name}` is not known")),
         }
     }
