@@ -232,34 +232,29 @@ fn the_sources_compile_without_a_warning_in_either_precision() {
 #[test]
 fn calls_in_any_order_are_done_or_refused_as_the_standard_says_and_no_sanitizer_speaks() {
     let driver = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/fmu_calls.c");
-    for (compiler, more) in [("gcc", ""), ("clang", ",float-cast-overflow")] {
-        if !there(compiler, &["--version"], compiler) {
-            continue;
-        }
-        for (options, controller) in [("", false), ("--float", false), ("", true)] {
-            let bench = exported_with(options);
-            for version in ["fmi2", "fmi3"] {
-                let kind = if controller { "bouc_wen_control" } else { "bouc_wen" };
-                unpack(&bench, &format!("fmus/{kind}_{version}.fmu"), version);
-                let mut command = Command::new(compiler);
-                command.current_dir(bench.path(version)).args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-O1"]).args(
-                    [
-                        "-ffp-contract=off",
-                        "-fno-sanitize-recover=all",
-                        &format!("-fsanitize=address,undefined{more}"),
-                        &format!("-DVERSION={}", &version[3..]),
-                        &format!("-DWRAPPER=\"{kind}_{version}_fmu.c\""),
-                        "-Isources",
-                        "sources/bouc_wen.c",
-                        "-o",
-                        "calls",
-                        "-lm",
-                    ],
-                );
-                Run::of(compiler, &command.arg(&driver).output().unwrap()).ok();
-                let message = Command::new(bench.path(version).join("calls")).output().unwrap();
-                Run::of("calls", &message).ok().prints(&["500000 calls"]);
-            }
+    let compilers = [("gcc", ""), ("clang", ",float-cast-overflow")];
+    let compilers: Vec<_> = compilers.into_iter().filter(|(name, _)| there(name, &["--version"], name)).collect();
+    for (bench, kind) in
+        [(exported(), "bouc_wen"), (exported(), "bouc_wen_control"), (exported_with("--float"), "bouc_wen")]
+    {
+        for (version, (compiler, more)) in VERSIONS.iter().flat_map(|v| compilers.iter().map(move |c| (v, c))) {
+            unpack(&bench, &format!("fmus/{kind}_{version}.fmu"), version);
+            let mut command = Command::new(compiler);
+            command.current_dir(bench.path(version)).args(["-std=c99", "-Wall", "-Wextra", "-Werror", "-O1"]).args([
+                "-ffp-contract=off",
+                "-fno-sanitize-recover=all",
+                &format!("-fsanitize=address,undefined{more}"),
+                &format!("-DVERSION={}", &version[3..]),
+                &format!("-DWRAPPER=\"{kind}_{version}_fmu.c\""),
+                "-Isources",
+                "sources/bouc_wen.c",
+                "-o",
+                "calls",
+                "-lm",
+            ]);
+            Run::of(compiler, &command.arg(&driver).output().unwrap()).ok();
+            let message = Command::new(bench.path(version).join("calls")).output().unwrap();
+            Run::of("calls", &message).ok().prints(&["500000 calls"]);
         }
     }
 }
