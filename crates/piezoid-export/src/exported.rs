@@ -104,15 +104,15 @@ impl ExportedProgram {
     /// # Errors
     /// [`Error::Unsuited`] for a model or controller without a program, and a model without parameters that can move.
     pub fn new(request: &ExportRequest) -> Result<Self, Error> {
-        Self::made(request, true)
+        Self::with(request, true)
     }
 
     /// The same without the guard of the model, for integers, all of which it takes.
     pub(super) fn unguarded(request: &ExportRequest) -> Result<Self, Error> {
-        Self::made(request, false)
+        Self::with(request, false)
     }
 
-    fn made(request: &ExportRequest, guard: bool) -> Result<Self, Error> {
+    fn with(request: &ExportRequest, guard: bool) -> Result<Self, Error> {
         let model = request.model;
         let Units { u, y } = model.units();
         for (name, unit) in [("u", u), ("y", y)] {

@@ -14,9 +14,9 @@ mod rust;
 mod served;
 mod simulink;
 mod st;
-#[cfg(test)]
-mod stress;
 mod template;
+#[cfg(test)]
+mod tests;
 mod vectors;
 mod waveform;
 

@@ -114,8 +114,8 @@ impl Release {
             build.args(["--compatibility", "manylinux2014"]);
         }
         step(build.args(["--target", of.wheel, "--out"]).arg(&into))?;
-        let made = std::fs::read_dir(&into).map_err(|e| format!("{}: {e}", into.display()))?;
-        let wheel = made.filter_map(|file| Some(file.ok()?.path())).find(|file| file.extension().is_some());
+        let entries = std::fs::read_dir(&into).map_err(|e| format!("{}: {e}", into.display()))?;
+        let wheel = entries.filter_map(|file| Some(file.ok()?.path())).find(|file| file.extension().is_some());
         let wheel = wheel.ok_or_else(|| format!("{} holds no wheel", into.display()))?;
         let handed_out = self.folder.join(wheel.file_name().unwrap_or_default());
         copy(&wheel, &handed_out)?;
@@ -164,12 +164,12 @@ impl Release {
     }
 
     /// The bill of materials, and the recipe of the container.
-    pub(super) fn materials<'a>(&self, made: impl Iterator<Item = &'a Target>) -> Result<(), String> {
+    pub(super) fn materials<'a>(&self, targets: impl Iterator<Item = &'a Target>) -> Result<(), String> {
         copy(&root().join("Containerfile"), &self.folder.join("Containerfile"))?;
         let written = self.folder.join(format!("piezoid-{}.cdx.json", self.version));
         let mut bill = Command::new(self.tools.join("bin/python"));
         bill.arg("xtask/src/release/sbom.py").args([&self.version, &self.epoch]).arg(written);
-        step(bill.args(made.map(|target| target.triple)))
+        step(bill.args(targets.map(|target| target.triple)))
     }
 
     /// An empty folder of the name that an archive has.

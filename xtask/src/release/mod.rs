@@ -21,7 +21,7 @@ pub(super) fn release() -> Result<(), String> {
         let known: Vec<_> = TARGETS.iter().map(|target| target.triple).collect();
         return Err(format!("`{unknown}` is no target of a release: {}", known.join(", ")));
     }
-    let is_made = |triple: &str| names.is_empty() || names.iter().any(|name| *name == triple);
+    let is_chosen = |triple: &str| names.is_empty() || names.iter().any(|name| *name == triple);
     let release = Release::of_this_commit(!options.is_empty())?;
     let (first, others) = (&TARGETS[0], &TARGETS[1..]);
     // What the first program writes are the examples; the programs of other targets must write the same.
@@ -29,17 +29,17 @@ pub(super) fn release() -> Result<(), String> {
     let examples = examples::write(&program)?;
     release.archive_program(first, &program, &program)?;
     let package = examples::try_package(&release.wheel(first)?, &examples)?;
-    let mut made = vec![(first, "on this machine".to_string(), package)];
-    for other in others.iter().filter(|target| is_made(target.triple)) {
-        let built = release.program(other)?;
-        release.archive_program(other, &built, &program)?;
+    let mut handed_out = vec![(first, "on this machine".to_string(), package)];
+    for other in others.iter().filter(|target| is_chosen(target.triple)) {
+        let file = release.program(other)?;
+        release.archive_program(other, &file, &program)?;
         release.wheel(other)?;
-        made.push((other, examples::compare(other, &built, &examples)?, "not run".into()));
+        handed_out.push((other, examples::compare(other, &file, &examples)?, "not run".into()));
     }
     release.archive("examples", &examples)?;
     web::handed_out()?;
     release.archive("page", &root().join("web/dist"))?;
     release.sources()?;
-    release.materials(made.iter().map(|(target, ..)| *target))?;
-    notes::write(&release, &made)
+    release.materials(handed_out.iter().map(|(target, ..)| *target))?;
+    notes::write(&release, &handed_out)
 }

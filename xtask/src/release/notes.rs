@@ -6,7 +6,7 @@ use crate::python;
 use std::fmt::Write;
 
 /// Writes SHA256SUMS and NOTES.md.
-pub(super) fn write(release: &Release, made: &[(&Target, String, String)]) -> Result<(), String> {
+pub(super) fn write(release: &Release, built: &[(&Target, String, String)]) -> Result<(), String> {
     let mut sums = String::new();
     let mut table = String::from("| file | size | \n|---|---:|\n");
     for file in files(&release.folder)? {
@@ -26,7 +26,7 @@ pub(super) fn write(release: &Release, made: &[(&Target, String, String)]) -> Re
     text += &table;
     text += "\nSHA256SUMS has the checksums. Archives of programs hold completions and manual pages.\n\n## What was run\n\n\
              | platform | commands of the README and all exports | Python package |\n|---|---|---|\n";
-    for (target, run, package) in made {
+    for (target, run, package) in built {
         let _ = writeln!(text, "| {} | {run} | {package} |", target.name);
     }
     text += "\nThe container was not built: it needs an engine for containers.\n\n## Changes\n\n";

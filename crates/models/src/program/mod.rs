@@ -20,8 +20,8 @@
 //! up to two numbers. Conditions have no side effects. `let t = copy(x);` copies a state, `let t = zero(x);` makes one
 //! of zeros, `[0.0; n]` is an array of n numbers. `real(i)` converts an integer; `whole(v)` truncates a number that is
 //! not negative. A loop whose ends are not constant says how often it runs `at most`. `epsilon`, `least` and `most` are
-//! those of the precision in use, `measurable` is the largest size of a reading. Some target languages evaluate both sides of `&&` and `||`. A comment before a
-//! function or a statement is printed in every language.
+//! those of the precision in use, `measurable` is the largest size of a reading. Some target languages evaluate both
+//! sides of `&&` and `||`. A comment before a function or a statement is printed in every language.
 //!
 //! A program is read ([`Program::new`]), differentiated ([`Program::slope`]), run ([`Machine`]) in single or double
 //! precision, and printed by the export. [`Program::bound`] gives the largest number of its operations. The order of

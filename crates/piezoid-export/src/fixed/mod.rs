@@ -154,11 +154,13 @@ impl Fixed {
                 }
             }
             let rms = (squares / (exact.len() * inputs.len()) as f64).sqrt();
-            let Vectors { mean, most, bound, bounds, .. } = counted(&whole.program, entry, &entry.vectors.inputs, false)?;
+            let Vectors { mean, most, bound, bounds, .. } =
+                counted(&whole.program, entry, &entry.vectors.inputs, false)?;
             let inputs = rows(&entry.vectors.inputs);
             let at_rest = row(&starts[0], &state);
             let outputs = run(&mut machine, entry, &at_rest, &inputs)?;
-            with_counts.entries[k].vectors = Vectors { inputs, outputs, mean, most, bound, bounds, ..entry.vectors.clone() };
+            with_counts.entries[k].vectors =
+                Vectors { inputs, outputs, mean, most, bound, bounds, ..entry.vectors.clone() };
             errors.push(CountingError { rms, most: largest });
         }
         for entry in &mut with_counts.entries {

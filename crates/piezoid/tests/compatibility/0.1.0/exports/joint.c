@@ -1,7 +1,7 @@
 /* joint.c: see joint.h */
 #include "joint.h"
 
-#if JOINT_SET != 0xD6063251u
+#if JOINT_SET != 0x713F4687u
 #error "joint.h is of another export than this file: export again"
 #endif
 
@@ -541,13 +541,24 @@ static double joint_linear(joint_linear_state *x, double u)
 /* The model: hysteresis, creep, linear dynamics, offset */
 
 static const double joint_state_offset = -0.45558761528294767;
+static const double joint_state_farthest = 280.0;
 
-/* One sample: the input u to the displacement. */
-double joint_step(joint_state *s, double u)
+/* One sample of the input that was taken. */
+static double joint_unguarded(joint_state *s, double u)
 {
     const double z = joint_hidden(&s->hysteresis, &s->driver, u);
     const double crept = z;
     return joint_linear(&s->linear, crept) + joint_state_offset;
+}
+
+/* One sample: the input u to the displacement. What is no number, or too far out, is not taken: the last input stays. */
+double joint_step(joint_state *s, double u)
+{
+    if ((u >= (-joint_state_farthest)) && (u <= joint_state_farthest)) {
+        s->taken = u;
+    }
+    const double taken = s->taken;
+    return joint_unguarded(s, taken);
 }
 
 /* The inverse of the linear block: an FIR filter */
@@ -594,9 +605,9 @@ static const double joint_ff_state_at_rest = -0.019241269498987818;
 /* One sample: requested displacement r to actuator input u. */
 double joint_ff_step(joint_ff_state *s, double r)
 {
-    /* If the reference is not finite, the last finite one is used. */
+    /* If the reference is not measurable, the last one that was is used. */
     double last = s->preview.past[0];
-    if (joint_magnitude(r) <= 1.7976931348623157e308) {
+    if (joint_magnitude(r) <= 1e18) {
         last = r;
     }
     const double shaped = joint_preview(&s->preview, last) - joint_ff_state_at_rest;
@@ -625,6 +636,7 @@ void joint_reset(joint_state *s)
     }
     s->driver.v = 0.0;
     s->driver.z = 0.0;
+    s->taken = 0.0;
 }
 
 double joint_plan(const joint_state *s, double u, joint_state *next)
@@ -635,8 +647,8 @@ double joint_plan(const joint_state *s, double u, joint_state *next)
 
 void joint_save(const joint_state *s, double saved[JOINT_SAVED])
 {
-    saved[0] = 60320.0;
-    saved[1] = 9344.0;
+    saved[0] = 6969.0;
+    saved[1] = 1067.0;
     saved[2] = s->hysteresis.count;
     saved[3] = s->hysteresis.last;
     saved[4] = s->hysteresis.sum;
@@ -651,16 +663,16 @@ void joint_save(const joint_state *s, double saved[JOINT_SAVED])
     }
     saved[138] = s->driver.v;
     saved[139] = s->driver.z;
+    saved[140] = s->taken;
 }
 
 int joint_restore(joint_state *s, const double saved[], int n)
 {
     int fits = 0;
-    if ((n == JOINT_SAVED) && (saved[0] == 60320.0) && (saved[1] == 9344.0)) {
+    if ((n == JOINT_SAVED) && (saved[0] == 6969.0) && (saved[1] == 1067.0)) {
         fits = 1;
-        /* The difference is 0 for finite numbers alone. */
         for (int k = 2; k < n; k++) {
-            if (!((saved[k] - saved[k]) == 0.0)) {
+            if (!((saved[k] >= -1.7976931348623157e308) && (saved[k] <= 1.7976931348623157e308))) {
                 fits = 0;
             }
         }
@@ -680,6 +692,7 @@ int joint_restore(joint_state *s, const double saved[], int n)
         }
         s->driver.v = saved[138];
         s->driver.z = saved[139];
+        s->taken = saved[140];
     }
     return fits;
 }
@@ -707,8 +720,8 @@ double joint_ff_plan(const joint_ff_state *s, double r, joint_ff_state *next)
 
 void joint_ff_save(const joint_ff_state *s, double saved[JOINT_FF_SAVED])
 {
-    saved[0] = 64423.0;
-    saved[1] = 46274.0;
+    saved[0] = 9952.0;
+    saved[1] = 25065.0;
     for (int k = 0; k < 47; k++) {
         saved[2 + k] = s->preview.past[k];
     }
@@ -725,11 +738,10 @@ void joint_ff_save(const joint_ff_state *s, double saved[JOINT_FF_SAVED])
 int joint_ff_restore(joint_ff_state *s, const double saved[], int n)
 {
     int fits = 0;
-    if ((n == JOINT_FF_SAVED) && (saved[0] == 64423.0) && (saved[1] == 46274.0)) {
+    if ((n == JOINT_FF_SAVED) && (saved[0] == 9952.0) && (saved[1] == 25065.0)) {
         fits = 1;
-        /* The difference is 0 for finite numbers alone. */
         for (int k = 2; k < n; k++) {
-            if (!((saved[k] - saved[k]) == 0.0)) {
+            if (!((saved[k] >= -1.7976931348623157e308) && (saved[k] <= 1.7976931348623157e308))) {
                 fits = 0;
             }
         }

@@ -3,7 +3,7 @@
 #ifndef JOINT_H
 #define JOINT_H
 
-#define JOINT_SET 0xD6063251u /* checksum of the files of this export */
+#define JOINT_SET 0x713F4687u /* checksum of the files of this export */
 
 #define JOINT_TS 0.0005 /* sampling period [s] */
 
@@ -36,6 +36,7 @@ typedef struct {
     joint_hysteresis_state hysteresis;
     joint_linear_state linear;
     joint_driver_state driver;
+    double taken;
 } joint_state;
 
 /* State of the inverse of the linear block: an FIR filter. */
@@ -56,13 +57,14 @@ void joint_reset(joint_state *s);
 /* One sample of the model: input to displacement.
    u [V]: actuator input
    Returns y [um]: displacement.
-   Operations in one call: at most 576 in the self-test, at most 2949 for every input. */
+   Operations in one call: at most 578 in the self-test, at most 2951 for every input.
+   Of these at most 698 additions, 398 multiplications, 21 divisions and 1834 comparisons. */
 double joint_step(joint_state *s, double u);
 
 /* The same without advancing: *next is the state after the sample. Once the hardware has acknowledged it, s = next. */
 double joint_plan(const joint_state *s, double u, joint_state *next);
 
-#define JOINT_SAVED 140 /* numbers of a saved state */
+#define JOINT_SAVED 141 /* numbers of a saved state */
 
 /* Writes the state as numbers, with a checksum of what computes with it. */
 void joint_save(const joint_state *s, double saved[JOINT_SAVED]);
@@ -76,7 +78,8 @@ void joint_ff_reset(joint_ff_state *s);
 /* One sample of the feed-forward: requested displacement to actuator voltage.
    r [um]: wanted displacement
    Returns u [V]: actuator input.
-   Operations in one call: at most 5213 in the self-test, at most 367572 for every input. */
+   Operations in one call: at most 5213 in the self-test, at most 367572 for every input.
+   Of these at most 87605 additions, 49118 multiplications, 3559 divisions and 227290 comparisons. */
 double joint_ff_step(joint_ff_state *s, double r);
 
 /* The same without advancing: *next is the state after the sample. Once the hardware has acknowledged it, s = next. */

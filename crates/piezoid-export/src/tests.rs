@@ -75,12 +75,12 @@ fn what_is_no_number_counts_as_the_input_before_it_and_the_rest_is_as_the_librar
         let others =
             [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX, -1e300, 1.0001 * most, 1e-310, -5e-324, -0.0];
         let (mut seed, mut last) = (3, 0.0);
-        let mut given = adverse(most, n);
-        given.iter_mut().for_each(|u| {
+        let mut inputs = adverse(most, n);
+        inputs.iter_mut().for_each(|u| {
             let k = (40.0 * drawn(&mut seed)) as usize;
             *u = others.get(k).copied().unwrap_or(*u);
         });
-        let held: Vec<f64> = given
+        let held: Vec<f64> = inputs
             .iter()
             .map(|u| {
                 last = if u.abs() <= most { *u } else { last };
@@ -94,9 +94,9 @@ fn what_is_no_number_counts_as_the_input_before_it_and_the_rest_is_as_the_librar
                 let mut machine = Machine::new(&whole.program, "state", single);
                 u.iter().map(|u| machine.call("step", &[*u]).unwrap()[0]).collect::<Vec<f64>>()
             };
-            let (found, expected) = (run(&given), if single { run(&held) } else { model.simulate(&held) });
+            let (found, expected) = (run(&inputs), if single { run(&held) } else { model.simulate(&held) });
             for t in 0..n {
-                assert!(found[t].is_finite(), "{name}, single {single}, at {t}: {} for {}", found[t], given[t]);
+                assert!(found[t].is_finite(), "{name}, single {single}, at {t}: {} for {}", found[t], inputs[t]);
                 let same = found[t].to_bits() == expected[t].to_bits() || model.interpolates();
                 assert!(same, "{name}, single {single}, at {t}: {} not {}", found[t], expected[t]);
             }
