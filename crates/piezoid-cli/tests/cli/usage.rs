@@ -6,7 +6,7 @@ use crate::bench::Bench;
 fn a_wrong_command_line_exits_2_and_says_what_is_wrong() {
     let bench = Bench::stocked();
     let lines: &[(&str, &[&str])] = &[
-        ("frobnicate", &["frobnicate", "known are study, plan, inspect, prepare, excite"]),
+        ("xyzzy", &["xyzzy", "known are study, plan, inspect, prepare, excite"]),
         ("identfy", &["a similar subcommand exists: 'identify'"]),
         ("validate sine5.csv --modle model.json", &["--modle", "'--model'"]),
         ("simulate --plant paper --input drive5.csv", &["--output"]),
