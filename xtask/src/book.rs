@@ -7,7 +7,7 @@ mod chapters;
 mod figures;
 mod links;
 
-use crate::{built, cargo, root, step};
+use crate::{build_workspace, built, root};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -20,7 +20,7 @@ pub(crate) fn book() -> Result<(), String> {
     if let Some(unknown) = arguments.iter().find(|argument| *argument != "--check") {
         return Err(format!("there is no `{unknown}`: give --check or nothing"));
     }
-    step(&mut cargo(&["build", "--package", "piezoid-cli"]))?;
+    build_workspace()?;
     of_built(!arguments.is_empty())
 }
 

@@ -20,11 +20,14 @@ import run  # noqa: E402
 
 
 def outputs(notebook: Any) -> list[list[tuple[str, ...]]]:
-    """The kinds of output of each cell."""
-    return [
+    """The kinds of output of each cell. A stream may come in pieces, which count once."""
+    cells = [
         [(o.output_type, o.get("name", ""), *sorted(o.get("data", {}))) for o in cell.outputs]
         for cell in notebook.cells
         if cell.cell_type == "code"
+    ]
+    return [
+        [kind for k, kind in enumerate(kinds) if kind[0] != "stream" or kinds[k - 1 : k] != [kind]] for kinds in cells
     ]
 
 
