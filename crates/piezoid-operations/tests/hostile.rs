@@ -31,7 +31,9 @@ fn legitimate(record: &File) -> Vec<Value> {
     let options = json!({"operator": "stop", "order": 2});
     let request = json!({"call": "identify", "options": options, "files": {"large_signal": [record.name]}});
     let answer = run(&Request::of(request).unwrap(), std::slice::from_ref(record), &mut Stage::ignore).unwrap();
-    let identified = serde_json::from_slice(&answer.files[0].bytes).unwrap();
+    let mut identified: Value = serde_json::from_slice(&answer.files[0].bytes).unwrap();
+    // A certificate refuses the records that a model names as its own.
+    identified["fit"].as_object_mut().unwrap().remove("files");
     std::iter::once(identified).chain(files.iter().map(model)).collect()
 }
 
