@@ -21,8 +21,9 @@ export function lacking(name, path) {
 
 export const skip = lacking("CHROMIUM", CHROMIUM);
 
-/** Serves dist/ as any static server does. */
+/** Serves dist/ as any static server does; `PIEZOID_PAGE` is the address of a page that another one serves. */
 export async function served() {
+  if (process.env.PIEZOID_PAGE) return { url: process.env.PIEZOID_PAGE, close() {} };
   const server = createServer((request, response) => {
     const name = new URL(request.url, "http://x").pathname.slice(1) || "index.html";
     const file = new URL(name, DIST);

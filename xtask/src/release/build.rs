@@ -138,10 +138,7 @@ impl Release {
         let shells =
             [("bash", "piezoid.bash"), ("fish", "piezoid.fish"), ("zsh", "_piezoid"), ("powershell", "piezoid.ps1")];
         shells.iter().try_for_each(|(shell, file)| print(&["completions", shell], &format!("completions/{file}")))?;
-        print(&["man"], "man/man1/piezoid.1")?;
-        for verb in verbs(native)? {
-            print(&["man", &verb], &format!("man/man1/piezoid-{verb}.1"))?;
-        }
+        step(Command::new(native).args(["man", "--output"]).arg(folder.join("man/man1")))?;
         self.pack(&folder, if of.triple.contains("windows") { "zip" } else { "tar.gz" })
     }
 
@@ -184,15 +181,6 @@ impl Release {
         let name = format!("{}.{suffix}", folder.file_name().unwrap_or_default().to_string_lossy());
         step(python().arg("xtask/src/release/pack.py").args([folder, &self.folder.join(name)]).arg(&self.epoch))
     }
-}
-
-/// The verbs that have a manual page.
-fn verbs(program: &Path) -> Result<Vec<String>, String> {
-    let help = Command::new(program).arg("help").output().map_err(|e| e.to_string())?;
-    let help = String::from_utf8_lossy(&help.stdout).into_owned();
-    let verbs = help.lines().skip_while(|line| *line != "Verbs:").skip(1).take_while(|line| !line.is_empty());
-    let names = verbs.filter(|line| !line.starts_with("    ")).filter_map(|line| line.split_whitespace().next());
-    Ok(names.filter(|name| *name != "help").map(String::from).collect())
 }
 
 /// The files in a folder, relative to it, sorted.

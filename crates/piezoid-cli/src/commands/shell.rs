@@ -2,6 +2,7 @@
 
 use super::prelude::*;
 use crate::values::Ended::Misused;
+use anyhow::Context;
 
 const COMPLETE: &str = "\
 Examples:
@@ -26,18 +27,27 @@ impl Run for Completions {
 const READ: &str = "\
 Examples:
   piezoid man | man -l -
-  piezoid man identify > piezoid-identify.1";
+  piezoid man identify > piezoid-identify.1
+  piezoid man -o /usr/local/share/man/man1";
 
 #[derive(Args)]
 #[command(after_help = READ)]
 pub(crate) struct Manual {
     /// The page of one verb [default: the page of the whole command].
+    #[arg(conflicts_with = "output")]
     verb: Option<String>,
+    /// The folder for the pages of the command and of all verbs; created if it does not exist.
+    #[arg(short, long, value_name = "FOLDER")]
+    output: Option<PathBuf>,
 }
 
 impl Run for Manual {
     fn run(self, console: &Console) -> Result<()> {
         let mut cli = crate::cli();
+        if let Some(folder) = &self.output {
+            let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(cli, folder));
+            return written.with_context(|| format!("cannot write manual pages to {}", folder.display()));
+        }
         cli.build();
         let page = match &self.verb {
             None => &cli,
