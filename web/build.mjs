@@ -15,7 +15,7 @@ await build({ ...common, entryPoints: { main: "src/main.tsx" } });
 // A worker of the old kind: one file.
 await build({ ...common, format: "iife", entryPoints: { worker: "src/worker.ts" } });
 // For the tests.
-const parts = ["archive", "library", "module", "packet", "plot/download", "remaining", "server", "words", "workspace"];
+const parts = ["archive", "library", "module", "packet", "plot/download", "project", "remaining", "server", "words", "workspace"];
 const entryPoints = Object.fromEntries(parts.map((name) => [name, `src/${name}.ts`]));
 await build({ ...common, outdir: "dist/parts", minify: false, entryPoints });
 for (const file of PAGE) copyFileSync(file, `dist/${file}`);

@@ -1,8 +1,11 @@
 // What must not be lost: the project of a store that cannot be read whole, and the page when it opens damaged archives.
 import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
 import { test } from "node:test";
+import Ajv from "ajv/dist/2020.js";
 import { zipSync } from "fflate";
 import { unpackedProject } from "../dist/parts/archive.js";
+import { read } from "../dist/parts/project.js";
 import { Workspace } from "../dist/parts/workspace.js";
 
 const bytes = (text) => new TextEncoder().encode(text);
@@ -124,4 +127,38 @@ test("a fault goes with the next edit, unless no edit mends it", async () => {
   edit();
   workspace.undo();
   assert.equal(workspace.fault, "open in another tab");
+});
+
+test("what is read as a project keeps its schema, and what keeps the schema is read", () => {
+  const schema = JSON.parse(readFileSync(new URL("../../docs/schema/project-1.json", import.meta.url), "utf8"));
+  const keeps = new Ajv().compile(schema);
+  const record = { file: "a.csv", columns: { fs: 2000 }, prepare: {}, use: "training", because: "it has a large range" };
+  const standIn = { file: "s.json", sentence: "a line" };
+  const model = { file: "m.json", summary: "one", verdict: "good", notes: ["a"], from: [record], validated: "good", error: 0.5, standIn };
+  const rig = { name: "bench", layout: '["csv"]', columns: {} };
+  const project = { piezoid: 1, records: [record], models: [model], rigs: [rig], record: "a.csv", model: "m.json", settings: { identify: {} } };
+  const isRead = (changed) => {
+    try {
+      return Boolean(read(JSON.stringify(changed)));
+    } catch {
+      return false;
+    }
+  };
+  /** The value with a change at one of its fields, for each of them. */
+  function* changes(value, at = []) {
+    if (at.length) yield* [undefined, null, 1, -1, "text", "", true, [], [1], {}].map((other) => [at, other]);
+    if (typeof value === "object") for (const [key, inner] of Object.entries(value)) yield* changes(inner, [...at, key]);
+  }
+  assert.ok(keeps(project) && isRead(project));
+  let count = 0;
+  for (const [at, other] of changes(project)) {
+    const changed = structuredClone(project);
+    const owner = at.slice(0, -1).reduce((value, key) => value[key], changed);
+    if (other === undefined && !Array.isArray(owner)) delete owner[at.at(-1)];
+    else owner[at.at(-1)] = other;
+    const whole = JSON.parse(JSON.stringify(changed));
+    assert.equal(keeps(whole), isRead(whole), `${at.join(".")} = ${JSON.stringify(other)}`);
+    count += 1;
+  }
+  assert.ok(count > 300, `${count}`);
 });

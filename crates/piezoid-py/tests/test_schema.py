@@ -1,9 +1,10 @@
-"""The JSON Schema of model files says what the loader reads."""
+"""The JSON Schemas of model files and profiles say what their loaders read."""
 
 from __future__ import annotations
 
 import copy
 import json
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -14,7 +15,13 @@ import pytest
 
 ROOT = Path(__file__).parents[3]
 VERSIONS = ROOT / "crates/piezoid/tests/compatibility"
-SCHEMA = jsonschema.Draft202012Validator(json.loads((ROOT / "docs/schema/model-1.json").read_text()))
+
+
+def schema(name: str) -> jsonschema.Draft202012Validator:
+    return jsonschema.Draft202012Validator(json.loads((ROOT / "docs/schema" / f"{name}.json").read_text()))
+
+
+SCHEMA, PROFILE = schema("model-1"), schema("profile-1")
 
 MODELS = {f"{path.parts[-3]} {path.stem}": json.loads(path.read_text())["model"] for path in VERSIONS.glob("*/operators/*.json")}
 MODELS |= {f"{path.parts[-3]} {path.stem}": json.loads(path.read_text()) for path in VERSIONS.glob("*/given/*.json")}
@@ -59,8 +66,9 @@ def is_read(model: dict[str, Any]) -> bool:
     return True
 
 
-def test_the_schema_is_a_schema() -> None:
-    SCHEMA.check_schema(SCHEMA.schema)
+def test_the_schemas_are_schemas() -> None:
+    for each in (SCHEMA, PROFILE):
+        each.check_schema(each.schema)
 
 
 @pytest.mark.parametrize("name", MODELS)
@@ -74,3 +82,24 @@ def test_loader_and_schema_read_the_same_models(name: str) -> None:
 
 def test_what_is_identified_now_keeps_the_schema(model: pz.Model) -> None:
     SCHEMA.validate(model.to_dict())
+
+
+@pytest.mark.parametrize("path", list(VERSIONS.glob("*/given/rig.toml")), ids=lambda path: path.parts[-3])
+def test_loader_and_schema_read_the_same_profiles(path: Path, tmp_path: Path) -> None:
+    profile = tomllib.loads(path.read_text())
+    assert pz.read(path.with_suffix(".csv"), profile=path).ts > 0
+    PROFILE.validate(profile)
+    assert profile.keys() <= PROFILE.schema["properties"].keys()
+    changed = tmp_path / "rig.toml"
+    values: list[tuple[str, Any]] = [("fs", 0.0), ("from", -1.0), ("unknown", 1.0)]
+    values += [(name, value) for name in PROFILE.schema["properties"] for value in (True, [1], "text", 1.0)]
+    for name, value in values:
+        one = profile | {name: value}
+        changed.write_text("".join(f"{key} = {json.dumps(value)}\n" for key, value in one.items()))
+        # What is of the right kind may be wrong for this file, such as the name of a column.
+        refused = ""
+        try:
+            pz.read(path.with_suffix(".csv"), profile=changed)
+        except pz.PiezoidError as error:
+            refused = str(error)
+        assert PROFILE.is_valid(one) == ("rig.toml" not in refused), (name, value, refused)
