@@ -19,10 +19,11 @@ const WRITTEN_APART: [&str; 2] = ["commands.txt", TOUR];
 /// Files with a library of the machine that wrote them.
 const COMPILED: &str = "fmu";
 
-/// The commands of README.md, then the exports.
+/// The commands in the blocks of README.md, then the exports.
 fn commands() -> Result<Vec<String>, String> {
     let readme = std::fs::read_to_string(root().join("README.md")).map_err(|e| format!("README.md: {e}"))?;
-    let lines = readme.lines().chain(EXPORTS.lines());
+    let blocks = readme.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let lines = blocks.chain([EXPORTS]).flat_map(str::lines);
     Ok(lines.filter(|line| line.starts_with("piezoid ")).map(String::from).collect())
 }
 
