@@ -46,7 +46,7 @@ pub(super) const TARGETS: [Target; 5] = [
 
 /// Linkers for every platform, and what packs wheels: from PyPI, of fixed versions.
 const TOOLS: [&str; 4] =
-    ["cargo-zigbuild==0.20.1", "cyclonedx-python-lib==10.4.1", "maturin==1.9.4", "ziglang==0.14.1"];
+    ["cargo-zigbuild==0.24.1", "cyclonedx-python-lib==11.12.0", "maturin==1.16.0", "ziglang==0.17.1"];
 
 /// The version that is made, and where.
 pub(super) struct Release {
