@@ -7,7 +7,7 @@
 //!
 //! Reference: Hackel et al. 2017, doi:10.7795/310.20170403; <https://www.ptb.de/dcc/v3.3.0/>.
 
-use crate::plot::escape;
+use crate::plot::{allowed, escape};
 use crate::report::{METHOD, STATEMENT};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::exact;
@@ -244,9 +244,11 @@ fn named(element: &str, text: &str) -> Element {
     Element::new(element).child(Element::leaf("dcc:content", text).with("lang", "en"))
 }
 
-/// A text without spaces at its ends and without several in a row, as the schema asks for; never empty.
+/// A text without spaces at its ends and without several in a row, as the schema asks for; never empty. Characters that
+/// [`escape`] removes count as spaces: left in, they would leave the text empty, or with a space at an end.
 fn collapsed(text: &str) -> String {
-    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = text.split(|c: char| c.is_whitespace() || !allowed(c)).filter(|word| !word.is_empty());
+    let text = words.collect::<Vec<_>>().join(" ");
     if text.is_empty() { NOT_STATED.into() } else { text }
 }
 

@@ -150,6 +150,18 @@ fn a_range_in_a_unit_that_is_no_voltage_is_a_text() {
 }
 
 #[test]
+fn characters_that_xml_forbids_leave_no_text_empty_or_with_a_space_at_an_end() {
+    let text = |text: &str| Some(text.to_string());
+    let number = text("\u{2} 17\u{ffff}");
+    let found = example(CertificateOptions { number, serial: text("\u{1}"), person: text(" \u{7f} "), ..options() });
+    let text = dcc(&found).unwrap();
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let mut wrong = Vec::new();
+    faults(document.root_element(), &mut wrong);
+    assert!(wrong.is_empty() && text.contains(">17<"), "{wrong:?} {text}");
+}
+
+#[test]
 fn the_document_has_the_numbers_of_the_certificate() {
     let found = example(options());
     let text = dcc(&found).unwrap();

@@ -43,7 +43,7 @@ pub use axes::Axes;
 pub use axis::Axis;
 pub use palette::Role;
 pub use series::Series;
-pub(crate) use text::{escape, shown};
+pub(crate) use text::{allowed, escape, shown};
 
 use panel::{Panel, RIGHT};
 use path::Point;

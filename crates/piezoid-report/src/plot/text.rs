@@ -1,10 +1,14 @@
 //! Text and numbers in SVG and HTML: escaped, with fixed precision and an estimated width.
 
+/// Whether a character is kept in XML: control characters other than white space are not.
+pub(crate) fn allowed(c: char) -> bool {
+    !(c.is_control() && !"\t\n\r".contains(c) || matches!(c, '\u{fffe}' | '\u{ffff}'))
+}
+
 /// Replaces the five markup characters and removes control characters that XML forbids.
 pub(crate) fn escape(text: &str) -> String {
-    let allowed = |c: &char| !(c.is_control() && !"\t\n\r".contains(*c) || matches!(c, '\u{fffe}' | '\u{ffff}'));
     let entities = [("&", "&amp;"), ("<", "&lt;"), (">", "&gt;"), ("\"", "&quot;"), ("'", "&#39;")];
-    let text: String = text.chars().filter(allowed).collect();
+    let text: String = text.chars().filter(|c| allowed(*c)).collect();
     entities.iter().fold(text, |text, (character, entity)| text.replace(character, entity))
 }
 
