@@ -76,9 +76,9 @@ fn the_xml_is_valid_in_dcclib() {
     for file in ["a.xml", "b.xml"] {
         let Some(printed) = python(&bench, "dcclib", &["dcc", file]) else { return };
         assert!(printed.contains("Schematron: valid"), "{printed}");
-        if !printed.contains("schema: valid") {
-            eprintln!("{printed}");
-            println!("SKIPPED IN PART: the schema of the PTB could not be fetched");
+        // CI may be without a network.
+        if !printed.contains("schema: valid") && std::env::var_os("CI").is_none() {
+            skipped(&format!("no schema of the PTB, and PIEZOID_DCC_SCHEMA names none: {printed}"));
         }
     }
 }
