@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Tries the release in target/dist where there is no Rust: in a Debian of its own, as root, with debootstrap. The page is
-# served from there by Python, and tried from here, with Node.js and Chromium.
+# served from there by Python, and tried from here, with Node.js and Chromium. The container is built by buildah.
 # The Python package and its dependencies come from a folder, so that nothing in there needs a network.
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
@@ -36,3 +36,13 @@ page=$(basename "$debian"/tour/piezoid-*-page)
 chroot "$debian" python3 -m http.server --bind 127.0.0.1 --directory "/tour/$page" 8087 2>/dev/null &
 trap 'kill %1' EXIT
 PIEZOID_PAGE=http://127.0.0.1:8087/ node --test --test-reporter spec web/tests/page.test.mjs
+
+scratch=$(mktemp -d)
+trap 'kill %1; rm -r "$scratch"' EXIT
+image() { buildah --storage-driver vfs --root "$scratch/images" --runroot "$scratch/run" "$@"; }
+cp Containerfile "$dist"/piezoid-*-x86_64-unknown-linux-musl.tar.gz "$scratch"
+version=$(basename "$scratch"/piezoid-*-x86_64-unknown-linux-musl.tar.gz -x86_64-unknown-linux-musl.tar.gz)
+image build --isolation chroot --build-arg "VERSION=${version#piezoid-}" --tag piezoid "$scratch"
+container=$(image from --pull-never localhost/piezoid)
+image run --isolation chroot --volume "$debian/tour/work:/work" "$container" -- /piezoid validate stairs.csv --model model.json
+image images

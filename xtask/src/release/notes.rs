@@ -29,7 +29,8 @@ pub(super) fn write(release: &Release, built: &[(&Target, String, String)]) -> R
     for (target, run, package) in built {
         let _ = writeln!(text, "| {} | {run} | {package} |", target.name);
     }
-    text += "\nThe container was not built: it needs an engine for containers.\n\n## Changes\n\n";
+    text += "\nContainer and page were not tried. `xtask/src/release/chroot.sh` tries them, and program and package without \
+             Rust.\n\n## Changes\n\n";
     text += &changes(&release.version)?;
     write_file(&release.folder.join("NOTES.md"), text.as_bytes())
 }
