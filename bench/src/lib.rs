@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod control;
+pub mod evidence;
 pub mod feedback;
 pub mod operators;
 pub mod page;

@@ -1,9 +1,9 @@
 //! Measures what a page of docs/ states, and writes its tables and figures.
 //!
-//! `cargo run --release -p piezoid-bench -- paper|operators|accuracy|control|feedback|stand-in docs`
+//! `cargo run --release -p piezoid-bench -- paper|operators|accuracy|control|feedback|stand-in|evidence docs`
 //! `cargo run -p piezoid-bench -- vectors crates/piezoid/tests/compatibility/0.1.0/operators`
 
-use piezoid_bench::{accuracy, control, feedback, operators, paper, stand_in, vectors};
+use piezoid_bench::{accuracy, control, evidence, feedback, operators, paper, stand_in, vectors};
 use std::error::Error;
 use std::path::Path;
 
@@ -11,13 +11,14 @@ use std::path::Path;
 type Write = fn(&Path) -> Result<(), Box<dyn Error>>;
 
 /// What can be written.
-const WRITERS: [(&str, Write); 7] = [
+const WRITERS: [(&str, Write); 8] = [
     ("paper", paper::write),
     ("operators", operators::write),
     ("accuracy", accuracy::write),
     ("control", control::write),
     ("feedback", feedback::write),
     ("stand-in", stand_in::write),
+    ("evidence", evidence::write),
     ("vectors", vectors::write),
 ];
 

@@ -33,13 +33,13 @@ pub fn wrapped(text: &str) -> String {
 
 /// Replaces the text in `page` between `<!-- name: written by ... -->` and `<!-- end of name -->`.
 pub fn write(page: &Path, name: &str, table: &str) -> Result<(), Box<dyn Error>> {
-    let (from, to) =
-        (format!("<!-- {name}: written by `cargo xtask generate docs` -->"), format!("<!-- end of {name} -->"));
+    let (from, to) = (format!("<!-- {name}: written by "), format!("<!-- end of {name} -->"));
     let absent = |line: &str| format!("{} has no line {line}", page.display());
     let text = std::fs::read_to_string(page)?;
     let (before, rest) = text.split_once(&from).ok_or_else(|| absent(&from))?;
+    let (by, rest) = rest.split_once('\n').ok_or_else(|| absent(&to))?;
     let (_, after) = rest.split_once(&to).ok_or_else(|| absent(&to))?;
-    Ok(std::fs::write(page, format!("{before}{from}\n{table}{to}{after}"))?)
+    Ok(std::fs::write(page, format!("{before}{from}{by}\n{table}{to}{after}"))?)
 }
 
 /// The cells of a line of a table.

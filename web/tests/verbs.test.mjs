@@ -51,6 +51,15 @@ test("a file is read, and a record is prepared", () => {
   assert.equal(prepared.series.get("u").length, 500);
 });
 
+test("records are packed for others, and the archive is checked", () => {
+  const options = { licence: "CC0-1.0", actuator: "a", driver: "d", sensor: "s", who: "w" };
+  const packed = call({ call: "contribute", options, files: { data: [record.name, small.name] } }, [record, small]);
+  const archive = renamed("in.zip", packed.files[0]);
+  const { result } = call({ call: "contribute", files: { check: [archive.name] } }, [archive]);
+  assert.deepEqual(result, packed.result);
+  assert.equal(result.files[1].use.use, "small-signal");
+});
+
 const FORMATS = new URL("../../crates/piezoid/tests/golden/formats/", import.meta.url);
 
 for (const name of readdirSync(FORMATS)) {

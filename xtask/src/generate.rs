@@ -21,7 +21,7 @@ struct Part {
 /// What the operators give in this version.
 const OPERATORS: &str = concat!("crates/piezoid/tests/compatibility/", env!("CARGO_PKG_VERSION"), "/operators");
 
-const PARTS: [Part; 5] = [
+const PARTS: [Part; 6] = [
     Part {
         name: "bindings",
         summary: "what Python, the page and docs/reference.md state of options, from their rows",
@@ -59,6 +59,13 @@ const PARTS: [Part; 5] = [
             let pages = ["paper", "operators", "accuracy", "control", "feedback", "stand-in"];
             pages.iter().try_for_each(|page| measured(page, &["--release"], "docs"))
         },
+    },
+    Part {
+        name: "evidence",
+        summary: "docs/evidence.md, from measured records that PIEZOID_DATA names (half an hour)",
+        writes: &["docs/evidence.md", "docs/evidence-stack.svg", "docs/evidence-mirror.svg"],
+        is_quick: false,
+        run: || measured("evidence", &["--release"], "docs"),
     },
 ];
 

@@ -60,6 +60,13 @@ impl DataFile {
         Error::Content(format!("cannot be read: {error}")).of(&self.name)
     }
 
+    /// All its bytes.
+    pub(super) fn content(&self) -> Result<Vec<u8>, Error> {
+        let mut content = Vec::new();
+        self.bytes()?.read_to_end(&mut content).map_err(|error| self.unreadable(&error))?;
+        Ok(content)
+    }
+
     /// The table in it, and its format.
     ///
     /// # Errors

@@ -7,6 +7,7 @@ use piezoid_records::quality::{self, Finding, InSections};
 use piezoid_records::quality::{Drive, Proposal, uses};
 use piezoid_records::record::Record;
 use serde_json::{Value, json};
+use std::borrow::Cow;
 use std::ops::Range;
 
 /// Samples of a long record that show its waveform.
@@ -81,8 +82,17 @@ impl Measured<'_> {
     /// # Errors
     /// Returns an error if a long record is damaged before.
     pub fn drive(&self) -> Result<Drive, Error> {
+        let drive = Drive::of(&*self.shown()?);
+        Ok(match self {
+            Measured::Held(_) => drive,
+            Measured::Long(record) => drive.between(record.ends()[0]),
+        })
+    }
+
+    /// The record; of a long one, its first million samples.
+    pub(super) fn shown(&self) -> Result<Cow<'_, Record>, Error> {
         let record = match self {
-            Measured::Held(record) => return Ok(Drive::of(record)),
+            Measured::Held(record) => return Ok(Cow::Borrowed(record)),
             Measured::Long(record) => record,
         };
         let (mut u, mut y) = (Vec::new(), Vec::new());
@@ -96,8 +106,7 @@ impl Measured<'_> {
         if u.len() < SHOWN_SAMPLES {
             read?;
         }
-        let shown = Record::new(record.ts(), u, y)?.with_units(record.units().clone());
-        Ok(Drive::of(&shown).between(record.ends()[0]))
+        Ok(Cow::Owned(Record::new(record.ts(), u, y)?.with_units(record.units().clone())))
     }
 }
 

@@ -7,6 +7,7 @@
 mod certificate;
 mod compare;
 mod compensate;
+mod contribute;
 mod control;
 mod data;
 mod excite;
@@ -35,6 +36,7 @@ pub use certificate::{
 };
 pub use compare::{CompareOptions, ComparedModel, Contest, Failed, ModelComparison, Other, Times};
 pub use compensate::{CompensateOptions, Compensation};
+pub use contribute::{ContributeOptions, Contributed, ContributedFile, Licence};
 pub use control::{ComparisonReport, ControlOptions, PATHS, SCHEMES, TuneOptions};
 pub use data::DataFile;
 pub use excite::{ExciteOptions, Excited};

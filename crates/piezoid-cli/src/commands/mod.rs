@@ -7,6 +7,7 @@ mod campaign;
 mod certificate;
 mod compare;
 mod compensate;
+mod contribute;
 mod control;
 mod derived;
 mod excite;
@@ -111,6 +112,7 @@ const VERBS: &[Verb] = &[
     operation::<export::Export>("export"),
     operation::<report::Report>("report"),
     operation::<certificate::Certificate>("certificate"),
+    operation::<contribute::Contribute>("contribute"),
     own::<serve::Serve>(
         "serve",
         "Serve the page of piezoid on this machine: the same work in a browser, with a project folder",

@@ -10,6 +10,7 @@ mod certificate;
 mod compare;
 mod compatibility;
 mod compensate;
+mod contribute;
 mod control;
 mod drive;
 mod exports;

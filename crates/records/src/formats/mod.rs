@@ -46,11 +46,12 @@ mod write;
 
 pub use channel::Channel;
 pub use long::{LongRecord, MAX_HELD_SAMPLES, Opened, Take};
-pub use numpy::archive;
+pub use numpy::{archive, unpacked};
 pub use pieces::{InputPieces, Open};
 
 pub use selection::ColumnSelection;
 pub use table::{Signal, Table};
+pub use units::{is_displacement, is_voltage};
 pub use write::TextWriter;
 
 use piezoid_numerics::error::Error;

@@ -13,7 +13,7 @@ use super::tree::{self, Node};
 use super::{Channel, Format, Table, history};
 use descr::{ArrayHead, Descr};
 use piezoid_numerics::error::Error;
-pub use zip::archive;
+pub use zip::{archive, unpacked};
 
 /// The row of NumPy.
 pub(super) const ROW: Format = Format {

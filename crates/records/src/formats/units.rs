@@ -95,6 +95,16 @@ pub(super) fn known(text: &str) -> Option<(String, Quantity)> {
     None
 }
 
+/// True for a unit of what an actuator gives: a length, an angle or a strain.
+pub fn is_displacement(unit: &str) -> bool {
+    known(unit).is_some_and(|(_, quantity)| quantity == Quantity::Displacement)
+}
+
+/// True for a unit of voltage.
+pub fn is_voltage(unit: &str) -> bool {
+    known(unit).is_some_and(|(_, quantity)| quantity == Quantity::Voltage)
+}
+
 /// The seconds of a unit of time.
 pub(super) fn seconds(text: &str) -> Option<f64> {
     match known(text)?.1 {

@@ -77,6 +77,23 @@ impl Member {
     }
 }
 
+/// The members of an archive with their bytes, in the order of its directory. Checksums are checked.
+///
+/// # Errors
+/// Returns an error for a damaged archive, an unsupported compression, and more bytes than such an archive can have.
+pub fn unpacked(file: &[u8]) -> Result<Vec<(String, Vec<u8>)>, Error> {
+    let mut unpacking = Unpacking::of(file);
+    let read = |member: Member| {
+        let bytes = member.bytes(file, &mut unpacking)?;
+        if let Cow::Borrowed(stored) = &bytes {
+            unpacking.count(stored.len())?;
+        }
+        let bytes = bytes.into_owned();
+        Ok((member.name, bytes))
+    };
+    members(file)?.into_iter().map(read).collect()
+}
+
 /// An archive of these members. It has no dates: the same members give the same bytes.
 pub fn archive(members: impl Iterator<Item = (String, Vec<u8>)>) -> Result<Vec<u8>, Error> {
     let short = |len: usize| {
