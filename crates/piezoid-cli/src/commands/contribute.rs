@@ -19,8 +19,8 @@ Examples:
 
 The archive has the files as they are, and what is stated of them. Nothing is sent anywhere. Without -o the records are only checked. docs/contributing-records.md says which records are useful, what they are used for, and how the archive is handed in.";
 
-const USAGE: &str = "piezoid contribute <FILE>... --licence <NAME> --actuator <TEXT> --driver <TEXT> --sensor <TEXT> \
-                     --who <TEXT> [OPTIONS]\n       piezoid contribute --check <FILE>";
+const USAGE: &str = "piezoid contribute <FILE>... --licence <NAME> [OPTIONS]
+       piezoid contribute --check <FILE>";
 
 #[derive(Args)]
 #[command(after_help = EXAMPLES, override_usage = USAGE)]

@@ -21,6 +21,7 @@
 
 mod findings;
 mod options;
+mod received;
 mod source;
 #[cfg(test)]
 mod tests;
@@ -36,7 +37,7 @@ use piezoid_records::formats::{self, ColumnSelection, is_displacement, is_voltag
 use piezoid_records::quality::Drive;
 use piezoid_records::record::Units;
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::Value;
 
 /// Names of the files that describe the others.
 const DOCUMENT: &str = "contribution.json";
@@ -210,52 +211,7 @@ impl Contributed {
     /// Returns an error for another archive, and for a file that is missing, was added, was changed, or is not read as
     /// the archive states it.
     pub fn check(archive: &File) -> Result<Self, Error> {
-        let found = Self::unpacked(&archive.bytes);
-        found.map_err(|error| error.of(&archive.name))
-    }
-
-    fn unpacked(archive: &[u8]) -> Result<Self, Error> {
-        let no = |why: String| Error::Content(format!("this is no contribution: {why}"));
-        let is_zip = archive.starts_with(b"PK");
-        let members = if is_zip { formats::unpacked(archive)? } else { Vec::new() };
-        let document = members.iter().find(|(name, _)| name == DOCUMENT);
-        let how = "give the archive that `contribute` wrote";
-        let (_, text) = document.ok_or_else(|| no(format!("it has no {DOCUMENT}: {how}")))?;
-        let stated: Value = serde_json::from_slice(text).map_err(|e| no(format!("{DOCUMENT}: {e}")))?;
-        if stated["piezoid_contribution"] != json!(SCHEMA) {
-            let schema = &stated["piezoid_contribution"];
-            return Err(no(format!(
-                "its schema number is {schema}, and this version reads {SCHEMA}: use another version"
-            )));
-        }
-        let stated = Document::deserialize(stated).map_err(|e| no(format!("{DOCUMENT}: {e}")))?;
-        let listed = |name: &str| stated.files.iter().any(|file| file.file == name);
-        if let Some((name, _)) =
-            members.iter().find(|(name, _)| ![DOCUMENT, SOURCE].contains(&&**name) && !listed(name))
-        {
-            return Err(Error::Content(format!("{DOCUMENT} does not state this file: it was added later")).of(name));
-        }
-        let twice = |k: usize| members[..k].iter().any(|(name, _)| *name == members[k].0);
-        if let Some(k) = (0..members.len()).find(|k| twice(*k)) {
-            return Err(Error::Content("is in the archive twice: ask for it again".into()).of(&members[k].0));
-        }
-        let source = |file: &ContributedFile| {
-            let (_, bytes) = members.iter().find(|(name, _)| *name == file.file).ok_or_else(|| missing(file))?;
-            let found = sha256(bytes);
-            if found != file.sha256 {
-                let stated = &file.sha256;
-                let what = format!("was changed: its SHA-256 is {found}, and {DOCUMENT} states {stated}");
-                return Err(Error::Content(format!("{what}: ask for the archive again")).of(&file.file));
-            }
-            Ok(Source::new(File::new(&*file.file, bytes.clone()), file.columns.clone(), Vec::new()))
-        };
-        let sources = stated.files.iter().map(source).collect::<Result<_, Error>>()?;
-        let mut read = stated.statement.run(sources)?;
-        for (stated_file, file) in stated.files.iter().zip(&read.document.files) {
-            same(stated_file, file, &stated.version)?;
-        }
-        read.document.version = stated.version;
-        Ok(read)
+        received::read(&archive.bytes).map_err(|error| error.of(&archive.name))
     }
 
     /// All of it as a document, which is `contribution.json`.
@@ -304,25 +260,4 @@ impl Contributed {
 
 fn megabytes(bytes: usize) -> String {
     format!("{} MB", round((bytes as f64 / 1e5).round() / 10.0))
-}
-
-fn missing(file: &ContributedFile) -> Error {
-    let what = format!("{DOCUMENT} states this file, but the archive does not have it: ask for the archive again");
-    Error::Content(what).of(&file.file)
-}
-
-/// Returns an error if a file is read in another way than it is stated.
-fn same(stated: &ContributedFile, read: &ContributedFile, version: &str) -> Result<(), Error> {
-    let facts = |file: &ContributedFile| {
-        let Units { u, y } = &file.units;
-        format!("{} bytes, {} samples every {} s, u in {u}, y in {y}", file.bytes, file.samples, file.ts)
-    };
-    let (stated_facts, facts) = (facts(stated), facts(read));
-    if stated_facts == facts {
-        return Ok(());
-    }
-    let this = env!("CARGO_PKG_VERSION");
-    let what = format!("is read as {facts}, but {DOCUMENT} states {stated_facts}");
-    let why = format!("it was changed, or read by another version ({version}; this is {this})");
-    Err(Error::Content(format!("{what}: {why}")).of(&read.file))
 }

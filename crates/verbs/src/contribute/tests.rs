@@ -1,6 +1,7 @@
 use super::*;
 use piezoid_records::formats::unpacked;
 use piezoid_testing::noise;
+use serde_json::json;
 use std::f64::consts::TAU;
 
 /// A record of this input [V] at 1 kHz, at rest for the first tenth, with a lag, in these units.
@@ -112,12 +113,38 @@ fn a_file_that_was_changed_added_or_lost_is_named() {
     assert!(checked(lost).unwrap_err().starts_with("in/c.zip: c.csv: contribution.json states this file, but"));
     let mut added = members();
     added.push(("../d.csv".into(), b"t_s,u_V,y_um\n".to_vec()));
-    assert!(checked(added).unwrap_err().contains("../d.csv: contribution.json does not state this file"));
+    assert!(
+        checked(added)
+            .unwrap_err()
+            .contains("../d.csv: is in the archive twice, or contribution.json does not state it")
+    );
     let mut twice = members();
     twice.push(twice[2].clone());
-    assert!(checked(twice).unwrap_err().contains("a.csv: is in the archive twice"));
+    assert!(checked(twice).unwrap_err().contains("c.zip: a.csv: is in the archive twice"));
     let other = Contributed::check(&File::new("x.csv", "t_s,u_V,y_um\n")).unwrap_err().to_string();
     assert!(other.contains("x.csv: this is no contribution: it has no contribution.json"), "{other}");
+}
+
+#[test]
+fn no_damage_of_an_archive_is_accepted_or_panics() {
+    let rows =
+        (0..40).map(|k| format!("{},{},{}\n", 1e-3 * f64::from(k), f64::from(k * 7 % 40), f64::from(k * 7 % 40)));
+    let small = File::new("s.csv", format!("t_s,u_V,y_um\n{}", rows.collect::<String>()));
+    let archive = packed(vec![small]).unwrap().archive().unwrap();
+    let check = |bytes: Vec<u8>| Contributed::check(&File::new("c.zip", bytes));
+    let whole = check(archive.clone()).unwrap().to_json();
+    let records = archive.windows(12).position(|window| window == b"t_s,u_V,y_um").unwrap();
+    for end in (0..archive.len()).step_by(7) {
+        assert!(check(archive[..end].to_vec()).is_err(), "the first {end} bytes");
+    }
+    for at in (0..archive.len()).step_by(5) {
+        let mut bytes = archive.clone();
+        bytes[at] ^= 0x10;
+        // A date or a text for people may differ, the record not.
+        let found = check(bytes).map(|found| found.to_json());
+        assert!(found.as_ref().map_or(true, |found| *found == whole), "byte {at}");
+        assert!(!(records..records + 200).contains(&at) || found.is_err(), "byte {at}");
+    }
 }
 
 #[test]
