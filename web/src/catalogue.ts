@@ -197,6 +197,21 @@ export interface CallOptions {
     /** Largest current, in both directions; needs {capacitance} [A] */
     current?: number | string;
   };
+  /** Check records of a real actuator and pack them as evidence for all, or check such an archive. */
+  contribute: {
+    /** Licence of the records */
+    licence?: "CC-BY-4.0" | "CC0-1.0";
+    /** The actuator: manufacturer, type, what it carries */
+    actuator?: string;
+    /** The driver: manufacturer, type, gain, and where the voltage was measured */
+    driver?: string;
+    /** The sensor: manufacturer, type, range, bandwidth */
+    sensor?: string;
+    /** Who measured the records, as it shall be stated */
+    who?: string;
+    /** Conditions: temperature, load, preload, age */
+    conditions?: string;
+  };
   /** Run a plant or a model on a drive signal. */
   simulate: {
     /** The plant to simulate, unless a model or a stand-in is given */

@@ -2,7 +2,7 @@
 //! each actuator, below the folder that PIEZOID_DATA names, or below `../shared/data` beside the checkout.
 
 mod mirror;
-mod stack;
+pub mod stack;
 
 use std::error::Error;
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ type Actuator = (&'static str, fn(&Path, &Path) -> Result<(), Box<dyn Error>>);
 const ACTUATORS: [Actuator; 2] = [("picma-p885", stack::write), ("fsm", mirror::write)];
 
 /// The folder of measured records.
-fn data() -> PathBuf {
+pub fn data() -> PathBuf {
     let beside = || PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/data"));
     std::env::var_os("PIEZOID_DATA").map_or_else(beside, PathBuf::from)
 }
