@@ -126,7 +126,7 @@ impl Linear {
     }
 }
 
-/// The same with the parts of several inputs.
+/// The sum of what several inputs add.
 fn sum(parts: impl Iterator<Item = Vec<f64>>) -> Vec<f64> {
     parts
         .reduce(|mut sum, part| {
@@ -274,7 +274,8 @@ fn figure(held_out: &[Experiment], ways: &[Way]) -> Figure {
     let of = |axes: Axes, (k, way): (usize, &Way)| {
         axes.with(series(at().flat_map(|e| errors(way, e)).collect(), way.role, k + 1, way.name))
     };
-    let axes = ways.iter().enumerate().fold(axes, of);
+    // The errors of constant gains are as large as the displacement.
+    let axes = ways.iter().enumerate().skip(1).fold(axes, of);
     let noise = series(at().flat_map(|e| e.noise.clone()).collect(), Role::Accent5, 4, "repeatability");
     Figure::new("A mirror, realisations held out", caption).panel(axes.with(noise))
 }
