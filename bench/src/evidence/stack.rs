@@ -62,7 +62,7 @@ impl Split {
         let name = model.hysteresis().operator().name;
         let title = if name == operator { title.into() } else { format!("{title}, `{name}`") };
         eprintln!("{title}: {:?}", found.metrics);
-        Ok((Held { title, metrics: found.metrics.clone() }, found))
+        Ok((Held { title, metrics: found.metrics }, found))
     }
 }
 

@@ -205,3 +205,21 @@ fn an_unknown_file_or_option_is_named() {
     let rule = refused(json!({"call": "excite", "options": {"kind": "sine", "ts": -1, "duration": 1}}));
     assert!(rule.starts_with("ts = -1: must be a positive number"), "{rule}");
 }
+
+#[test]
+fn records_are_packed_for_others_and_the_archive_is_checked() {
+    let files = [measured("a.csv", 4.0), measured("b.csv", 9.0)];
+    let options = json!({"licence": "CC0-1.0", "actuator": "a", "driver": "d", "sensor": "s", "who": "w"});
+    let request = json!({"call": "contribute", "options": options, "files": {"data": ["a.csv", "b.csv"]}});
+    let packed = answer(request.clone(), &files);
+    assert_eq!(packed.result["files"][1]["samples"], 1000);
+    let archive = as_file("received.zip", packed.clone());
+    let checked = answer(json!({"call": "contribute", "files": {"check": ["received.zip"]}}), &[archive]);
+    assert_eq!((checked.result, checked.files), (packed.result, Vec::new()));
+    // A record that was prepared here is not the measured one.
+    let prepared = json!({"a.csv": {"preparation": [{"prepare": {"decimate": 2}}]}});
+    let mut request = request;
+    request["records"] = prepared;
+    let refused = run(&Request::of(request).unwrap(), &files, &mut Stage::ignore).unwrap_err().to_string();
+    assert!(refused.starts_with("a.csv: was prepared here"), "{refused}");
+}
