@@ -44,7 +44,14 @@ pub(super) const TARGETS: [Target; 5] = [
     Target { triple: "x86_64-apple-darwin", wheel: "x86_64-apple-darwin", name: "macOS, Intel", runner: None },
 ];
 
-/// Linkers for every platform, and what packs wheels: from PyPI, of fixed versions.
+impl Target {
+    /// True for Windows, for which MinGW links: with zig, maturin exports a wrong name from the Python package.
+    fn is_windows(&self) -> bool {
+        self.triple.contains("windows")
+    }
+}
+
+/// Linkers for other platforms, and what packs wheels: from PyPI, of fixed versions.
 const TOOLS: [&str; 4] =
     ["cargo-zigbuild==0.24.1", "cyclonedx-python-lib==11.12.0", "maturin==1.16.0", "ziglang==0.17.1"];
 
@@ -85,12 +92,16 @@ impl Release {
     }
 
     /// A command whose results depend on nothing but the commit.
-    fn fixed(&self, mut command: Command) -> Command {
+    fn fixed(&self, mut command: Command, of: &Target) -> Command {
         let mut path = self.tools.join("bin").into_os_string();
         path.push(":");
         path.push(std::env::var_os("PATH").unwrap_or_default());
         command.env("PATH", path).env("SOURCE_DATE_EPOCH", &self.epoch).env("CARGO_INCREMENTAL", "0");
-        command.env("CARGO_ENCODED_RUSTFLAGS", web::without_paths().join("\x1f"));
+        let mut flags = web::without_paths().to_vec();
+        if of.is_windows() {
+            flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
+        }
+        command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
         // Libraries in C leave out their paths too.
         command.env("CFLAGS", format!("-ffile-prefix-map={}=piezoid", root().display()));
         command
@@ -98,9 +109,9 @@ impl Release {
 
     /// The program of one platform.
     pub(super) fn program(&self, of: &Target) -> Result<PathBuf, String> {
-        let build = ["zigbuild", "--locked", "--release", "--package", "piezoid-cli", "--target", of.triple];
-        step(&mut self.fixed(cargo(&build)))?;
-        let file = if of.triple.contains("windows") { "piezoid.exe" } else { "piezoid" };
+        let (build, file) = if of.is_windows() { ("build", "piezoid.exe") } else { ("zigbuild", "piezoid") };
+        let build = [build, "--locked", "--release", "--package", "piezoid-cli", "--target", of.triple];
+        step(&mut self.fixed(cargo(&build), of))?;
         Ok(target().join(of.triple).join("release").join(file))
     }
 
@@ -108,8 +119,11 @@ impl Release {
     pub(super) fn wheel(&self, of: &Target) -> Result<PathBuf, String> {
         let into = target().join("wheels").join(of.wheel);
         let _ = std::fs::remove_dir_all(&into);
-        let mut build = self.fixed(Command::new(self.tools.join("bin/maturin")));
-        build.args(["build", "--locked", "--release", "--zig", "--manifest-path", "crates/piezoid-py/Cargo.toml"]);
+        let mut build = self.fixed(Command::new(self.tools.join("bin/maturin")), of);
+        build.args(["build", "--locked", "--release", "--manifest-path", "crates/piezoid-py/Cargo.toml"]);
+        if !of.is_windows() {
+            build.arg("--zig");
+        }
         if of.wheel.contains("linux") {
             build.args(["--compatibility", "manylinux2014"]);
         }
@@ -139,7 +153,7 @@ impl Release {
             [("bash", "piezoid.bash"), ("fish", "piezoid.fish"), ("zsh", "_piezoid"), ("powershell", "piezoid.ps1")];
         shells.iter().try_for_each(|(shell, file)| print(&["completions", shell], &format!("completions/{file}")))?;
         step(Command::new(native).args(["man", "--output"]).arg(folder.join("man/man1")))?;
-        self.pack(&folder, if of.triple.contains("windows") { "zip" } else { "tar.gz" })
+        self.pack(&folder, if of.is_windows() { "zip" } else { "tar.gz" })
     }
 
     /// The archive of a folder.
