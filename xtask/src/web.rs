@@ -25,6 +25,9 @@ pub(super) const COMMITTED: [&str; 5] = [
     "crates/piezoid-report/src/page/figures.js",
 ];
 
+/// What prints the lists, among what is built.
+const CATALOGUE: &str = "examples/catalogue";
+
 /// Tests that need no module, and those of the modules as they are handed out.
 const SERVED: [&str; 10] =
     ["campaign", "download", "linked", "plot", "project", "remaining", "rig", "serve", "server", "words"];
@@ -32,14 +35,18 @@ const HANDED_OUT: [&str; 1] = ["sizes"];
 
 /// Builds everything, and tests it.
 pub(super) fn web() -> Result<(), String> {
-    handed_out()?;
+    build_workspace()?;
+    handed_out(&built(CATALOGUE))?;
     run(&["test"])
 }
 
-/// The page as it is handed out, in web/dist.
-pub(super) fn handed_out() -> Result<(), String> {
+/// The page as it is handed out, in web/dist, with the lists that this program prints.
+pub(super) fn handed_out(catalogue: &Path) -> Result<(), String> {
     scripts()?;
-    modules()
+    for (name, profile) in MODULES {
+        module(profile, &[name], &[name])?;
+    }
+    lists(catalogue)
 }
 
 /// Builds everything, the modules without optimisation as a whole, compares the scripts with those that are committed,
@@ -118,19 +125,12 @@ fn written(name: &str) -> PathBuf {
     root().join("web/dist").join(name)
 }
 
-/// The modules as they are handed out, and the lists.
-fn modules() -> Result<(), String> {
-    for (name, profile) in MODULES {
-        module(profile, &[name], &[name])?;
-    }
-    lists()
-}
-
 /// The same for tests: one build has the features of every module, which takes half as long.
 fn tested_modules() -> Result<(), String> {
     let names = MODULES.map(|(name, _)| name);
     module("page-test", &names, &names)?;
-    lists()
+    build_workspace()?;
+    lists(&built(CATALOGUE))
 }
 
 /// One build of piezoid-wasm, by this profile and with these features, as the modules of these names.
@@ -163,9 +163,8 @@ pub(super) fn without_paths() -> [String; 2] {
 }
 
 /// The lists for menus and forms, of all modules.
-fn lists() -> Result<(), String> {
-    build_workspace()?;
-    let mut print = Command::new(built("examples/catalogue"));
+fn lists(catalogue: &Path) -> Result<(), String> {
+    let mut print = Command::new(catalogue);
     let line = announced(&print);
     let printed = print.stderr(Stdio::inherit()).output().map_err(|e| format!("cannot start `{line}`: {e}"))?;
     succeeded(&line, printed.status)?;

@@ -125,6 +125,7 @@ fn named(prefix: &str) -> Builder<'_, 'static> {
 
 /// The same, for files that others may read as far as the user allows.
 fn shared(prefix: &str) -> Builder<'_, 'static> {
+    #[cfg_attr(not(unix), expect(unused_mut))]
     let mut builder = named(prefix);
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));

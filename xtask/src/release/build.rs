@@ -109,9 +109,21 @@ impl Release {
 
     /// The program of one platform.
     pub(super) fn program(&self, of: &Target) -> Result<PathBuf, String> {
-        let (build, file) = if of.is_windows() { ("build", "piezoid.exe") } else { ("zigbuild", "piezoid") };
-        let build = [build, "--locked", "--release", "--package", "piezoid-cli", "--target", of.triple];
-        step(&mut self.fixed(cargo(&build), of))?;
+        let file = if of.is_windows() { "piezoid.exe" } else { "piezoid" };
+        self.built(of, &["--package", "piezoid-cli"], file)
+    }
+
+    /// The program that prints the lists of the page.
+    pub(super) fn catalogue(&self, of: &Target) -> Result<PathBuf, String> {
+        let packages = ["--package", "piezoid-cli", "--package", "piezoid-operations", "--example", "catalogue"];
+        self.built(of, &packages, "examples/catalogue")
+    }
+
+    /// A file of a build.
+    fn built(&self, of: &Target, what: &[&str], file: &str) -> Result<PathBuf, String> {
+        let mut build = cargo(&[if of.is_windows() { "build" } else { "zigbuild" }, "--locked", "--release"]);
+        build.args(["--target", of.triple]).args(what);
+        step(&mut self.fixed(build, of))?;
         Ok(target().join(of.triple).join("release").join(file))
     }
 

@@ -37,7 +37,7 @@ pub(super) fn release() -> Result<(), String> {
         handed_out.push((other, examples::compare(other, &file, &examples)?, "not run".into()));
     }
     release.archive("examples", &examples)?;
-    web::handed_out()?;
+    web::handed_out(&release.catalogue(first)?)?;
     release.archive("page", &root().join("web/dist"))?;
     release.sources()?;
     release.materials(handed_out.iter().map(|(target, ..)| *target))?;
