@@ -43,7 +43,8 @@ pub(crate) struct Manual {
 
 impl Run for Manual {
     fn run(self, console: &Console) -> Result<()> {
-        let mut cli = crate::cli();
+        // There is no page for `help`.
+        let mut cli = crate::cli().disable_help_subcommand(true);
         if let Some(folder) = &self.output {
             let written = std::fs::create_dir_all(folder).and_then(|()| clap_mangen::generate_to(cli, folder));
             return written.with_context(|| format!("cannot write manual pages to {}", folder.display()));

@@ -81,7 +81,7 @@ fn the_manual_has_a_page_for_the_command_and_for_each_verb() {
     bench.run("man identify").ok().prints(&[".TH ", "piezoid\\-identify", "small\\-signal", "Examples"]);
     bench.run("man -o pages").ok();
     for (page, verb) in [("piezoid.1", "man"), ("piezoid-identify.1", "man identify")] {
-        assert_eq!(bench.text(&format!("pages/{page}")), bench.run(verb).ok().stdout, "{page}");
+        assert_eq!(bench.text(&format!("pages/{page}")), bench.run(verb).ok().out, "{page}");
     }
     bench.run("--version").ok().prints(&["piezoid ", env!("CARGO_PKG_VERSION")]);
 }
