@@ -72,6 +72,9 @@ pub(crate) fn tidy() -> Result<(), String> {
             let text = read(&file)?;
             let code = without_tests(&text, &file);
             let name = shown(&file);
+            if unknown_powers(&code) {
+                broken.push(format!("{name}: uses powi of a variable, which differs on Windows: use numerics' power"));
+            }
             broken.extend(SIDE_EFFECTS.iter().filter(|it| code.contains(*it)).map(|it| format!("{name}: uses {it}")));
             // The others use its numbers and matrices; users do not see it.
             if !name.starts_with("crates/numerics/") {
@@ -96,6 +99,12 @@ pub(crate) fn tidy() -> Result<(), String> {
     broken.extend(crate::words::dialect()?);
     broken.extend(public_items()?);
     if broken.is_empty() { Ok(()) } else { Err(format!("tidy:\n  {}", broken.join("\n  "))) }
+}
+
+/// True for code with powers whose exponent the compiler may not know.
+fn unknown_powers(code: &str) -> bool {
+    let exponents = code.split(".powi(").skip(1).map(|rest| rest.trim_start_matches('-'));
+    exponents.into_iter().any(|exponent| !exponent.starts_with(|c: char| c.is_ascii_digit()))
 }
 
 /// Files that state another version than Cargo.toml.

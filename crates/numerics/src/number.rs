@@ -1,4 +1,4 @@
-//! Numbers as text.
+//! Numbers as text, and whole powers.
 
 use libm::{log10, pow};
 
@@ -9,6 +9,25 @@ pub const MEASURABLE: f64 = 1e18;
 /// True for a number that a sensor can give.
 pub fn is_measurable(v: f64) -> bool {
     v.abs() <= MEASURABLE
+}
+
+/// x^n by squaring: 1/x^-n for a negative n. `f64::powi` of an n that the compiler does not know calls another function
+/// on Windows, and differs there.
+///
+/// ```
+/// use piezoid_numerics::number::power;
+/// assert_eq!([power(10.0, 3), power(2.0, -2), power(-0.5, 1), power(0.0, 0)], [1000.0, 0.25, -0.5, 1.0]);
+/// ```
+pub fn power(mut x: f64, n: i32) -> f64 {
+    let (mut left, mut product) = (n.unsigned_abs(), 1.0);
+    while left > 0 {
+        if left % 2 == 1 {
+            product *= x;
+        }
+        x *= x;
+        left /= 2;
+    }
+    if n < 0 { 1.0 / product } else { product }
 }
 
 /// `x` with four significant digits, with a power of ten if it is very small or large; `-` if it is not finite.

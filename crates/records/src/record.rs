@@ -3,7 +3,7 @@
 //! Why: docs/decisions/data-and-records.md, "Records keep the units of their files".
 
 use piezoid_numerics::error::{Error, finite, positive};
-use piezoid_numerics::number::{ascii_unit, exact, round};
+use piezoid_numerics::number::{self, ascii_unit, exact, round};
 use piezoid_numerics::series::upsampled;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -56,7 +56,7 @@ impl Units {
         }
         let ((of, from), (into, to)) = (below(from)?, below(to)?);
         let power: i32 = to - from;
-        (of == into).then(|| if power >= 0 { 10f64.powi(power) } else { 1.0 / 10f64.powi(-power) })
+        (of == into).then(|| number::power(10.0, power))
     }
 }
 

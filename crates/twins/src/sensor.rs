@@ -17,6 +17,7 @@ use super::spec::{SensorSpec, non_negative, require};
 use libm::exp;
 use piezoid_numerics::error::{Error, positive};
 use piezoid_numerics::noise::Noise;
+use piezoid_numerics::number::power;
 
 /// The sensor, for a fixed time step.
 #[derive(Debug, Clone)]
@@ -50,7 +51,7 @@ impl Sensor {
         };
         let code = match spec.bits {
             None => 0.0,
-            Some(bits @ 1..=32) if range.is_finite() => range * 2f64.powi(1 - bits as i32),
+            Some(bits @ 1..=32) if range.is_finite() => range * power(2.0, 1 - bits as i32),
             Some(bits) => {
                 let rule = "must be from 1 to 32 and needs range_m; or null for no quantisation";
                 return Err(Error::parameter("sensor.bits", bits, rule));

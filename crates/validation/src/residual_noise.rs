@@ -10,6 +10,7 @@
 //! independent samples than white noise: n / (1 + 2 sum r_k^2) for a mean square (Bartlett 1946, doi:10.2307/2983611).
 
 use super::Whiteness;
+use piezoid_numerics::number::power;
 use piezoid_numerics::series::{centred, largest, mean};
 
 /// Share of the rms that must be white.
@@ -41,7 +42,7 @@ fn nonlinear(simulated: &[f64]) -> Vec<Vec<f64>> {
     let s = centred(simulated);
     let reach = largest(&s);
     let slope: Vec<f64> = (0..s.len()).map(|t| s[(t + 1).min(s.len() - 1)] - s[t.saturating_sub(1)]).collect();
-    let powers = [2, 3].map(|n| s.iter().map(|s| s.powi(n)).collect());
+    let powers = [2, 3].map(|n| s.iter().map(|s| power(*s, n)).collect());
     let plays = PLAY_HALF_WIDTHS.map(|share| {
         let play = |z: &mut f64, s: &f64| {
             *z = z.clamp(s - share * reach, s + share * reach);

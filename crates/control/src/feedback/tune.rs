@@ -24,6 +24,7 @@ use nalgebra::Complex;
 use piezoid_models::linear::Arx;
 use piezoid_numerics::complex::modulus;
 use piezoid_numerics::error::{Error, positive};
+use piezoid_numerics::number::power;
 use piezoid_numerics::system::System;
 use std::f64::consts::TAU;
 
@@ -129,7 +130,7 @@ impl PlantSet {
         // The margin is infinite if the loop is too weak for a crossover on the grid.
         let angle = |k: f64| phase(&nominal.iter().map(|l| l * k).collect::<Vec<_>>());
         let keeps = |k: f64| (target.phase_deg..f64::INFINITY).contains(&angle(k));
-        let factors = (0..STEPS).map(|i| STEP.powi(i));
+        let factors = (0..STEPS).map(|i| power(STEP, i));
         factors.into_iter().find(|&k| most.is_finite() && keeps(k)).map(|k| k * most)
     }
 }

@@ -23,6 +23,7 @@ use piezoid_models::driver::DriverModel;
 use piezoid_models::hysteresis::BasisDesign;
 use piezoid_models::linear::{Arx, Orders, OutputError, Refinement};
 use piezoid_numerics::error::Error;
+use piezoid_numerics::number::power;
 use piezoid_numerics::progress::Stage;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
@@ -282,7 +283,7 @@ pub(super) fn search_with_operator(candidate: &Candidate, search: &mut Search) -
 fn of_order(order: usize, linear: &Arx) -> Result<Arx, Error> {
     let (mut a, mut b) = (linear.denominator(), linear.b().to_vec());
     for k in 1..=order.saturating_sub(linear.a().len()) {
-        let factor = [1.0, -POLICY.cancelled_pole.powi(k as i32)];
+        let factor = [1.0, -power(POLICY.cancelled_pole, k as i32)];
         (a, b) = (product(&a, &factor), product(&b, &factor));
     }
     Arx::new(linear.ts(), a[1..].iter().map(|a| -a).collect(), b)

@@ -15,6 +15,7 @@ mod fractional;
 use crate::program::Block;
 use libm::{expm1, log10};
 use piezoid_numerics::error::{Error, positive};
+use piezoid_numerics::number::power;
 use piezoid_numerics::system::System;
 use serde::{Deserialize, Serialize};
 
@@ -77,7 +78,7 @@ impl Creep {
             return Err(Error::parameter("from", from, format!("must not be after `to`, which is {to} s")));
         }
         let rungs = log10(to / from).round() as i32;
-        Creep::new(ts, (0..=rungs).map(|k| Lag { tau_s: from * 10f64.powi(k), gain: per_decade }).collect())
+        Creep::new(ts, (0..=rungs).map(|k| Lag { tau_s: from * power(10.0, k), gain: per_decade }).collect())
     }
 
     /// The lags.

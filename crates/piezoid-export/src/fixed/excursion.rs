@@ -1,7 +1,7 @@
 //! Test runs of a program for the range of its numbers and for the error of integers.
 
 use super::formats::{adding, fields, fitting};
-use super::number::counts;
+use super::number::{counts, power};
 use crate::ExportRequest;
 use crate::exported::{Entry, ExportedProgram};
 use crate::vectors::{UNKNOWN_RANGE, turned, wander};
@@ -57,7 +57,7 @@ pub(super) fn test_inputs(whole: &ExportedProgram, request: &ExportRequest) -> V
 /// counts.
 fn in_counts(values: Vec<f64>) -> Vec<f64> {
     let exponent = fitting(values.iter().fold(0.0, |most, v| v.abs().max(most))) + COARSER;
-    values.into_iter().map(|v| counts(v, exponent) * 2f64.powi(exponent)).collect()
+    values.into_iter().map(|v| counts(v, exponent) * power(exponent)).collect()
 }
 
 /// Bits that are dropped for that.

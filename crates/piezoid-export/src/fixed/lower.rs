@@ -365,7 +365,7 @@ mod tests {
             machine.call("sum", &[one]).unwrap();
             exact.call("sum", &[1.0]).unwrap();
         }
-        let worth = 2f64.powi(formats.exponent(&Key::Field("sum".into(), "total".into())));
+        let worth = power(formats.exponent(&Key::Field("sum".into(), "total".into())));
         assert!((machine.state()[0] * worth / exact.state()[0] - 1.0).abs() < 1e-6);
     }
 
@@ -374,7 +374,7 @@ mod tests {
         let text = "fn sum(x: sum, u) { x.total = u * u * u; return x.total + u; }";
         let (_, _, counted) = both(text, &[0.5, 1.0]);
         let mut machine = Machine::new(&counted, "sum", false);
-        let most = 2f64.powi(31) - 1.0;
+        let most = power(31) - 1.0;
         assert_eq!(machine.call("sum", &[most]).unwrap(), [most]);
         assert_eq!(machine.call("sum", &[-most]).unwrap(), [-most]);
     }

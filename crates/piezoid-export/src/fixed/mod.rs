@@ -27,7 +27,7 @@ use bisection::bisected;
 use excursion::{PART, TestInputs, test_inputs};
 use formats::{Formats, Key, fields};
 use lower::lowered;
-use number::counts;
+use number::{counts, power};
 use piezoid::{Error, System};
 use piezoid_models::program::{FieldValue, Machine, Program};
 use piezoid_numerics::number::short;
@@ -133,7 +133,7 @@ impl Fixed {
             let row =
                 |row: &[f64], worth: &[i32]| row.iter().zip(worth).map(|(v, e)| counts(*v, *e)).collect::<Vec<_>>();
             let rows = |rows: &[Vec<f64>]| rows.iter().map(|values| row(values, &arguments)).collect::<Vec<_>>();
-            let unit = 2f64.powi(formats.exponent(&gives(entry)));
+            let unit = power(formats.exponent(&gives(entry)));
             // Of two voltages for the same displacement, either is right.
             let judged = |outputs: &[f64]| match entry.step {
                 FEED_FORWARD => request.model.simulate(outputs),
@@ -197,7 +197,7 @@ impl Fixed {
             context! { step => entry.step, rms => error.rms, most => error.most }
         };
         let port = |(name, bits, worth): (&'static str, i32, String)| {
-            context! { name, bits, worth, end => 2f64.powi(31 - bits) }
+            context! { name, bits, worth, end => power(31 - bits) }
         };
         context! {
             errors => self.whole.entries.iter().zip(&self.errors).map(error).collect::<Value>(),

@@ -2,6 +2,7 @@
 
 use super::formats::{above, fitting};
 use piezoid_models::program::{Expr, Op};
+use piezoid_numerics::number;
 
 /// Bits of a named number.
 pub(super) const NARROW: i32 = 31;
@@ -24,7 +25,7 @@ pub(super) struct Number {
 
 /// `v` in counts of 2^exponent.
 pub(super) fn counts(v: f64, exponent: i32) -> f64 {
-    (v * 2f64.powi(-exponent)).round() + 0.0
+    (v * power(-exponent)).round() + 0.0
 }
 
 pub(super) fn call(name: &str, arguments: Vec<Expr>) -> Expr {
@@ -36,7 +37,7 @@ pub(super) fn binary(op: Op, left: Expr, right: Expr) -> Expr {
 }
 
 pub(super) fn power(n: i32) -> f64 {
-    2f64.powi(n)
+    number::power(2.0, n)
 }
 
 impl Number {

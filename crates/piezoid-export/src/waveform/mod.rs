@@ -22,7 +22,7 @@ use super::{CODE, ExportOptions, ExportRequest, ExportTarget, Exported, FEED_FOR
 use drive::{PeriodicDrive, answer};
 use piezoid::{Error, Model, System};
 use piezoid_numerics::error::positive;
-use piezoid_numerics::number::{round, short};
+use piezoid_numerics::number::{power, round, short};
 use piezoid_numerics::series::ends;
 use table::{Figures, TableCapacity, WaveTable};
 
@@ -116,7 +116,7 @@ fn beginning(model: &Model, drive: &PeriodicDrive) -> f64 {
 fn rows(request: &ExportRequest, drive: &PeriodicDrive, table: &WaveTable) -> Result<Vec<u8>, Error> {
     let (model, y) = (request.model, &request.model.units().y);
     let (low, high) = ends(drive.r.iter().copied());
-    let digits = (0..300).map(|k| 10f64.powi(k)).find(|digits| 1.0 / digits <= FINE * (high - low)).unwrap_or(1.0);
+    let digits = (0..300).map(|k| power(10.0, k)).find(|digits| 1.0 / digits <= FINE * (high - low)).unwrap_or(1.0);
     let rounded = |x: &[f64]| x.iter().map(|x| (digits * x).round() / digits + 0.0).collect::<Vec<_>>();
     let (r, answered) = (rounded(&drive.r), rounded(&answer(model, &table.held).y));
     let columns = [("u_V", &table.held[..]), (&format!("r_{y}"), &r), (&format!("y_{y}"), &answered)];

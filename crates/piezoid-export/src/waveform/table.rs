@@ -15,7 +15,7 @@
 use super::drive::{Answer, PeriodicDrive, answer};
 use crate::template::{Value, context};
 use piezoid::{Error, Model, System};
-use piezoid_numerics::number::short;
+use piezoid_numerics::number::{power, short};
 use piezoid_numerics::series::ends;
 
 /// Relative deviation of a sample from whole cycles that counts as zero.
@@ -89,7 +89,7 @@ impl WaveTable {
     ) -> Result<Self, Error> {
         let (points, cycles) = room.shape(u.len(), ts)?;
         // Adding 0 removes the sign of -0.
-        let digits = 10f64.powi(decimals as i32);
+        let digits = power(10.0, decimals as i32);
         let rounded = |v: f64| (digits * (v - zero) / scale).round() / digits + 0.0;
         let values: Vec<f64> = fitted(u, points).into_iter().map(rounded).collect();
         Ok(WaveTable {

@@ -1,6 +1,7 @@
 //! Ticks and their labels: steps of 1, 2 or 5 times a power of ten.
 
 use super::text::{number, power_of_ten};
+use piezoid_numerics::number::power;
 
 /// A tick of an axis; minor ticks have no label.
 #[derive(Debug, Clone, PartialEq)]
@@ -22,8 +23,12 @@ impl Tick {
     }
 }
 
+fn ten_to(exponent: i32) -> f64 {
+    power(10.0, exponent)
+}
+
 fn rounded(v: f64, decimals: i32) -> f64 {
-    (v * 10f64.powi(decimals)).round() / 10f64.powi(decimals)
+    (v * ten_to(decimals)).round() / ten_to(decimals)
 }
 
 /// A step `mantissa` times ten to the `exponent`, the mantissa 1, 2 or 5.
@@ -38,7 +43,7 @@ impl TickStep {
     pub(super) fn nice(least: f64) -> Self {
         let least = if least.is_finite() { least.max(1e-300) } else { 1e307 };
         let exponent = least.log10().floor() as i32;
-        let share = least / 10f64.powi(exponent) * (1.0 - 1e-9);
+        let share = least / ten_to(exponent) * (1.0 - 1e-9);
         match [1.0, 2.0, 5.0].into_iter().find(|m| *m >= share) {
             Some(mantissa) => TickStep { mantissa, exponent },
             None => TickStep { mantissa: 1.0, exponent: exponent + 1 },
@@ -48,7 +53,7 @@ impl TickStep {
     /// `n` steps from zero. Division by a power of ten keeps decimals exact.
     fn times(self, n: f64) -> f64 {
         let n = n * self.mantissa;
-        if self.exponent < 0 { n / 10f64.powi(-self.exponent) } else { n * 10f64.powi(self.exponent) }
+        if self.exponent < 0 { n / ten_to(-self.exponent) } else { n * ten_to(self.exponent) }
     }
 
     fn count(self, v: f64) -> f64 {
@@ -98,7 +103,7 @@ pub(super) fn linear(low: f64, high: f64, step: TickStep) -> Vec<Tick> {
 /// `v` as a multiple of a power of ten.
 fn scientific(v: f64, power: i32, decimals: usize) -> String {
     // In two factors, because the power alone may overflow.
-    let v = v / 10f64.powi(power / 2) / 10f64.powi(power - power / 2);
+    let v = v / ten_to(power / 2) / ten_to(power - power / 2);
     format!("{}×{}", number(v, decimals), power_of_ten(power))
 }
 

@@ -3,6 +3,7 @@
 
 use miniz_oxide::inflate::{decompress_to_vec_with_limit, decompress_to_vec_zlib_with_limit};
 use piezoid_numerics::error::Error;
+use piezoid_numerics::number::power;
 use std::fmt::Display;
 
 /// Maximum depth of nested structures, groups and types.
@@ -114,10 +115,10 @@ impl NumberFormat {
 fn half(bits: u64) -> f64 {
     let (exponent, fraction) = ((bits >> 10 & 0x1f) as i32, (bits & 0x3ff) as f64);
     let size = match exponent {
-        0 => fraction * 2f64.powi(-24),
+        0 => fraction * power(2.0, -24),
         0x1f if fraction == 0.0 => f64::INFINITY,
         0x1f => f64::NAN,
-        _ => (1024.0 + fraction) * 2f64.powi(exponent - 25),
+        _ => (1024.0 + fraction) * power(2.0, exponent - 25),
     };
     if bits >> 15 & 1 == 1 { -size } else { size }
 }

@@ -6,7 +6,7 @@ use super::selection::{ColumnSelection, Scale};
 use super::units::{self, Quantity};
 use super::words::{OUTPUT, TIME};
 use piezoid_numerics::error::Error;
-use piezoid_numerics::number::ascii_unit;
+use piezoid_numerics::number::{self, ascii_unit};
 
 /// The unit of an input whose unit is not stated.
 const VOLT: &str = "V";
@@ -66,13 +66,13 @@ impl Column {
     /// The unit of points in time that count from 1970, for those from 2000 to 2100: seconds to nanoseconds.
     fn since_1970(&self) -> Option<Quantity> {
         let first = *self.samples.first()?;
-        let unit = |power: i32| (9.4e8..4.1e9).contains(&(first / 10f64.powi(power)));
+        let unit = |power: i32| (9.4e8..4.1e9).contains(&(first / number::power(10.0, power)));
         let power = [0, 3, 6, 9].into_iter().find(|power| unit(*power))?;
         // A row without a time does not go back.
         let rising = self.samples.len() > 1 && !self.samples.windows(2).any(|pair| pair[1] < pair[0]);
         // Whole numbers near 1e9 are perhaps those of a counter.
         let counts = power == 0 && !self.has_word(TIME) && self.samples.iter().all(|t| t.is_nan() || t.fract() == 0.0);
-        (rising && !counts && !self.has_word(OUTPUT)).then(|| Quantity::Time(10f64.powi(-power)))
+        (rising && !counts && !self.has_word(OUTPUT)).then(|| Quantity::Time(number::power(10.0, -power)))
     }
 
     /// True if it holds the numbers of a converter.

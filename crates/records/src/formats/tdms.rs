@@ -14,6 +14,7 @@ use super::bytes::{NumberFormat, NumberKind, Unpacking, damaged, length, part, w
 use super::tree::{self, Node};
 use super::{Channel, Format, Table};
 use piezoid_numerics::error::Error;
+use piezoid_numerics::number::power;
 use std::collections::HashMap;
 
 /// The row of TDMS.
@@ -340,7 +341,7 @@ fn numbers(kind: u64, big: bool) -> Option<NumberFormat> {
 fn stamp(bytes: &[u8], big: bool) -> Option<f64> {
     const DAYS: i64 = 86_400 * 1000;
     let (fraction, seconds) = if big { (8, 0) } else { (0, 8) };
-    let fraction = whole(bytes, fraction, 8, big).ok()? as f64 / 2f64.powi(64);
+    let fraction = whole(bytes, fraction, 8, big).ok()? as f64 / power(2.0, 64);
     let seconds = whole(bytes, seconds, 8, big).ok()? as i64;
     Some(seconds.rem_euclid(DAYS) as f64 + fraction)
 }

@@ -9,6 +9,7 @@
 
 use super::runs::standardised;
 use nalgebra::{DMatrix, DVector};
+use piezoid_numerics::number;
 use piezoid_numerics::optimize::non_negative;
 use piezoid_numerics::series::{dot_wide, ends, mean};
 
@@ -66,7 +67,7 @@ fn responses(u: &[f64]) -> Option<Vec<Vec<f64>>> {
         return None;
     }
     let v: Vec<f64> = u.iter().map(|u| (u - middle) / half).collect();
-    let power = |p: i32| v.iter().map(|v| v.powi(p)).collect();
+    let power = |p: i32| v.iter().map(|v| number::power(*v, p)).collect();
     let play = |k: usize| {
         let r = k as f64 / PLAY_COUNT as f64;
         v.iter().scan(v[0], move |s, v| {
