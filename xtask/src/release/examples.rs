@@ -39,8 +39,11 @@ pub(super) fn write(program: &Path) -> Result<PathBuf, String> {
 
 /// What ran the program of another platform, and whether it wrote the same.
 pub(super) fn compare(of: &Target, program: &Path, examples: &Path) -> Result<String, String> {
-    let found = |runner: &str| Command::new(runner).arg("--version").output().is_ok();
-    let Some(runner) = of.runner.filter(|runner| found(runner)) else { return Ok("not run".into()) };
+    let Some(runner) = of.runner else { return Ok("not run".into()) };
+    let starts = Command::new(runner).arg(program).arg("--version").output().is_ok_and(|run| run.status.success());
+    if !starts {
+        return Ok(format!("not run: there is no {runner}, or it cannot start the program"));
+    }
     let folder = run(&[runner.into(), program.into()], of.triple)?;
     let (written, mut expected) = (files(&folder)?, files(examples)?);
     expected.retain(|file| !WRITTEN_APART.iter().any(|name| file == Path::new(name)));
