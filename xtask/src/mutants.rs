@@ -25,7 +25,7 @@ pub(super) fn mutants() -> Result<(), String> {
         words.get(1).map_or(Ok(0), |word| word.parse()).map_err(|_| "usage: mutants [PATH [NUMBER]]")?;
     let paths = words.first().map_or(AREAS.to_vec(), |path| vec![path.trim_end_matches('/')]);
     let mutate = |arguments: &[&str]| {
-        let mut command = cargo(&["mutants", "--workspace"]);
+        let mut command = cargo(&["mutants", "--workspace", "--all-features"]);
         for path in &paths {
             let is_file = root().join(path).is_file();
             command.arg("--file").arg(if is_file { path.to_string() } else { format!("{path}/**") });
