@@ -113,7 +113,7 @@ impl Release {
         self.built(of, &["--package", "piezoid-cli"], file)
     }
 
-    /// The program that prints the lists of the page.
+    /// The program that prints the lists of the page, built with the features of the other one, whose crates it uses.
     pub(super) fn catalogue(&self, of: &Target) -> Result<PathBuf, String> {
         let packages = ["--package", "piezoid-cli", "--package", "piezoid-operations", "--example", "catalogue"];
         self.built(of, &packages, "examples/catalogue")
