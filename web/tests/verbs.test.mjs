@@ -60,7 +60,7 @@ test("records are packed for others, and the archive is checked", () => {
   assert.equal(result.files[1].use.use, "small-signal");
 });
 
-const FORMATS = new URL("../../crates/piezoid/tests/golden/formats/", import.meta.url);
+const FORMATS = new URL("../../crates/testing/golden/formats/", import.meta.url);
 
 for (const name of readdirSync(FORMATS)) {
   test(`${name}, of another program, is read`, () => {

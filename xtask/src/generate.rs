@@ -46,7 +46,7 @@ const PARTS: [Part; 6] = [
     Part {
         name: "golden",
         summary: "the golden numbers of the tests (Python with numpy and scipy)",
-        writes: &["crates/piezoid/tests/golden"],
+        writes: &["crates/testing/golden"],
         is_quick: false,
         run: golden,
     },
@@ -124,6 +124,6 @@ fn measured(what: &str, flags: &[&str], folder: &str) -> Result<(), String> {
 }
 
 fn golden() -> Result<(), String> {
-    let scripts = tidy::files(&root().join("crates/piezoid/tests/golden"), "py");
+    let scripts = tidy::files(&root().join("crates/testing/golden"), "py");
     scripts.iter().try_for_each(|script| step(python().arg(script)))
 }

@@ -89,7 +89,7 @@ fn fuzz() -> Result<(), String> {
         let mut run = fuzzer("run");
         let seeds: &[&str] = match target {
             "model" => &["fuzz/models"],
-            _ => &["fuzz/seeds", "crates/piezoid/tests/golden/formats"],
+            _ => &["fuzz/seeds", "crates/testing/golden/formats"],
         };
         run.args([target, &corpus]).args(seeds).arg("--");
         step(run.args(["-max_total_time=60", "-max_len=16384", "-timeout=10", "-print_final_stats=1"]))?;

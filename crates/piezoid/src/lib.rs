@@ -35,6 +35,8 @@
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
 #[cfg(test)]
+extern crate self as piezoid;
+#[cfg(test)]
 mod tests;
 
 pub use piezoid_models::{creep, driver};

@@ -6,6 +6,9 @@
 // Tests compare with the C library.
 #![cfg_attr(test, allow(clippy::disallowed_methods))]
 
+#[cfg(test)]
+mod tests;
+
 pub mod excitation;
 pub mod formats;
 pub mod preparation;

@@ -109,7 +109,9 @@ fn larger(m: f64, e: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use piezoid_testing::assert_close;
+    use piezoid_testing::random::config;
+    use piezoid_testing::{assert_close, assert_named_close};
+    use proptest::prelude::*;
 
     #[test]
     fn offsets_between_records_do_not_improve_the_total() {
@@ -129,5 +131,32 @@ mod tests {
         let total = Metrics::total(&[long, short]);
         assert_close(&[total.mse, total.std], &[0.5, 3f64.sqrt()], 1e-12, 0.0);
         assert_eq!((total.n, total.max_abs, total.peak_to_peak), (8, 2.0, 6.0));
+    }
+
+    proptest! {
+        #![proptest_config(config(128))]
+
+        #[test]
+        fn figures_of_merit_do_not_depend_on_offset_and_unit(
+            samples in prop::collection::vec((-1.0..1.0f64, -1.0..1.0f64), 3..60),
+            offset in -10.0..10.0f64, k in 1e-6..1e6f64,
+        ) {
+            let (y, simulated): (Vec<f64>, Vec<f64>) = samples.into_iter().map(|(y, e)| (y, y + 0.1 * e)).unzip();
+            let of = |change: &dyn Fn(f64) -> f64| {
+                let all = |of: &[f64]| of.iter().map(|v| change(*v)).collect::<Vec<f64>>();
+                Metrics::of(&all(&y), &all(&simulated))
+            };
+            let spread = y.iter().fold(f64::MIN, |m, v| m.max(*v)) - y.iter().fold(f64::MAX, |m, v| m.min(*v));
+            prop_assume!(spread > 0.1);
+            let plain = of(&|v| v);
+            let numbers = |m: &Metrics, unit: f64| {
+                let lengths = [m.rmse / unit, m.max_abs / unit, (m.mse / unit).sqrt() / unit.sqrt()];
+                [lengths.as_slice(), &[m.nrmse_percent, m.rms_pp_percent, 100.0 - m.fit_percent]].concat()
+            };
+            assert_named_close("shifted", &numbers(&of(&|v| v + offset), 1.0), &numbers(&plain, 1.0), 1e-9, 1e-12);
+            assert_named_close("scaled", &numbers(&of(&|v| -k * v), k), &numbers(&plain, 1.0), 1e-9, 0.0);
+            prop_assert!(plain.rmse <= plain.max_abs * (1.0 + 1e-15) && plain.rms_pp_percent <= plain.nrmse_percent);
+            prop_assert_eq!(Metrics::of(&y, &y).mse, 0.0);
+        }
     }
 }

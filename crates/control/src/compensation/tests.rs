@@ -8,7 +8,8 @@ use piezoid_models::linear::Arx;
 use piezoid_numerics::stepper::Stepper;
 use piezoid_records::excitation::{Prbs, RisingSine, Triangle};
 use piezoid_records::record::{Record, Units};
-use piezoid_testing::{assert_close, in_feedback, noise};
+use piezoid_testing::golden::numbers;
+use piezoid_testing::{assert_close, in_feedback, noise, vectors};
 use piezoid_twins::Plant;
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -363,5 +364,15 @@ fn a_state_of_another_model_or_delay_is_refused_and_one_with_any_finite_numbers_
             model.resume(&[1.0, -20.0, 0.0]);
             compensator.set_state(causal.initial()).unwrap();
         }
+    }
+}
+
+#[test]
+fn the_causal_inverses_give_the_numbers_that_they_gave_in_every_version() {
+    for (name, file) in vectors().iter().filter(|(_, file)| !file["ff_step"].is_null()) {
+        let model = Model::from_json(&file["model"].to_string()).unwrap();
+        let of = |key| numbers(&file["ff_step"], key);
+        let causal = Causal::new(&model, FeedForwardSettings::default(), 0).unwrap();
+        assert_eq!(causal.simulate(&of("inputs")), of("outputs"), "{name}");
     }
 }

@@ -522,7 +522,7 @@ fn the_same_record_in_another_dress_gives_the_same_figures() {
 #[test]
 fn files_of_other_programs_are_read_like_csv_and_refused_by_name_if_damaged() {
     let bench = Bench::new();
-    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../piezoid/tests/golden/formats");
+    let golden = Path::new(env!("CARGO_MANIFEST_DIR")).join("../testing/golden/formats");
     bench.write("plain.csv", "t_s,u_V,y_um\n0,0,0\n0.0005,1,20\n0.001,1.5,33\n0.0015,-2,-40\n");
     bench.run("simulate --plant paper --input plain.csv -o expected.csv").ok();
     for name in ["fields.npy", "deflated.npz", "v4.mat", "v7.mat", "v73.mat", "links.h5"] {

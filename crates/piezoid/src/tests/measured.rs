@@ -16,7 +16,7 @@ const START: f64 = 1.5;
 const HALF: f64 = 20.0;
 
 fn record(name: &str) -> Option<Record> {
-    let bytes = super::measured_data::measured(name)?;
+    let bytes = piezoid_testing::measured(name)?;
     Some(Table::parse(&bytes).and_then(|t| t.record(&ColumnSelection::default())).expect("a record"))
 }
 

@@ -1,16 +1,6 @@
-//! Tests across modules: against reference numbers, measured data, and random cases.
+//! Tests across crates: hostile models, and measured data.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)] // tests may panic
 
-mod csv;
-mod golden;
-mod golden_dynamics;
-mod golden_excitation;
-mod golden_linear;
-mod golden_operators;
-mod golden_spline;
+mod hostile;
 mod measured;
-mod measured_data;
-mod properties;
-mod quality;
-mod vectors;

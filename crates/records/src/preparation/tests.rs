@@ -311,33 +311,25 @@ fn no_record_is_too_short_or_too_odd_to_be_answered() {
 /// The steps against scipy; `golden/preparation.py` writes the numbers.
 mod golden {
     use super::*;
-    use serde_json::Value;
-
-    fn rows() -> Value {
-        serde_json::from_str(include_str!("../../../piezoid/tests/golden/preparation.json")).unwrap()
-    }
-
-    fn numbers(value: &Value) -> Vec<f64> {
-        value.as_array().unwrap().iter().map(|v| v.as_f64().unwrap()).collect()
-    }
+    use piezoid_testing::golden::{file, numbers};
 
     #[test]
     fn the_anti_alias_filter_is_the_one_that_scipy_designs() {
-        let golden = rows();
+        let golden = file("preparation");
         for row in golden["taps"].as_array().unwrap() {
             let factor = row["factor"].as_u64().unwrap() as usize;
-            assert_close(&Kernel::anti_alias().taps(factor), &numbers(&row["taps"]), 0.0, 1e-9);
+            assert_close(&Kernel::anti_alias().taps(factor), &numbers(row, "taps"), 0.0, 1e-9);
         }
-        assert_close(&Kernel::between().taps(4), &numbers(&golden["between"]), 0.0, 1e-9);
+        assert_close(&Kernel::between().taps(4), &numbers(&golden, "between"), 0.0, 1e-9);
     }
 
     #[test]
     fn trends_decimation_and_a_resampled_period_are_scipys() {
-        let golden = rows();
-        let [u, y] = ["u", "y"].map(|name| numbers(&golden[name]));
+        let golden = file("preparation");
+        let [u, y] = ["u", "y"].map(|name| numbers(&golden, name));
         let record = record(u, y);
         let check = |options: PrepareOptions, name: &str, ends: usize, atol: f64| {
-            let (result, expected) = (prepared(&options, &record), numbers(&golden[name]));
+            let (result, expected) = (prepared(&options, &record), numbers(&golden, name));
             assert_close(inner(result.y(), ends), inner(&expected, ends), 0.0, atol);
         };
         check(with(|o| o.detrend = Some(Trend::Line)), "line", 0, 1e-11);

@@ -1,20 +1,22 @@
 //! Whatever JSON loads as a model can be used: no use panics, and all end. The calls of the page are tried in
 //! crates/piezoid-operations/tests/hostile.rs.
 
-use super::strategies::*;
-use piezoid_control::compensation::{Causal, FeedForward, FeedForwardSettings};
 use piezoid_models::creep::Creep;
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::Model;
 use piezoid_models::hysteresis::OPERATORS;
 use piezoid_models::linear::Arx;
-use piezoid_numerics::system::System;
-use piezoid_records::record::Record;
 use piezoid_testing::hostile::{CHANGES, changed};
 use piezoid_testing::in_feedback;
-use piezoid_validation::Validate;
+use piezoid_testing::random::config;
 use proptest::prelude::*;
 use serde_json::{Value, json};
+use uses::use_it;
+
+#[path = "../../../../fuzz/uses.rs"]
+mod uses;
+
+const TS: f64 = 5e-4;
 
 /// A model of every operator, behind a driver, with creep and a delay, then those with feedback, as JSON.
 fn legitimate(operator: usize) -> Value {
@@ -29,33 +31,6 @@ fn legitimate(operator: usize) -> Value {
     let mut document: Value = serde_json::from_str(&model.to_json()).expect("its own file");
     document["identified"] = json!({"u": [-30.0, 30.0], "hz": [5.0, 50.0], "slew": 4000.0, "mean": [0.0, 0.0]});
     document
-}
-
-/// Uses a model in every way of this crate. Values may become infinite or NaN; nothing may panic or run on.
-fn use_it(model: &Model) {
-    let ends = model.known_inputs().unwrap_or((-30.0, 30.0));
-    let u: Vec<f64> = (0..48).map(|t| ends.0 + (ends.1 - ends.0) * (0.5 + 0.5 * (0.3 * f64::from(t)).sin())).collect();
-    let y = model.simulate(&u);
-    assert_eq!(y.len(), u.len());
-    let _ = (model.settled(u[0]), model.predict(&u, &y), model.effort());
-    assert_eq!(Model::from_json(&model.to_json()).map(|again| again.to_json()), Ok(model.to_json()));
-    let plain: Vec<f64> = (0..48).map(|t| 25.0 * (0.3 * f64::from(t)).sin()).collect();
-    if let Ok(record) = Record::new(model.ts(), plain.clone(), plain.clone()) {
-        let _ = model.validate(&record);
-    }
-    for clip in [false, true] {
-        let settings = FeedForwardSettings { clip, iterations: 1, ..Default::default() };
-        for r in [&y, &plain] {
-            let _ = FeedForward::new(model, settings).map(|inverse| inverse.whole(r));
-        }
-        for delay_samples in [*Causal::delays(model).start(), 20] {
-            let far = [f64::NAN, f64::MAX, 1e300, f64::NEG_INFINITY, f64::MIN, -1e-300];
-            let _ = Causal::new(model, settings, delay_samples).map(|causal| {
-                let mut x = causal.settled_with_preview(plain[0], &plain[..9]);
-                (causal.simulate(&plain), causal.resume(&mut x, &[&far[..], &plain].concat()), causal.settled(f64::NAN))
-            });
-        }
-    }
 }
 
 proptest! {

@@ -1,15 +1,12 @@
-//! Models, hysteresis, records, figures of merit and limits.
+//! Models and their files, and the branches of hysteresis.
 
 use super::strategies::*;
-use piezoid_models::hammerstein::Model;
-use piezoid_models::hysteresis::{HeldInput, Pair, RateScheduled, TwoBranch};
-use piezoid_models::linear::Arx;
+use crate::hammerstein::Model;
+use crate::hysteresis::{HeldInput, Pair, RateScheduled, TwoBranch};
+use crate::linear::Arx;
 use piezoid_numerics::system::System;
-use piezoid_records::excitation::Limits;
-use piezoid_records::record::Record;
 use piezoid_records::record::Units;
 use piezoid_testing::assert_named_close;
-use piezoid_validation::Metrics;
 use proptest::prelude::*;
 
 /// Any finite number, often one that is not a finite decimal.
@@ -103,72 +100,5 @@ proptest! {
         let z = TwoBranch::new(TS, branches.clone(), HeldInput::Held).expect("a block").simulate(&u);
         // (1 - s) z + s z is z except for rounding.
         assert_named_close("z", &scheduled.simulate(&u), &z, 1e-15, 0.0);
-    }
-
-    #[test]
-    fn figures_of_merit_do_not_depend_on_offset_and_unit(
-        samples in prop::collection::vec((-1.0..1.0f64, -1.0..1.0f64), 3..60),
-        offset in -10.0..10.0f64, k in 1e-6..1e6f64,
-    ) {
-        let (y, simulated): (Vec<f64>, Vec<f64>) = samples.into_iter().map(|(y, e)| (y, y + 0.1 * e)).unzip();
-        let of = |change: &dyn Fn(f64) -> f64| {
-            let all = |of: &[f64]| of.iter().map(|v| change(*v)).collect::<Vec<f64>>();
-            Metrics::of(&all(&y), &all(&simulated))
-        };
-        let spread = y.iter().fold(f64::MIN, |m, v| m.max(*v)) - y.iter().fold(f64::MAX, |m, v| m.min(*v));
-        prop_assume!(spread > 0.1);
-        let plain = of(&|v| v);
-        let numbers = |m: &Metrics, unit: f64| {
-            let lengths = [m.rmse / unit, m.max_abs / unit, (m.mse / unit).sqrt() / unit.sqrt()];
-            [lengths.as_slice(), &[m.nrmse_percent, m.rms_pp_percent, 100.0 - m.fit_percent]].concat()
-        };
-        assert_named_close("shifted", &numbers(&of(&|v| v + offset), 1.0), &numbers(&plain, 1.0), 1e-9, 1e-12);
-        assert_named_close("scaled", &numbers(&of(&|v| -k * v), k), &numbers(&plain, 1.0), 1e-9, 0.0);
-        prop_assert!(plain.rmse <= plain.max_abs * (1.0 + 1e-15) && plain.rms_pp_percent <= plain.nrmse_percent);
-        prop_assert_eq!(Metrics::of(&y, &y).mse, 0.0);
-    }
-
-    #[test]
-    fn adjacent_parts_make_the_whole_record(
-        n in 2..400usize, ts in prop_oneof![1e-7..10.0f64, Just(5e-4), Just(0.005), Just(1.0 / 3.0)],
-        cuts in any::<(prop::sample::Index, prop::sample::Index)>(),
-    ) {
-        let u: Vec<f64> = (0..n).map(|t| t as f64).collect();
-        let units = Units { u: "cmdV".into(), y: "mm".into() };
-        let record = Record::new(ts, u.clone(), u.iter().map(|u| -u).collect()).expect("a record").with_units(units);
-        let at = 1 + cuts.0.index(n - 1);
-        // The time of a sample, with any rounding, is that sample.
-        let (before, after) = (record.part(0.0, at as f64 * ts), record.part(at as f64 * ts, f64::INFINITY));
-        let (before, after) = (before.expect("samples before"), after.expect("samples after"));
-        prop_assert_eq!((before.u(), after.u()), (&u[..at], &u[at..]));
-        prop_assert_eq!([before.y(), after.y()].concat(), record.y());
-        prop_assert_eq!((before.ts(), after.units()), (ts, record.units()));
-        // Times of a part of a part are relative to the part's start.
-        let again = cuts.1.index(after.len());
-        let inner = after.part(again as f64 * ts, f64::INFINITY).expect("at least the last sample");
-        prop_assert_eq!(inner.u(), &u[at + again..]);
-    }
-
-    #[test]
-    fn a_clipped_drive_is_within_the_limits(
-        u in drive(1..80), low in -40.0..-1.0f64, high in 1.0..40.0f64, which in any::<[bool; 4]>(), ts in 1e-6..1.0f64,
-        slew in 0.1..60.0f64, charge in 0.1..60.0f64, capacitance in 1e-9..1e-4f64,
-    ) {
-        // A step of a few volts reaches the limits of slew and current.
-        let limits = Limits {
-            low: which[0].then_some(low),
-            high: which[1].then_some(high),
-            slew: which[2].then_some(slew / ts),
-            current: which[3].then_some(capacitance * charge / ts),
-            capacitance: which[3].then_some(capacitance),
-        };
-        let clipped = limits.clip(&u, ts).expect("limits that make sense");
-        prop_assert_eq!(clipped.len(), u.len());
-        let usage = limits.refuse(&clipped, ts);
-        prop_assert!(usage.is_ok(), "{:?}", usage);
-        // A drive within the limits is not changed.
-        if limits.refuse(&u, ts).is_ok() {
-            assert_named_close("u", &clipped, &u, 0.0, 1e-5 * largest(&u));
-        }
     }
 }

@@ -1,12 +1,12 @@
 //! The linear block and its fits compared with scipy and numpy; `golden/*.py` write the numbers.
 
-use super::golden::{number, numbers, rows, text};
-use piezoid_models::linear::{self, Arx, Orders};
+use crate::linear::{self, Arx, Orders};
 use piezoid_numerics::optimize::{least_absolute, swarm};
 use piezoid_numerics::progress::Stage;
 use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use piezoid_testing::assert_named_close;
+use piezoid_testing::golden::{number, numbers, rows, text};
 use serde_json::Value;
 
 const RTOL: f64 = 1e-12;
@@ -29,7 +29,7 @@ fn block(row: &Value, ts: f64) -> Arx {
 
 #[test]
 fn a_free_run_is_scipys_lfilter() {
-    let rows = rows(include_str!("../../tests/golden/lfilter.json"));
+    let rows = rows("lfilter");
     assert_eq!(rows.len(), 13);
     for row in &rows {
         let (arx, u) = (block(row, 5e-4), numbers(row, "u"));
@@ -39,7 +39,7 @@ fn a_free_run_is_scipys_lfilter() {
 
 #[test]
 fn a_state_is_the_past_outputs_then_the_past_inputs_newest_first() {
-    for row in &rows(include_str!("../../tests/golden/lfilter.json")) {
+    for row in &rows("lfilter") {
         let (arx, u) = (block(row, 5e-4), numbers(row, "u"));
         let mut x = [numbers(row, "past_y_newest_first"), numbers(row, "past_u_newest_first")].concat();
         let resumed = arx.resume(&mut x, &u);
@@ -51,7 +51,7 @@ fn a_state_is_the_past_outputs_then_the_past_inputs_newest_first() {
 
 #[test]
 fn a_prediction_is_two_moving_averages_of_scipys() {
-    for row in &rows(include_str!("../../tests/golden/lfilter.json")) {
+    for row in &rows("lfilter") {
         let predicted = block(row, 5e-4).predict(&numbers(row, "u"), &numbers(row, "measured"));
         assert_close_in_norm(text(row, "name"), &predicted, &numbers(row, "predicted"), RTOL);
     }
@@ -59,7 +59,7 @@ fn a_prediction_is_two_moving_averages_of_scipys() {
 
 #[test]
 fn the_inverse_is_scipys_lfilter_with_a_and_b_exchanged() {
-    let rows = rows(include_str!("../../tests/golden/lfilter.json"));
+    let rows = rows("lfilter");
     assert_eq!(rows.iter().filter(|row| row["inverse"].is_array()).count(), 9);
     for row in &rows {
         match (block(row, 5e-4).inverse(), row["inverse"].is_array()) {
@@ -75,7 +75,7 @@ fn the_inverse_is_scipys_lfilter_with_a_and_b_exchanged() {
 
 #[test]
 fn the_frequency_response_is_scipys_freqz() {
-    let rows = rows(include_str!("../../tests/golden/freqz.json"));
+    let rows = rows("freqz");
     assert_eq!(rows.len(), 10);
     for row in &rows {
         let (arx, name) = (block(row, number(row, "ts")), text(row, "name"));
@@ -91,7 +91,7 @@ fn the_frequency_response_is_scipys_freqz() {
 
 #[test]
 fn poles_and_zeros_are_numpys_roots() {
-    for row in rows(include_str!("../../tests/golden/freqz.json")).iter().filter(|row| row["name"] != EVEN) {
+    for row in rows("freqz").iter().filter(|row| row["name"] != EVEN) {
         compare_poles_and_zeros(row);
     }
 }
@@ -101,7 +101,7 @@ const EVEN: &str = "only even powers";
 
 #[test]
 fn the_roots_of_polynomials_in_even_powers_are_found() {
-    let rows = rows(include_str!("../../tests/golden/freqz.json"));
+    let rows = rows("freqz");
     compare_poles_and_zeros(rows.iter().find(|row| row["name"] == EVEN).expect("the row"));
     let unstable = Arx::new(1.0, vec![0.0, 0.0, 0.0, -2.0], vec![1.0]).expect("a block");
     assert!(!unstable.is_stable(), "y_t = -2 y_(t-4) + u_t grows without bound");
@@ -133,7 +133,7 @@ fn compare_poles_and_zeros(row: &Value) {
 
 #[test]
 fn least_squares_is_scipys_lstsq_with_one_constant_per_record() {
-    let rows = rows(include_str!("../../tests/golden/lstsq.json"));
+    let rows = rows("lstsq");
     assert_eq!(rows.len(), 9);
     for row in &rows {
         let name = text(row, "name");
@@ -156,7 +156,7 @@ fn least_squares_is_scipys_lstsq_with_one_constant_per_record() {
 
 #[test]
 fn the_least_absolute_cost_is_that_of_scipys_linear_program() {
-    let rows = rows(include_str!("../../tests/golden/linprog.json"));
+    let rows = rows("linprog");
     assert_eq!(rows.len(), 5);
     for row in &rows {
         let dimension = row["dimension"].as_u64().expect("dimension") as usize;

@@ -1,9 +1,15 @@
 //! Every format, on files of others (`golden/formats.py` writes them), whole and damaged, and on our own.
 
-#![allow(clippy::expect_used, clippy::panic)] // a test may stop at what must not happen
+use crate::formats::{ColumnSelection, FORMATS, Table};
+use crate::record::Record;
+use piezoid_numerics::error::Error;
 
-use piezoid::formats::{ColumnSelection, FORMATS, Table};
-use piezoid::{Error, Record};
+/// A file that `golden/formats.py` of piezoid-testing wrote.
+macro_rules! golden {
+    ($name:literal) => {
+        include_bytes!(concat!("../../../testing/golden/formats/", $name))
+    };
+}
 
 /// Files of one record: what reads them, and what each leaves out.
 const FILES: &[(&str, &str, &[u8], &str)] = &[
@@ -22,18 +28,18 @@ const FILES: &[(&str, &str, &[u8], &str)] = &[
           \"s\", Drive; SetScale y 0,0,\"V\", Drive\rX SetScale y 0,0,\"\xb5m\", Gauge\r",
         "",
     ),
-    ("numpy", "fields.npy", include_bytes!("golden/formats/fields.npy"), "corner (of shape 2 a row)"),
-    ("numpy", "stored.npz", include_bytes!("golden/formats/stored.npz"), NUMPY),
-    ("numpy", "deflated.npz", include_bytes!("golden/formats/deflated.npz"), NUMPY),
-    ("matlab", "v4.mat", include_bytes!("golden/formats/v4.mat"), "map (of shape 2 x 2)"),
-    ("matlab", "v4_big.mat", include_bytes!("golden/formats/v4_big.mat"), ""),
-    ("matlab", "v5.mat", include_bytes!("golden/formats/v5.mat"), MATLAB),
-    ("matlab", "v5_big.mat", include_bytes!("golden/formats/v5_big.mat"), ""),
-    ("matlab", "v7.mat", include_bytes!("golden/formats/v7.mat"), MATLAB),
-    ("hdf5", "v73.mat", include_bytes!("golden/formats/v73.mat"), HDF5),
-    ("hdf5", "links.h5", include_bytes!("golden/formats/links.h5"), "impedance (complex numbers)"),
-    ("tdms", "log.tdms", include_bytes!("golden/formats/log.tdms"), "note (text)"),
-    ("wav", "log.wav", include_bytes!("golden/formats/log.wav"), ""),
+    ("numpy", "fields.npy", golden!("fields.npy"), "corner (of shape 2 a row)"),
+    ("numpy", "stored.npz", golden!("stored.npz"), NUMPY),
+    ("numpy", "deflated.npz", golden!("deflated.npz"), NUMPY),
+    ("matlab", "v4.mat", golden!("v4.mat"), "map (of shape 2 x 2)"),
+    ("matlab", "v4_big.mat", golden!("v4_big.mat"), ""),
+    ("matlab", "v5.mat", golden!("v5.mat"), MATLAB),
+    ("matlab", "v5_big.mat", golden!("v5_big.mat"), ""),
+    ("matlab", "v7.mat", golden!("v7.mat"), MATLAB),
+    ("hdf5", "v73.mat", golden!("v73.mat"), HDF5),
+    ("hdf5", "links.h5", golden!("links.h5"), "impedance (complex numbers)"),
+    ("tdms", "log.tdms", golden!("log.tdms"), "note (text)"),
+    ("wav", "log.wav", golden!("log.wav"), ""),
 ];
 
 const NUMPY: &str = "map (of shape 2 x 2), names (text), impedance (of type `<c16`), short (of 3 samples, not 4)";
@@ -78,7 +84,7 @@ fn one_record_is_the_same_in_every_format_whatever_the_file_is_called() {
 fn every_row_is_complete_and_knows_its_files() {
     for format in FORMATS {
         let own: Vec<_> = FILES.iter().filter(|(row, ..)| *row == format.name).collect();
-        assert!(!own.is_empty(), "no file in tests/golden/formats is of {}", format.name);
+        assert!(!own.is_empty(), "no file in golden/formats is of {}", format.name);
         assert!(own.iter().all(|(.., bytes, _)| (format.matches)(bytes)), "{}", format.name);
         for text in [format.name, format.summary, format.reference] {
             assert!(!text.is_empty() && !text.contains('\n'), "{}", format.name);

@@ -1,8 +1,8 @@
 //! CSV files: measured, written, and arbitrary bytes.
 
+use crate::formats::{ColumnSelection, Table};
+use crate::record::Record;
 use piezoid_numerics::error::Error;
-use piezoid_records::formats::{ColumnSelection, Table};
-use piezoid_records::record::Record;
 use proptest::prelude::*;
 
 fn record(bytes: &[u8]) -> Result<Record, Error> {
@@ -11,7 +11,7 @@ fn record(bytes: &[u8]) -> Result<Record, Error> {
 
 #[test]
 fn the_measured_model_file_is_read_completely() {
-    let Some(bytes) = super::measured_data::measured("picma-p885/model_1Hz.csv") else { return };
+    let Some(bytes) = piezoid_testing::measured("picma-p885/model_1Hz.csv") else { return };
     let record = record(&bytes).unwrap();
     assert_eq!((record.len(), record.ts()), (8027, 0.005));
     assert_eq!((record.units().u.as_str(), record.units().y.as_str()), ("cmdV", "um"));
@@ -21,7 +21,7 @@ fn the_measured_model_file_is_read_completely() {
 
 #[test]
 fn the_reference_of_the_measured_test_file_is_not_its_output() {
-    let Some(bytes) = super::measured_data::measured("picma-p885/test_am_1Hz.csv") else { return };
+    let Some(bytes) = piezoid_testing::measured("picma-p885/test_am_1Hz.csv") else { return };
     let record = record(&bytes).unwrap();
     assert_eq!((record.len(), record.ts(), record.y()[1]), (14155, 0.005, -119.527853));
     let reference = ColumnSelection { output_col: Some("yref_um".into()), ..ColumnSelection::default() };

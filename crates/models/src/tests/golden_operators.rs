@@ -1,12 +1,12 @@
 //! Hysteresis operators compared with their definitions in numpy and scipy; `golden/operators.py` writes the numbers.
 
-use super::golden::{number, numbers, rows, text};
-use piezoid_models::driver::DriverModel;
-use piezoid_models::hammerstein::Model;
-use piezoid_models::hysteresis::{OPERATORS, Operator};
-use piezoid_models::linear::Arx;
+use crate::driver::DriverModel;
+use crate::hammerstein::Model;
+use crate::hysteresis::{OPERATORS, Operator};
+use crate::linear::Arx;
 use piezoid_numerics::system::System;
 use piezoid_testing::assert_named_close;
+use piezoid_testing::golden::{number, numbers, rows, text};
 use serde_json::Value;
 
 /// Sampling period of the rows [s].
@@ -25,7 +25,7 @@ fn simulated(row: &Value, u: &[f64]) -> Vec<f64> {
 
 #[test]
 fn operators_are_their_definitions() {
-    for row in &rows(include_str!("../../tests/golden/operators.json")) {
+    for row in &rows("operators") {
         let (u, z) = (numbers(row, "u"), numbers(row, "z"));
         let largest = z.iter().fold(0.0f64, |m, z| m.max(z.abs()));
         let name = text(row, "operator");
@@ -35,7 +35,7 @@ fn operators_are_their_definitions() {
 
 #[test]
 fn every_operator_with_a_memory_has_a_definition_and_one_is_behind_a_driver() {
-    let rows = rows(include_str!("../../tests/golden/operators.json"));
+    let rows = rows("operators");
     for operator in OPERATORS.iter().filter(|operator| operator.name != "proportional") {
         assert!(rows.iter().any(|row| text(row, "operator") == operator.name), "{}", operator.name);
     }

@@ -1,7 +1,7 @@
 //! Linear blocks, their inverses, their estimation and its cost.
 
 use super::strategies::*;
-use piezoid_models::linear::{self, AbsoluteError, Arx, Orders};
+use crate::linear::{self, AbsoluteError, Arx, Orders};
 use piezoid_numerics::optimize::swarm::{self, Cost};
 use piezoid_numerics::progress::Stage;
 use piezoid_numerics::system::System;

@@ -1,7 +1,7 @@
 //! Operators that are weighted sums of responses, with random thresholds and weights, and bases of random designs.
 
 use super::strategies::*;
-use piezoid_models::hysteresis::*;
+use crate::hysteresis::*;
 use piezoid_testing::assert_named_close;
 use proptest::prelude::*;
 use serde_json::json;

@@ -1,15 +1,15 @@
 //! Output error and modes compared with scipy; `golden/*.py` write the numbers.
 
-use super::golden::{number, numbers, rows, text};
-use piezoid_models::linear::{ModalFit, Orders, OutputError, Refinement};
+use crate::linear::{ModalFit, Orders, OutputError, Refinement};
 use piezoid_numerics::progress::Stage;
 use piezoid_records::record::Record;
 use piezoid_testing::assert_named_close;
+use piezoid_testing::golden::{number, numbers, rows, text};
 use serde_json::Value;
 
 #[test]
 fn the_output_error_is_that_of_scipy_with_free_pasts_and_offsets() {
-    let rows = rows(include_str!("../../tests/golden/output_error.json"));
+    let rows = rows("output_error");
     assert_eq!(rows.len(), 4);
     for row in &rows {
         let name = text(row, "name");
@@ -38,15 +38,14 @@ fn the_output_error_is_that_of_scipy_with_free_pasts_and_offsets() {
 
 #[test]
 fn modes_and_delay_simulated_by_scipy_are_found() {
-    let rows = rows(include_str!("../../tests/golden/modes.json"));
+    let rows = rows("modes");
     assert_eq!(rows.len(), 5);
     for row in &rows {
         let name = text(row, "name");
         let record = Record::new(number(row, "ts"), numbers(row, "u"), numbers(row, "y")).expect("a record");
         let hz = numbers(row, "hz");
         let found = ModalFit::fit(&[record], hz.len(), 3, &Refinement::default(), &mut Stage::ignore).expect("modes");
-        let of =
-            |what: fn(&piezoid_models::linear::FittedMode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
+        let of = |what: fn(&crate::linear::FittedMode) -> f64| found.modes.iter().map(what).collect::<Vec<f64>>();
         assert_named_close(name, &of(|m| m.hz.value), &hz, 1e-7, 0.0);
         assert_named_close(name, &of(|m| m.damping.value), &numbers(row, "damping"), 1e-6, 0.0);
         assert_named_close(name, &of(|m| m.share.value), &numbers(row, "share"), 1e-6, 0.0);

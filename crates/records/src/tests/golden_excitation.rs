@@ -1,8 +1,8 @@
 //! Excitations compared with scipy; `golden/*.py` write the numbers.
 
-use super::golden::{number, numbers, rows, text};
-use piezoid_records::excitation::{Chirp, Prbs};
+use crate::excitation::{Chirp, Prbs};
 use piezoid_testing::assert_named_close;
+use piezoid_testing::golden::{number, numbers, rows, text};
 
 /// The bits of a PRBS of 1 V, in the format of scipy's script.
 fn bits(prbs: &Prbs, n: usize) -> String {
@@ -12,7 +12,7 @@ fn bits(prbs: &Prbs, n: usize) -> String {
 
 #[test]
 fn prbs_is_scipys_max_len_seq() {
-    let rows = rows(include_str!("../../tests/golden/max_len_seq.json"));
+    let rows = rows("max_len_seq");
     assert_eq!(rows.len(), 30);
     for row in rows {
         let order = row["order"].as_u64().expect("order") as u32;
@@ -31,7 +31,7 @@ fn prbs_is_scipys_max_len_seq() {
 
 #[test]
 fn chirp_is_scipys_chirp() {
-    for row in rows(include_str!("../../tests/golden/chirp.json")) {
+    for row in rows("chirp") {
         let expected = numbers(&row, "u");
         let chirp = Chirp {
             frequency_start: number(&row, "start"),

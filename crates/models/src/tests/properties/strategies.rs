@@ -1,23 +1,12 @@
 //! Strategies for random inputs, blocks and operators.
 
-use piezoid_models::hysteresis::*;
-use piezoid_models::linear::Arx;
+use crate::hysteresis::*;
+use crate::linear::Arx;
+pub(crate) use piezoid_testing::random::*;
 use proptest::prelude::*;
 use std::sync::Arc;
 
 pub(crate) const TS: f64 = 5e-4;
-
-pub(crate) fn config(cases: u32) -> ProptestConfig {
-    ProptestConfig { cases, failure_persistence: None, ..ProptestConfig::default() }
-}
-
-pub(crate) fn bits(values: &[f64]) -> Vec<u64> {
-    values.iter().map(|v| v.to_bits()).collect()
-}
-
-pub(crate) fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |m, v| m.max(v.abs()))
-}
 
 /// Product of two polynomials, coefficients by rising power of q^-1.
 pub(crate) fn times(p: &[f64], q: &[f64]) -> Vec<f64> {
@@ -54,12 +43,6 @@ pub(crate) fn arx(
 
 pub(crate) fn stable() -> impl Strategy<Value = Arx> {
     arx(monic(0.05..0.97f64, 3), monic(0.05..2.0f64, 2), 3)
-}
-
-/// Voltages that rise, fall and stay constant for some samples.
-pub(crate) fn drive(n: std::ops::Range<usize>) -> impl Strategy<Value = Vec<f64>> {
-    prop::collection::vec((-35.0..35.0f64, 1..4usize), n)
-        .prop_map(|steps| steps.into_iter().flat_map(|(u, held)| std::iter::repeat_n(u, held)).collect())
 }
 
 /// Knots from -30 to 30 V, because both branches need the same ends.

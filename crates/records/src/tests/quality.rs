@@ -1,11 +1,11 @@
 //! Inspection of measured records, with and without defects.
 
-use piezoid_records::formats::{ColumnSelection, Table};
-use piezoid_records::quality::inspect;
-use piezoid_records::record::Record;
+use crate::formats::{ColumnSelection, Table};
+use crate::quality::inspect;
+use crate::record::Record;
 
 fn record(name: &str) -> Option<Record> {
-    let bytes = super::measured_data::measured(name)?;
+    let bytes = piezoid_testing::measured(name)?;
     let whole = Table::parse(&bytes).and_then(|t| t.record(&ColumnSelection::default())).expect("a record");
     Some(whole.part(1.5, f64::INFINITY).expect("what follows the transient"))
 }

@@ -1,7 +1,7 @@
 //! The contract of every system: a run is repeated steps, and can be split anywhere.
 
 use super::strategies::*;
-use piezoid_models::hammerstein::Model;
+use crate::hammerstein::Model;
 use piezoid_numerics::system::System;
 use piezoid_twins::{PLANTS, Plant};
 use proptest::prelude::*;

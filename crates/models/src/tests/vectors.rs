@@ -1,0 +1,20 @@
+//! A model of every operator gives the numbers that it gave in every version, bit by bit.
+
+use crate::hammerstein::Model;
+use crate::hysteresis::OPERATORS;
+use piezoid_numerics::system::System;
+use piezoid_testing::golden::numbers;
+use piezoid_testing::vectors;
+
+#[test]
+fn every_operator_gives_the_numbers_that_it_gave_in_every_version() {
+    let files = vectors();
+    for (name, file) in &files {
+        let model = Model::from_json(&file["model"].to_string()).unwrap();
+        let of = |key| numbers(&file["step"], key);
+        assert_eq!(model.simulate(&of("inputs")), of("outputs"), "{name}");
+    }
+    let mut names = OPERATORS.iter().map(|operator| operator.name).chain(["driven"]);
+    let missing = names.find(|name| !files.iter().any(|(file, _)| file == name));
+    assert_eq!(missing, None, "no file: write it with `cargo xtask generate vectors`");
+}
