@@ -324,7 +324,11 @@ pub(super) mod tests {
             let s = |path: &ControlLoop| path.sensitivity(&pi, 1.0, &hz).unwrap();
             assert_close(&s(&sensor), &s(&plant), 1e-9, 0.0);
             let law = pi.law().unwrap();
-            assert_eq!(sensor.closed(&law, 1.0).unwrap(), plant.closed(&law, 1.0).unwrap());
+            let closed = sensor.closed(&law, 1.0).unwrap();
+            assert_eq!(closed, plant.closed(&law, 1.0).unwrap());
+            // S = 1 - T.
+            let from_closed: Vec<f64> = at(&hz, &closed).map(|t| modulus(1.0 - t)).collect();
+            assert_close(&s(&sensor), &from_closed, 1e-9, 0.0);
         }
     }
 

@@ -223,6 +223,17 @@ mod tests {
     }
 
     #[test]
+    fn gains_and_limits_without_meaning_are_refused() {
+        assert_eq!(check(&[("kp", 0.0), ("ki", 2.0)], (-1.0, 1.0)), Ok(()));
+        for gain in [-1.0, f64::NAN, f64::INFINITY] {
+            assert!(check(&[("kp", 1.0), ("ki", gain)], (-1.0, 1.0)).unwrap_err().to_string().contains("ki"), "{gain}");
+        }
+        for limits in [(1.0, -1.0), (1.0, 1.0), (f64::NEG_INFINITY, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0)] {
+            assert!(check(&[], limits).unwrap_err().to_string().contains("limits"), "{limits:?}");
+        }
+    }
+
+    #[test]
     fn every_controller_follows_its_law_within_the_limits() {
         for (_, c) in tuned(0).filter(|(_, c)| c.law().is_some()) {
             assert_follows_its_law(&*c, 1.0);

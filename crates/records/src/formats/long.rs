@@ -235,3 +235,127 @@ impl<'a> LongRecord<'a> {
         (1..=count).map(move |k| (k as u128 * n as u128 / count as u128) as usize)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Cursor, Read};
+
+    /// Most samples that are held.
+    const HELD: usize = 64;
+
+    /// A time in ms, an input, and an output that is stated in mm.
+    fn text(n: usize) -> String {
+        let row = |k: usize| format!("{},{}.5,{}e-3\n", 0.5 * k as f64, k % 7, (3 * k) % 11);
+        std::iter::once("# rig 3\nt (ms),Drive (V),Sensor (mm)\n".to_string()).chain((0..n).map(row)).collect()
+    }
+
+    /// What is done with an open text.
+    fn opened<T>(text: &str, selection: &ColumnSelection, with: impl FnOnce(Result<Opened, Error>) -> T) -> T {
+        let bytes: Arc<[u8]> = text.as_bytes().into();
+        let open = move || Ok(Box::new(Cursor::new(bytes.clone())) as Box<dyn Read>);
+        with(LongRecord::open("r.csv", &open, selection, HELD))
+    }
+
+    /// The same with its record, which is too long to be held.
+    fn long<T>(text: &str, selection: &ColumnSelection, with: impl FnOnce(LongRecord) -> T) -> T {
+        opened(text, selection, |opened| match opened.unwrap() {
+            Opened::Long(record) => with(*record),
+            Opened::Held(..) => panic!("it is held"),
+        })
+    }
+
+    fn largest_and_smallest(x: &[f64]) -> (f64, f64) {
+        x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
+    }
+
+    #[test]
+    fn a_record_that_is_read_in_pieces_is_the_one_that_is_read_as_a_whole() {
+        let selection = ColumnSelection { input_scale: Some("-2".into()), ..ColumnSelection::default() };
+        let text = text(1000);
+        let table = Table::read("r.csv", text.as_bytes()).unwrap();
+        let whole = table.record(&selection).unwrap();
+        long(&text, &selection, |record| {
+            let (mut u, mut y, mut pieces) = (Vec::new(), Vec::new(), 0);
+            let add = &mut |more_u: &[f64], more_y: &[f64]| {
+                (u.extend_from_slice(more_u), y.extend_from_slice(more_y), pieces += 1);
+                Ok(())
+            };
+            record.read(add).unwrap();
+            assert!(pieces > 2, "{pieces} pieces");
+            assert_eq!((&u[..], &y[..]), (whole.u(), whole.y()));
+            assert_eq!(record.ends(), [largest_and_smallest(&u), largest_and_smallest(&y)]);
+            assert_eq!((record.len(), record.ts(), record.duration()), (1000, whole.ts(), 0.5));
+            assert_eq!((record.units(), record.history()), (whole.units(), &table.history(&selection)[..]));
+            assert_eq!((record.format(), record.layout()), ("csv", &*table.layout("csv")));
+            assert_eq!(
+                (record.profile(), record.channels()),
+                (&table.profile(&selection), &table.described(&selection)[..])
+            );
+        });
+    }
+
+    #[test]
+    fn sections_follow_each_other_and_are_of_equal_length() {
+        let text = text(1000);
+        let whole = Table::read("r.csv", text.as_bytes()).unwrap().record(&ColumnSelection::default()).unwrap();
+        long(&text, &ColumnSelection::default(), |record| {
+            let mut sections = Vec::new();
+            record.sections(&mut |start, section| sections.push((start, section.clone()))).unwrap();
+            for (start, section) in &sections {
+                // A whole number of sections of at most 32 samples: 31 or 32 each.
+                assert!(section.len().abs_diff(31) <= 1 && section.len() <= HELD / 2, "{}", section.len());
+                let same = whole.slice(*start..start + section.len()).unwrap();
+                assert_eq!((section.u(), section.y(), section.units()), (same.u(), same.y(), same.units()));
+            }
+            assert_eq!(sections.iter().map(|(_, section)| section.len()).sum::<usize>(), 1000);
+            assert!(sections.windows(2).all(|pair| pair[1].0 == pair[0].0 + pair[0].1.len()));
+            assert_eq!(sections.len(), record.section_ends(1000).count());
+        });
+    }
+
+    #[test]
+    fn the_output_of_a_long_record_can_be_in_another_unit_of_length() {
+        long(&text(200), &ColumnSelection::default(), |record| {
+            assert_eq!(record.units().y, "mm");
+            let [input, _] = record.ends();
+            let record = record.output_in("um").unwrap();
+            assert_eq!((record.units().y.as_str(), record.units().u.as_str()), ("um", "V"));
+            assert_eq!(record.ends(), [input, (0.0, 10.0)]);
+            let mut first = Vec::new();
+            let take = &mut |_: &[f64], y: &[f64]| {
+                first.extend_from_slice(y);
+                Ok(())
+            };
+            record.read(take).unwrap();
+            piezoid_testing::assert_close(&first[..4], &[0.0, 3.0, 6.0, 9.0], 1e-12, 0.0);
+            let refused = record.output_in("V").err().expect("a voltage is no length").to_string();
+            assert!(refused.contains("um") && refused.contains('V'), "{refused}");
+        });
+    }
+
+    #[test]
+    fn what_is_short_cut_uneven_or_in_doubt_is_held() {
+        let whole = text(200);
+        let cut = ColumnSelection { from: Some(0.01), ..ColumnSelection::default() };
+        let any = ColumnSelection::default();
+        for (text, selection) in [
+            (text(HELD), &any),
+            (whole.clone(), &cut),
+            (whole.replace("\n20,", "\n20.1,"), &any),
+            (whole.replace("\n20,5.5,", "\n20,x,"), &any),
+        ] {
+            let held = opened(
+                &text,
+                selection,
+                |opened| matches!(opened, Ok(Opened::Held(_, format)) if format.name == "csv"),
+            );
+            assert!(held, "{} bytes", text.len());
+        }
+        let other = ColumnSelection { output_col: Some("no such".into()), ..any };
+        assert!(
+            opened(&whole, &other, |opened| matches!(opened, Ok(Opened::Held(..)))),
+            "its error is found by the table"
+        );
+    }
+}
