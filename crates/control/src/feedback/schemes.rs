@@ -236,6 +236,7 @@ mod tests {
     use super::*;
     use piezoid_models::hysteresis::Operator;
     use piezoid_records::excitation::Sine;
+    use piezoid_testing::assert_close;
 
     const TS: f64 = 5e-4;
 
@@ -291,6 +292,15 @@ mod tests {
             assert!(Scheme::named(wrong).is_err(), "{wrong}");
         }
         assert!(FeedForwardKind::find("learn").is_err() && FeedForwardKind::find("learning").is_ok());
+    }
+
+    #[test]
+    fn the_sensitivity_of_a_scheme_peaks_where_its_margins_state() {
+        let pi = drive("pi");
+        let hz: Vec<f64> = (1..4000).map(|k| 0.25 * f64::from(k)).collect();
+        let peak = pi.sensitivity(&hz).unwrap().into_iter().fold(0.0, f64::max);
+        assert_close(&[peak], &[pi.margins().unwrap().peak], 1e-2, 0.0);
+        assert_eq!(drive("feed-forward").sensitivity(&hz), None);
     }
 
     #[test]

@@ -153,3 +153,64 @@ impl SimulatedActuator {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::stand_in::tests::with_share;
+    use super::*;
+    use piezoid_testing::assert_close;
+    use piezoid_twins::Preset;
+
+    fn spec() -> Spec {
+        Preset::find("pl140").unwrap().spec()
+    }
+
+    fn twin() -> SimulatedActuator {
+        spec().into()
+    }
+
+    fn stand_in() -> SimulatedActuator {
+        with_share(0.5).into()
+    }
+
+    #[test]
+    fn voltages_are_those_of_the_driver_or_of_the_model() {
+        let mut spec = spec();
+        assert_eq!(twin().voltages(), Ok((spec.driver.min_v, spec.driver.max_v)));
+        spec.driver.max_v = f64::INFINITY;
+        assert!(SimulatedActuator::from(spec).voltages().unwrap_err().to_string().contains("without limits"));
+        // The range of the identification data, -20 to 60 V, and a twentieth more on each side.
+        let (low, high) = stand_in().voltages().unwrap();
+        assert_close(&[low, high], &[-24.0, 64.0], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn a_twin_has_any_sampling_period_and_a_stand_in_its_own() {
+        let ts = with_share(0.5).ts();
+        assert_eq!((twin().period(), stand_in().period()), (None, Some(ts)));
+        for ts in [1e-3, 2.5e-4] {
+            let (plant, unit) = twin().played(ts, 1).unwrap();
+            assert_eq!((plant.ts(), unit.as_str()), (ts, "um"));
+        }
+        let (plant, unit) = stand_in().played(ts, 1).unwrap();
+        assert_eq!((plant.ts(), unit), (ts, with_share(0.5).units().y.clone()));
+        assert!(stand_in().played(0.5 * ts, 1).is_err());
+    }
+
+    #[test]
+    fn noise_is_in_the_unit_that_is_stated() {
+        let noise = |actuator: SimulatedActuator| *actuator.clone().noise();
+        assert_close(&[noise(twin().with_noise(2.0, "um").unwrap())], &[2e-6], 1e-12, 0.0);
+        assert_close(&[noise(stand_in().with_noise(2.0, "mm").unwrap())], &[2e3], 1e-12, 0.0);
+        assert_eq!([twin(), stand_in()].map(|of| noise(of.with_noise(2.0, "um").unwrap().without_noise())), [0.0; 2]);
+        assert!(twin().with_noise(2.0, "V").unwrap_err().to_string().contains("not a length"));
+    }
+
+    #[test]
+    fn a_file_gives_the_actuator_that_it_was_written_from() {
+        let text = with_share(0.5).to_json();
+        assert_eq!(SimulatedActuator::from_json(&text), Ok(stand_in()));
+        assert_eq!(SimulatedActuator::from_json(&spec().to_json().unwrap()), Ok(twin()));
+        assert!(SimulatedActuator::from_json("{").is_err());
+    }
+}

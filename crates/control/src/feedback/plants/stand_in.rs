@@ -354,8 +354,9 @@ impl System for StandInPlant {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
+    use piezoid_models::hammerstein::Domain;
     use piezoid_models::hysteresis::{Operator, Proportional};
     use piezoid_models::linear::Arx;
     use std::sync::Arc;
@@ -368,10 +369,12 @@ mod tests {
     }
 
     /// A stand-in with this share of the difference from a model with an offset of 7, without noise.
-    fn with_share(share: f64) -> StandIn {
+    pub(in super::super) fn with_share(share: f64) -> StandIn {
         let spread = [1.0, 2.0, 4.0].map(|offset| model("stop", offset));
         let other = (model("preisach", 7.0), spread.into());
-        StandIn::new(model("prandtl-ishlinskii", 0.0), other, (share, 1.0), 0.0).unwrap()
+        let domain = Domain { u: [-20.0, 60.0], hz: None, slew: 1e4, mean: [0.0, 20.0] };
+        let first = model("prandtl-ishlinskii", 0.0).with_identified(domain);
+        StandIn::new(first, other, (share, 1.0), 0.0).unwrap()
     }
 
     fn drive() -> Vec<f64> {
