@@ -278,7 +278,9 @@ mod tests {
         long(&text, &selection, |record| {
             let (mut u, mut y, mut pieces) = (Vec::new(), Vec::new(), 0);
             let add = &mut |more_u: &[f64], more_y: &[f64]| {
-                (u.extend_from_slice(more_u), y.extend_from_slice(more_y), pieces += 1);
+                u.extend_from_slice(more_u);
+                y.extend_from_slice(more_y);
+                pieces += 1;
                 Ok(())
             };
             record.read(add).unwrap();
