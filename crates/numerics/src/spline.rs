@@ -129,6 +129,7 @@ fn slopes(h: &[f64], m: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use piezoid_testing::golden::{numbers, rows, text};
+    use piezoid_testing::random::largest;
     use piezoid_testing::{assert_close, assert_named_close};
 
     #[test]
@@ -160,8 +161,7 @@ mod tests {
 
     #[track_caller]
     fn assert_close_beside_knots(name: &str, ours: &[f64], theirs: &[f64], knots: &[f64]) {
-        let largest = knots.iter().fold(0.0f64, |m, y| m.max(y.abs()));
-        assert_named_close(name, ours, theirs, TOLERANCE, TOLERANCE * largest);
+        assert_named_close(name, ours, theirs, TOLERANCE, TOLERANCE * largest(knots));
     }
 
     #[test]

@@ -8,10 +8,11 @@ use piezoid::{Error, Model};
 use piezoid_export::TARGETS;
 use piezoid_operations::{Request, run};
 use piezoid_testing::hostile::{CHANGES, changed};
+use piezoid_testing::random::config;
+use piezoid_testing::vectors;
 use piezoid_verbs::File;
 use proptest::prelude::*;
 use serde_json::{Value, json};
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Models unless the environment says otherwise.
@@ -23,18 +24,13 @@ const PATIENCE: Duration = Duration::from_secs(30);
 /// The models of the vector files: one of every operator, and one behind a driver. And one that was identified, which
 /// states its errors.
 fn legitimate(record: &File) -> Vec<Value> {
-    let folder = concat!("../piezoid/tests/compatibility/", env!("CARGO_PKG_VERSION"), "/operators");
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
-    files.sort();
-    let model = |file| serde_json::from_slice::<Value>(&std::fs::read(file).unwrap()).unwrap()["model"].take();
     let options = json!({"operator": "stop", "order": 2});
     let request = json!({"call": "identify", "options": options, "files": {"large_signal": [record.name]}});
     let answer = run(&Request::of(request).unwrap(), std::slice::from_ref(record), &mut Stage::ignore).unwrap();
     let mut identified: Value = serde_json::from_slice(&answer.files[0].bytes).unwrap();
     // A certificate refuses the records that a model names as its own.
     identified["fit"].as_object_mut().unwrap().remove("files");
-    std::iter::once(identified).chain(files.iter().map(model)).collect()
+    std::iter::once(identified).chain(vectors().into_iter().map(|(_, mut file)| file["model"].take())).collect()
 }
 
 /// The calls that take a model, with their options.
@@ -97,7 +93,7 @@ fn hostile_models_end_in_every_call() {
         assert!(answer.is_ok(), "{one}: {answer:?}");
     }
     let cases = std::env::var("PROPTEST_CASES").map_or(CASES, |cases| cases.parse().unwrap());
-    proptest!(ProptestConfig { failure_persistence: None, ..ProptestConfig::with_cases(cases) }, |(
+    proptest!(config(cases), |(
         which in 0..models.len(),
         changes in prop::collection::vec((any::<prop::sample::Index>(), 0..CHANGES), 1..3),
     )| {

@@ -2,13 +2,19 @@
 //! the test.
 
 use serde_json::Value;
+use std::path::Path;
 
 /// The file of this name.
 #[track_caller]
 pub fn file(name: &str) -> Value {
-    let path = format!("{}/golden/{name}.json", env!("CARGO_MANIFEST_DIR"));
-    let text = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{path}: {error}"))
+    document(&Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("golden/{name}.json")))
+}
+
+/// What a file of JSON states.
+#[track_caller]
+pub(crate) fn document(path: &Path) -> Value {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
 /// The rows of a file that is a list.

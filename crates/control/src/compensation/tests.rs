@@ -9,6 +9,7 @@ use piezoid_numerics::stepper::Stepper;
 use piezoid_records::excitation::{Prbs, RisingSine, Triangle};
 use piezoid_records::record::{Record, Units};
 use piezoid_testing::golden::numbers;
+use piezoid_testing::random::bits;
 use piezoid_testing::{assert_close, in_feedback, noise, vectors};
 use piezoid_twins::Plant;
 use std::f64::consts::TAU;
@@ -335,7 +336,6 @@ fn a_run_of_which_samples_are_refused_is_that_of_the_acknowledged_samples_and_co
             }
         }
         let alone = Stepper::new(causal).resume(&acknowledged);
-        let bits = |u: &[f64]| u.iter().map(|u| u.to_bits()).collect::<Vec<_>>();
         assert_eq!(bits(&alone), bits(&voltages), "{name}");
         assert!((150..250).contains(&refusals), "{refusals}");
     }
@@ -369,10 +369,10 @@ fn a_state_of_another_model_or_delay_is_refused_and_one_with_any_finite_numbers_
 
 #[test]
 fn the_causal_inverses_give_the_numbers_that_they_gave_in_every_version() {
-    for (name, file) in vectors().iter().filter(|(_, file)| !file["ff_step"].is_null()) {
+    for (path, file) in vectors().iter().filter(|(_, file)| !file["ff_step"].is_null()) {
         let model = Model::from_json(&file["model"].to_string()).unwrap();
         let of = |key| numbers(&file["ff_step"], key);
         let causal = Causal::new(&model, FeedForwardSettings::default(), 0).unwrap();
-        assert_eq!(causal.simulate(&of("inputs")), of("outputs"), "{name}");
+        assert_eq!(causal.simulate(&of("inputs")), of("outputs"), "{}", path.display());
     }
 }

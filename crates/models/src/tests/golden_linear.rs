@@ -7,6 +7,7 @@ use piezoid_numerics::system::System;
 use piezoid_records::record::Record;
 use piezoid_testing::assert_named_close;
 use piezoid_testing::golden::{number, numbers, rows, text};
+use piezoid_testing::random::largest;
 use serde_json::Value;
 
 const RTOL: f64 = 1e-12;
@@ -15,8 +16,7 @@ const RTOL: f64 = 1e-12;
 /// not to the sum.
 #[track_caller]
 fn assert_close_in_norm(what: &str, a: &[f64], b: &[f64], rtol: f64) {
-    let largest = b.iter().fold(0.0f64, |m, v| m.max(v.abs()));
-    assert_named_close(what, a, b, 0.0, rtol * largest);
+    assert_named_close(what, a, b, 0.0, rtol * largest(b));
 }
 
 /// The block of scipy's `a` and `b`. scipy writes a[0] y_t + a[1] y_{t-1} + ... = ...; equation (1) has the feedback on

@@ -7,6 +7,7 @@ use crate::linear::Arx;
 use piezoid_numerics::system::System;
 use piezoid_testing::assert_named_close;
 use piezoid_testing::golden::{number, numbers, rows, text};
+use piezoid_testing::random::largest;
 use serde_json::Value;
 
 /// Sampling period of the rows [s].
@@ -27,9 +28,8 @@ fn simulated(row: &Value, u: &[f64]) -> Vec<f64> {
 fn operators_are_their_definitions() {
     for row in &rows("operators") {
         let (u, z) = (numbers(row, "u"), numbers(row, "z"));
-        let largest = z.iter().fold(0.0f64, |m, z| m.max(z.abs()));
         let name = text(row, "operator");
-        assert_named_close(name, &simulated(row, &u), &z, 0.0, number(row, "tolerance") * largest);
+        assert_named_close(name, &simulated(row, &u), &z, 0.0, number(row, "tolerance") * largest(&z));
     }
 }
 

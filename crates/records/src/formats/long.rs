@@ -265,10 +265,6 @@ mod tests {
         })
     }
 
-    fn largest_and_smallest(x: &[f64]) -> (f64, f64) {
-        x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)))
-    }
-
     #[test]
     fn a_record_that_is_read_in_pieces_is_the_one_that_is_read_as_a_whole() {
         let selection = ColumnSelection { input_scale: Some("-2".into()), ..ColumnSelection::default() };
@@ -286,7 +282,7 @@ mod tests {
             record.read(add).unwrap();
             assert!(pieces > 2, "{pieces} pieces");
             assert_eq!((&u[..], &y[..]), (whole.u(), whole.y()));
-            assert_eq!(record.ends(), [largest_and_smallest(&u), largest_and_smallest(&y)]);
+            assert_eq!(record.ends(), [&u, &y].map(|x| ends(x.iter().copied())));
             assert_eq!((record.len(), record.ts(), record.duration()), (1000, whole.ts(), 0.5));
             assert_eq!((record.units(), record.history()), (whole.units(), &table.history(&selection)[..]));
             assert_eq!((record.format(), record.layout()), ("csv", &*table.layout("csv")));

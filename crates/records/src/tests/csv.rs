@@ -3,6 +3,7 @@
 use crate::formats::{ColumnSelection, Table};
 use crate::record::Record;
 use piezoid_numerics::error::Error;
+use piezoid_testing::random::{bits, config};
 use proptest::prelude::*;
 
 fn record(bytes: &[u8]) -> Result<Record, Error> {
@@ -75,7 +76,7 @@ fn finite() -> impl Strategy<Value = f64> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(config(2000))]
 
     #[test]
     fn arbitrary_bytes_never_panic(bytes in prop::collection::vec(any::<u8>(), 0..300)) {
@@ -99,7 +100,6 @@ proptest! {
         ts in prop_oneof![1e-9..1e6f64, (1u32..100_000, 0i32..9).prop_map(|(m, e)| f64::from(m) / 10f64.powi(e))],
     ) {
         let (u, y): (Vec<f64>, Vec<f64>) = samples.into_iter().unzip();
-        let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
         for name in ["r.csv", "r.npz", "r.mat"] {
             let bytes = Table::write(name, ts, &[("u_V", &u), ("y_um", &y)]).unwrap();
             let back = Table::read(name, &bytes).unwrap().record(&ColumnSelection::default()).unwrap();

@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn noise_is_in_the_unit_that_is_stated() {
-        let noise = |actuator: SimulatedActuator| *actuator.clone().noise();
+        let noise = |mut actuator: SimulatedActuator| *actuator.noise();
         assert_close(&[noise(twin().with_noise(2.0, "um").unwrap())], &[2e-6], 1e-12, 0.0);
         assert_close(&[noise(stand_in().with_noise(2.0, "mm").unwrap())], &[2e3], 1e-12, 0.0);
         assert_eq!([twin(), stand_in()].map(|of| noise(of.with_noise(2.0, "um").unwrap().without_noise())), [0.0; 2]);

@@ -1,4 +1,4 @@
-//! Properties of all blocks, records and costs, tested on random ones.
+//! Properties of models, their blocks and their costs, tested on random ones.
 
 mod linear;
 mod models;
