@@ -168,6 +168,12 @@ fn target() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), |d| root().join(d))
 }
 
+/// Writes the files of the repository, as they are staged, into a new folder.
+fn copy_staged(into: &Path) -> Result<(), String> {
+    let _ = std::fs::remove_dir_all(into);
+    step(Command::new("git").args(["checkout-index", "--all"]).arg(format!("--prefix={}/", into.display())))
+}
+
 /// Installs the Python package in a separate environment, and runs its tests there.
 fn python_package() -> Result<(), String> {
     let mut skipped = Skipped::default();

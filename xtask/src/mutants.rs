@@ -1,7 +1,7 @@
 //! `cargo xtask mutants`: changes the code of the core by one operator or result at a time, and lists the changes that
 //! no test of the same crate notices.
 
-use super::{announced, cargo, root, step, succeeded, target};
+use super::{announced, cargo, copy_staged, root, step, succeeded, target};
 use std::path::Path;
 use std::process::Command;
 
@@ -58,11 +58,10 @@ pub(super) fn mutants() -> Result<(), String> {
     step(Command::new("python3").arg("xtask/src/mutants.py").arg(folder.join("mutants.out/outcomes.json")))
 }
 
-/// Copies the working tree. There the low crates do not have the facade, which only the examples in their documentation
-/// use: with it, each change of them would build all crates.
+/// Copies the files as they are staged. There the low crates do not have the facade, which only the examples in their
+/// documentation use: with it, each change of them would build all crates.
 fn copy(tree: &Path) -> Result<(), String> {
-    let _ = std::fs::remove_dir_all(tree);
-    step(Command::new("git").args(["checkout-index", "--all"]).arg(format!("--prefix={}/", tree.display())))?;
+    copy_staged(tree)?;
     for name in LOW {
         let manifest = tree.join("crates").join(name).join("Cargo.toml");
         let reason = |e: std::io::Error| format!("{}: {e}", manifest.display());

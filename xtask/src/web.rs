@@ -26,7 +26,7 @@ pub(super) const COMMITTED: [&str; 5] = [
 ];
 
 /// What prints the lists, among what is built.
-const CATALOGUE: &str = "examples/catalogue";
+const CATALOGUE: &str = "catalogue";
 
 /// Tests that need no module, and those of the modules as they are handed out.
 const SERVED: [&str; 10] =

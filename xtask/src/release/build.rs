@@ -1,7 +1,7 @@
 //! Programs, Python packages and archives of a release.
 
 use super::{root, step, target};
-use crate::{announced, cargo, python, succeeded, web};
+use crate::{announced, cargo, copy_staged, python, succeeded, web};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -113,10 +113,10 @@ impl Release {
         self.built(of, &["--package", "piezoid-cli"], file)
     }
 
-    /// The program that prints the lists of the page, built with the features of the other one, whose crates it uses.
+    /// The program that prints the lists of the page, built with the other one, whose crates it uses.
     pub(super) fn catalogue(&self, of: &Target) -> Result<PathBuf, String> {
-        let packages = ["--package", "piezoid-cli", "--package", "piezoid-operations", "--example", "catalogue"];
-        self.built(of, &packages, "examples/catalogue")
+        let packages = ["--package", "piezoid-cli", "--package", "piezoid-operations", "--bins"];
+        self.built(of, &packages, "catalogue")
     }
 
     /// A file of a build.
@@ -181,8 +181,7 @@ impl Release {
     pub(super) fn sources(&self) -> Result<(), String> {
         let name = format!("piezoid-{}", self.version);
         let folder = target().join("staged").join(&name);
-        let _ = std::fs::remove_dir_all(&folder);
-        step(Command::new("git").args(["checkout-index", "--all"]).arg(format!("--prefix={}/", folder.display())))?;
+        copy_staged(&folder)?;
         self.pack(&folder, "tar.gz")
     }
 
