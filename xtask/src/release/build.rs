@@ -102,8 +102,10 @@ impl Release {
             flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
         }
         command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
-        // Libraries in C leave out their paths too.
-        command.env("CFLAGS", format!("-ffile-prefix-map={}=piezoid", root().display()));
+        // Libraries in C leave out their paths too, and when they were compiled: perhaps for an earlier commit.
+        let paths = format!("-ffile-prefix-map={}=piezoid", root().display());
+        let times = r#"-Wno-builtin-macro-redefined -D__DATE__="" -D__TIME__="""#;
+        command.env("CFLAGS", format!("{paths} {times}"));
         command
     }
 

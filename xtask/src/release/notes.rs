@@ -8,7 +8,7 @@ use std::fmt::Write;
 /// Writes SHA256SUMS and NOTES.md.
 pub(super) fn write(release: &Release, built: &[(&Target, String, String)]) -> Result<(), String> {
     let mut sums = String::new();
-    let mut table = String::from("| file | size | \n|---|---:|\n");
+    let mut table = String::from("| file | size |\n|---|---:|\n");
     for file in files(&release.folder)? {
         let path = release.folder.join(&file);
         let size = std::fs::metadata(&path).map_err(|e| format!("{}: {e}", path.display()))?.len();

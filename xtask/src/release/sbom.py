@@ -11,7 +11,7 @@ import uuid
 from datetime import UTC, datetime
 from pathlib import Path
 
-from cyclonedx.factory.license import LicenseFactory
+from cyclonedx.contrib.license.factories import LicenseFactory
 from cyclonedx.model import HashAlgorithm, HashType
 from cyclonedx.model.bom import Bom
 from cyclonedx.model.component import Component, ComponentType
@@ -64,5 +64,6 @@ for name in ("fflate", "preact"):
     package = bundled[f"node_modules/{name}"]
     bom.components.add(component("npm", name, package["version"], package["license"]))
 bom.metadata.component = Component(name="piezoid", version=version, type=ComponentType.APPLICATION, bom_ref="piezoid")
+bom.register_dependency(bom.metadata.component, bom.components)
 bom.metadata.timestamp = datetime.fromtimestamp(int(epoch), UTC)
 Path(written).write_text(JsonV1Dot6(bom).output_as_string(indent=1) + "\n")
