@@ -129,7 +129,7 @@ impl Release {
         Ok(target().join(of.triple).join("release").join(file))
     }
 
-    /// The Python package of one platform, for every Python from 3.10 on.
+    /// The Python package of one platform, for every Python from 3.10 on, with the bill of materials.
     pub(super) fn wheel(&self, of: &Target) -> Result<PathBuf, String> {
         let into = target().join("wheels").join(of.wheel);
         let _ = std::fs::remove_dir_all(&into);
@@ -141,6 +141,7 @@ impl Release {
         if of.wheel.contains("linux") {
             build.args(["--compatibility", "manylinux2014"]);
         }
+        build.arg("--sbom-include").arg(self.bill());
         step(build.args(["--target", of.wheel, "--out"]).arg(&into))?;
         let entries = std::fs::read_dir(&into).map_err(|e| format!("{}: {e}", into.display()))?;
         let wheel = entries.filter_map(|file| Some(file.ok()?.path())).find(|file| file.extension().is_some());
@@ -188,12 +189,16 @@ impl Release {
     }
 
     /// The bill of materials, and the recipe of the container.
-    pub(super) fn materials<'a>(&self, targets: impl Iterator<Item = &'a Target>) -> Result<(), String> {
+    pub(super) fn materials(&self, targets: &[&Target]) -> Result<(), String> {
         copy(&root().join("Containerfile"), &self.folder.join("Containerfile"))?;
-        let written = self.folder.join(format!("piezoid-{}.cdx.json", self.version));
         let mut bill = Command::new(self.tools.join("bin/python"));
-        bill.arg("xtask/src/release/sbom.py").args([&self.version, &self.epoch]).arg(written);
-        step(bill.args(targets.map(|target| target.triple)))
+        bill.arg("xtask/src/release/sbom.py").args([&self.version, &self.epoch]).arg(self.bill());
+        step(bill.args(targets.iter().map(|target| target.triple)))
+    }
+
+    /// The file of the bill of materials.
+    fn bill(&self) -> PathBuf {
+        self.folder.join(format!("piezoid-{}.cdx.json", self.version))
     }
 
     /// An empty folder of the name that an archive has.

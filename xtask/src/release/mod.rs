@@ -23,14 +23,16 @@ pub(super) fn release() -> Result<(), String> {
     }
     let is_chosen = |triple: &str| names.is_empty() || names.iter().any(|name| *name == triple);
     let release = Release::of_this_commit(!options.is_empty())?;
-    let (first, others) = (&TARGETS[0], &TARGETS[1..]);
+    let first = &TARGETS[0];
+    let others: Vec<_> = TARGETS[1..].iter().filter(|target| is_chosen(target.triple)).collect();
+    release.materials(&[&[first], &others[..]].concat())?;
     // What the first program writes are the examples; the programs of other targets must write the same.
     let program = release.program(first)?;
     let examples = examples::write(&program)?;
     release.archive_program(first, &program, &program)?;
     let package = examples::try_package(&release.wheel(first)?, &examples)?;
     let mut handed_out = vec![(first, "on this machine".to_string(), package)];
-    for other in others.iter().filter(|target| is_chosen(target.triple)) {
+    for other in others {
         let file = release.program(other)?;
         release.archive_program(other, &file, &program)?;
         release.wheel(other)?;
@@ -40,6 +42,5 @@ pub(super) fn release() -> Result<(), String> {
     web::handed_out(&release.catalogue(first)?)?;
     release.archive("page", &root().join("web/dist"))?;
     release.sources()?;
-    release.materials(handed_out.iter().map(|(target, ..)| *target))?;
     notes::write(&release, &handed_out)
 }
