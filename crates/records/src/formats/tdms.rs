@@ -87,6 +87,8 @@ struct Object {
     numbers: HashMap<String, f64>,
     /// The stored numbers, or a description if they are none.
     stored: Result<Vec<f64>, String>,
+    /// The first point in time, in ticks, from which the others count: it would leave few digits for their fractions.
+    first: Option<i128>,
     place: Option<Place>,
     /// True if it is in the list of the segment.
     is_listed: bool,
@@ -152,6 +154,7 @@ impl Reading<'_> {
                 texts: HashMap::new(),
                 numbers: HashMap::new(),
                 stored: Ok(Vec::new()),
+                first: None,
                 place: None,
                 is_listed: false,
             });
@@ -222,13 +225,19 @@ impl Reading<'_> {
                 let last = values.len().checked_sub(size).and_then(|last| last.checked_div(stride));
                 let count = place.count.min(last.map_or(0, |last| last + 1));
                 self.unpacking.count(count.saturating_mul(8))?;
-                let numbers = numbers(place.kind, big).and_then(|format| {
-                    let end = if count == 0 { 0 } else { (count - 1) * stride + size };
-                    format.read(values.get(..end).unwrap_or_default(), stride)
-                });
-                let stamps = || (0..count).map(|k| stamp(values.get(k * stride..).unwrap_or_default(), big)).collect();
-                let read = if place.kind == INSTANT { stamps() } else { numbers };
-                if let (Ok(stored), Some(read)) = (&mut self.objects[index].stored, read) {
+                let object = &mut self.objects[index];
+                let read = match numbers(place.kind, big) {
+                    Some(format) => {
+                        let end = if count == 0 { 0 } else { (count - 1) * stride + size };
+                        format.read(values.get(..end).unwrap_or_default(), stride)
+                    }
+                    None if place.kind == INSTANT => {
+                        let each = |k| object.since_first(values.get(k * stride..).unwrap_or_default(), big);
+                        (0..count).map(each).collect()
+                    }
+                    None => None,
+                };
+                if let (Ok(stored), Some(read)) = (&mut object.stored, read) {
                     stored.extend(read);
                 }
             }
@@ -272,12 +281,13 @@ impl Object {
                 None => {}
             }
         }
-        // Points in time count from the first, which leaves their fractions.
-        if self.place.is_some_and(|place| place.kind == INSTANT) {
-            let first = samples[0];
-            samples.iter_mut().for_each(|t| *t -= first);
-        }
         Ok(samples)
+    }
+
+    /// The time [s] since the first point in time.
+    fn since_first(&mut self, bytes: &[u8], big: bool) -> Option<f64> {
+        let ticks = ticks(bytes, big)?;
+        Some(ticks.saturating_sub(*self.first.get_or_insert(ticks)) as f64 / power(2.0, 64))
     }
 }
 
@@ -337,13 +347,11 @@ fn numbers(kind: u64, big: bool) -> Option<NumberFormat> {
     Some(NumberFormat { kind, size, big })
 }
 
-/// A point in time [s]: fractions of 2^-64 s, then whole seconds. Only the last day counts, so that the fractions stay.
-fn stamp(bytes: &[u8], big: bool) -> Option<f64> {
-    const DAYS: i64 = 86_400 * 1000;
+/// A point in time in ticks of 2^-64 s: the fraction of a second, then whole seconds.
+fn ticks(bytes: &[u8], big: bool) -> Option<i128> {
     let (fraction, seconds) = if big { (8, 0) } else { (0, 8) };
-    let fraction = whole(bytes, fraction, 8, big).ok()? as f64 / power(2.0, 64);
-    let seconds = whole(bytes, seconds, 8, big).ok()? as i64;
-    Some(seconds.rem_euclid(DAYS) as f64 + fraction)
+    let half = |at| whole(bytes, at, 8, big).ok();
+    Some(i128::from(half(seconds)? as i64) << 64 | i128::from(half(fraction)?))
 }
 
 /// The names in a path such as `/'group'/'channel'`, in which a quote is doubled.
@@ -376,10 +384,12 @@ mod tests {
     }
 
     #[test]
-    fn a_point_in_time_keeps_its_fraction() {
-        let bytes = [(1u64 << 63).to_le_bytes(), 3_700_000_000u64.to_le_bytes()].concat();
-        let turned: Vec<u8> = bytes.iter().rev().copied().collect();
-        let expected = (3_700_000_000i64 % 86_400_000) as f64 + 0.5;
-        assert_eq!((stamp(&bytes, false), stamp(&turned, true)), (Some(expected), Some(expected)));
+    fn a_point_in_time_is_a_fraction_and_whole_seconds() {
+        for seconds in [3_700_000_000i64, -1] {
+            let bytes = [(1u64 << 63).to_le_bytes(), seconds.to_le_bytes()].concat();
+            let turned: Vec<u8> = bytes.iter().rev().copied().collect();
+            let expected = Some((i128::from(seconds) << 64) + (1 << 63));
+            assert_eq!((ticks(&bytes, false), ticks(&turned, true)), (expected, expected));
+        }
     }
 }
