@@ -126,6 +126,18 @@ with h5py.File(h5py.h5f.create(str(folder / "links.h5").encode(), h5py.h5f.ACC_T
     file["armed"], file["remark"], file["impedance"] = armed, "bender", u + 1j
     file["y_um"].attrs["unit"] = "um"
 
+# Fields of one data set; numbers packed as NetCDF packs them, with a value for samples that are missing.
+with h5py.File(h5py.h5f.create(str(folder / "fields.h5").encode(), h5py.h5f.ACC_TRUNC, creation, access)) as file:
+    file.create_dataset("log", data=fields[["t_s", "u_V", "y_um"]], track_times=False)
+with h5py.File(h5py.h5f.create(str(folder / "packed.h5").encode(), h5py.h5f.ACC_TRUNC, creation, access)) as file:
+    file["t_s"], file["u_V"], file["y_um"], file["gaps"] = t, (2 * u + 6).astype(np.int16), (y / 2).astype(">f4"), counts
+    for name, slope, intercept in [("u_V", 0.5, -3.0), ("y_um", 2.0, None), ("gaps", None, 1.0)]:
+        if slope is not None:
+            file[name].attrs["scale_factor"] = slope
+        if intercept is not None:
+            file[name].attrs["add_offset"] = intercept
+    file["gaps"].attrs["_FillValue"] = np.int16(300)
+
 # TDMS: int16 with slope and intercept, the period in a property, a group of its own for text.
 with TdmsWriter(folder / "log.tdms") as file:
     scale = {
@@ -144,6 +156,29 @@ with TdmsWriter(folder / "log.tdms") as file:
             ]
         )
     file.write_segment([ChannelObject("remarks", "note", ["bend", "er"])])
+
+# TDMS: points in time, scales one after another, and scales that are not read.
+with TdmsWriter(folder / "instants.tdms") as file:
+
+    def linear(k: int, slope: float, intercept: float, source: int) -> dict[str, object]:
+        of = {"Scale_Type": "Linear", "Linear_Slope": slope, "Linear_Y_Intercept": intercept, "Linear_Input_Source": source}
+        return {f"NI_Scale[{k}]_{name}": value for name, value in of.items()}
+
+    two = {"NI_Scaling_Status": "unscaled", "NI_Number_Of_Scales": 2}
+    chain = {**two, **linear(0, 2.0, 1.0, 0xFFFFFFFF), **linear(1, 0.25, -1.75, 0)}
+    branch = {**two, **linear(0, 2.0, 1.0, 0xFFFFFFFF), **linear(1, 0.25, -1.75, 0xFFFFFFFF)}
+    thermocouple = {**two, "NI_Number_Of_Scales": 1, "NI_Scale[0]_Scale_Type": "Thermocouple"}
+    whole = (2 * u + 3).astype(np.int8)
+    file.write_segment(
+        [
+            ChannelObject("log", "t_s", instants),
+            ChannelObject("log", "u_V", whole, chain),
+            ChannelObject("log", "y_um", y, {"unit_string": "um"}),
+            ChannelObject("log", "branch", whole, branch),
+            ChannelObject("log", "heat", whole, thermocouple),
+            ChannelObject("log", "wide", (2 * u + 6).astype(np.uint32), {**chain, "NI_Scaling_Status": "scaled"}),
+        ]
+    )
 
 # WAV: two channels of 32-bit floats at 2 kHz, as scipy writes them.
 wavfile.write(folder / "log.wav", 2000, np.stack([u, y], axis=1).astype(np.float32))

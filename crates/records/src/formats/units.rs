@@ -199,6 +199,19 @@ mod tests {
     }
 
     #[test]
+    fn a_unit_measures_one_quantity() {
+        for unit in ["m", "um", "deg", "arcsec", "ppm", "ustrain", "urad"] {
+            assert_eq!((is_displacement(unit), is_voltage(unit)), (true, false), "{unit}");
+        }
+        for unit in ["V", "mV", "volts"] {
+            assert_eq!((is_displacement(unit), is_voltage(unit)), (false, true), "{unit}");
+        }
+        for unit in ["s", "A", "um/s", "counts", "furlong", ""] {
+            assert_eq!((is_displacement(unit), is_voltage(unit)), (false, false), "{unit}");
+        }
+    }
+
+    #[test]
     fn a_unit_is_a_word_of_letters() {
         for unit in ["furlong", "%", "counts", "a.u.", "um/V", "m/s^2", "\u{b0}"] {
             assert!(is_word(unit), "{unit}");

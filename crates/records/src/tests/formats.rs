@@ -38,7 +38,10 @@ const FILES: &[(&str, &str, &[u8], &str)] = &[
     ("matlab", "v7.mat", golden!("v7.mat"), MATLAB),
     ("hdf5", "v73.mat", golden!("v73.mat"), HDF5),
     ("hdf5", "links.h5", golden!("links.h5"), "impedance (complex numbers)"),
+    ("hdf5", "fields.h5", golden!("fields.h5"), ""),
+    ("hdf5", "packed.h5", golden!("packed.h5"), ""),
     ("tdms", "log.tdms", golden!("log.tdms"), "note (text)"),
+    ("tdms", "instants.tdms", golden!("instants.tdms"), SCALES),
     ("wav", "log.wav", golden!("log.wav"), ""),
 ];
 
@@ -46,6 +49,7 @@ const NUMPY: &str = "map (of shape 2 x 2), names (text), impedance (of type `<c1
 const MATLAB: &str = "lines (text), map (of shape 2 x 2), impedance (complex numbers), sparse (a sparse matrix), \
                       nothing (empty), runs (structures, 1 x 2), twice (structures, 1 x 2), short (of 3 samples, not 4)";
 const HDF5: &str = "cells (of class cell), empty (empty), map (of shape 2 x 2), sparse (a sparse matrix)";
+const SCALES: &str = "branch (with scales that branch), heat (in counts with a scale of the kind Thermocouple)";
 
 fn record(table: &Table) -> Result<Record, Error> {
     // The channels of a WAV file have no names.
@@ -120,12 +124,23 @@ fn other_types_and_names_are_there_to_choose() {
         ("v7.mat", "large", [1.0, 2.0, 3.0, 9_223_372_036_854_775_808.0]),
         ("v73.mat", "armed", [0.0, 1.0, 1.0, 0.0]),
         ("links.h5", "armed", [0.0, 1.0, 1.0, 0.0]),
+        ("instants.tdms", "wide", [6.0, 8.0, 9.0, 2.0]),
     ] {
         let (_, _, bytes, _) = FILES.iter().find(|(_, file, ..)| *file == name).expect("a file of the list");
         let table = Table::read(name, bytes).expect("a file that is read");
         let selection = ColumnSelection { output_col: Some(channel.into()), ..ColumnSelection::default() };
         assert_eq!(table.record(&selection).expect("a record").y(), expected, "{name}: {channel}");
     }
+}
+
+#[test]
+fn a_sample_that_is_missing_in_a_packed_series_is_no_number() {
+    let table = Table::read("packed.h5", golden!("packed.h5")).expect("a file that is read");
+    let gaps = ColumnSelection { output_col: Some("gaps".into()), ..ColumnSelection::default() };
+    let refused = table.record(&gaps).expect_err("a sample is missing").to_string();
+    assert!(refused.contains("gaps"), "{refused}");
+    let before = table.record(&ColumnSelection { to: Some(1.5e-3), ..gaps }).expect("a record");
+    assert_eq!(before.y(), [-299.0, 1.0, 2.0]);
 }
 
 #[test]
@@ -137,6 +152,7 @@ fn what_cannot_be_read_is_told_by_what_it_should_be() {
     );
     assert!(message("r.NPZ", b"PK\x03\x04").contains("a .NPZ file should hold named arrays"));
     assert!(message("r.csv", b"nothing").starts_with("there are no rows of numbers"));
+    assert!(message("r.tdms", b"TDSh\x0e\0\0\0").contains("give the .tdms file beside it"));
     assert!(message("r.xlsx", b"PK\x03\x04\x14\0\x06\0").contains("a zip archive or an Excel workbook"));
     assert!(message("r.mat", b"# Created by Octave 7.3.0\n# name: t_s\n").contains("`save -v7`"));
     let plain = b"\x93NUMPY\x01\x00\x3a\x00{'descr': '<f8', 'fortran_order': False, 'shape': (0,), }\n";

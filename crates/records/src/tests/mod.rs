@@ -7,3 +7,4 @@ mod formats;
 mod golden_excitation;
 mod properties;
 mod quality;
+mod selection;

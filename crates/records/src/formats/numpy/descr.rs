@@ -137,3 +137,73 @@ impl Descr {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(code: &str) -> Option<Descr> {
+        descr(&parse(code).unwrap(), 0)
+    }
+
+    #[test]
+    fn a_unit_of_time_is_a_quotient_of_whole_numbers() {
+        for (unit, expected) in [
+            ("W", (604_800.0, 1.0)),
+            ("D", (86_400.0, 1.0)),
+            ("h", (3600.0, 1.0)),
+            ("m", (60.0, 1.0)),
+            ("s", (1.0, 1.0)),
+            ("ms", (1.0, 1e3)),
+            ("us", (1.0, 1e6)),
+            ("10us", (10.0, 1e6)),
+            ("ns", (1.0, 1e9)),
+            ("ps", (1.0, 1e12)),
+            ("fs", (1.0, 1e15)),
+            ("as", (1.0, 1e18)),
+        ] {
+            assert_eq!(seconds(unit), Some(expected), "{unit}");
+            let (unit_, per_second) = expected;
+            for (order, big) in [('<', false), ('>', true)] {
+                let instants = Some(Descr::Instants { big, unit: unit_, per_second });
+                assert_eq!(of(&format!("'{order}M8[{unit}]'")), instants, "{unit}");
+            }
+        }
+        assert_eq!((seconds("Y"), seconds("")), (None, None));
+        assert_eq!(of("'<M8[Y]'"), Some(Descr::Other("of type `<M8[Y]`".into(), 8)));
+    }
+
+    #[test]
+    fn a_type_is_a_kind_a_size_and_an_order_of_bytes() {
+        let numbers = |kind, size, big| Some(Descr::Numbers(NumberFormat { kind, size, big }));
+        for size in [1, 2, 4, 8] {
+            assert_eq!(of(&format!("'>i{size}'")), numbers(NumberKind::Signed, size, true));
+            assert_eq!(of(&format!("'u{size}'")), numbers(NumberKind::Unsigned, size, false));
+        }
+        assert_eq!(of("'<f2'"), numbers(NumberKind::Float, 2, false));
+        assert_eq!(of("'|b1'"), numbers(NumberKind::Unsigned, 1, false));
+        for (code, what, size) in [
+            ("<U6", "text", 24),
+            ("|S6", "text", 6),
+            ("|O", "Python objects", 8),
+            ("<f16", "of type `<f16`", 16),
+            ("<i3", "of type `<i3`", 3),
+            ("<u5", "of type `<u5`", 5),
+            ("|V7", "of type `|V7`", 7),
+        ] {
+            assert_eq!(of(&format!("'{code}'")), Some(Descr::Other(what.into(), size)), "{code}");
+        }
+        assert_eq!((of("''"), of("'<f'")), (None, None));
+    }
+
+    #[test]
+    fn fields_have_names_titles_and_shapes() {
+        let both = of("[(('drive', 'u_V'), '<f8'), ('log', [('k', '<i2'), ('corner', '<f4', (2, 3))])]").unwrap();
+        assert_eq!(both.size(), Some(8 + 2 + 24));
+        let Descr::Fields(fields) = both else { panic!("no fields") };
+        assert_eq!(fields[0].0, "u_V");
+        let Descr::Fields(log) = &fields[1].1 else { panic!("no fields within the field") };
+        assert_eq!(log[1], ("corner".into(), Descr::Other("of shape 2 x 3 a row".into(), 24)));
+        assert_eq!((of("[('u_V',)]"), of("[(3, '<f8')]")), (None, None));
+    }
+}

@@ -77,3 +77,51 @@ impl Even {
         self.places.iter().map(|(before, share)| x[*before] + share * (x[before + 1] - x[*before])).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const T: [f64; 5] = [2.0, 2.9, 4.1, 5.0, 6.2];
+
+    #[test]
+    fn samples_lie_on_the_straight_lines_between_those_of_the_file() {
+        let even = Even::over(&T, 1.05, Some(1.0), 0.0).unwrap();
+        assert_eq!(even.ts, 1.0);
+        // At 2, 3, 4, 5 and 6 s.
+        let expected = [1.0, 3.0 - 8.0 / 12.0, -5.0 + 8.0 / 12.0, 7.0, 7.0 + 10.0 / 1.2];
+        let found = even.interpolated(&[1.0, 3.0, -5.0, 7.0, 17.0]);
+        assert_eq!(found.len(), expected.len());
+        found.iter().zip(expected).for_each(|(found, expected)| assert!((found - expected).abs() < 1e-12));
+        let sentence = "uneven times (steps of 0.9 s to 1.2 s, 1.05 s in the median): interpolated by straight lines, \
+                        every 1 s";
+        assert_eq!(even.step, sentence);
+    }
+
+    #[test]
+    fn the_period_is_a_whole_fraction_of_the_wanted_one_near_the_median() {
+        for (wanted, ts, count) in [(None, 1.05, 5), (Some(0.5), 0.5, 9), (Some(2.1), 1.05, 5), (Some(4.2), 1.05, 5)] {
+            let even = Even::over(&T, 1.05, wanted, 0.0).unwrap();
+            assert_eq!((even.ts, even.interpolated(&T).len()), (ts, count), "{wanted:?}");
+        }
+        assert!(Even::over(&T, 1.05, Some(-1.0), 0.0).is_err());
+    }
+
+    #[test]
+    fn a_gap_is_not_bridged_and_the_longer_part_is_proposed() {
+        let refusal = |t: &[f64]| Even::over(t, 1.0, None, 30.0).unwrap_err();
+        let long = refusal(&[5.0, 6.0, 7.0, 18.0, 19.0, 20.0]);
+        let message = long.to_string();
+        let expected = "there is no sample from 32 s to 43 s, more than 10 steps of 1 s: cut the record there: ";
+        assert!(message.starts_with(expected), "{message}");
+        assert!(message.ends_with("`from` = 43.0"), "{message}");
+        assert!(refusal(&[5.0, 6.0, 7.0, 8.0, 18.5]).to_string().ends_with("`to` = 43.5"));
+        assert!(Even::over(&[5.0, 6.0, 16.0, 17.0], 1.0, None, 0.0).is_ok());
+    }
+
+    #[test]
+    fn too_many_samples_are_refused_with_the_least_period() {
+        let message = Even::over(&[0.0, 1.0, 1000.0], 999.0, Some(1e-6), 0.0).unwrap_err().to_string();
+        assert!(message.contains("would have 1000000001 samples: choose 1e-5 s or more"), "{message}");
+    }
+}
