@@ -167,8 +167,10 @@ fn mode(ts: f64, hz: f64, damping: f64) -> Result<(f64, f64), Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use piezoid_models::hysteresis::Proportional;
     use piezoid_numerics::system::System;
     use piezoid_testing::assert_close;
+    use std::sync::Arc;
 
     const TS: f64 = 5e-4;
 
@@ -225,5 +227,31 @@ mod tests {
         assert!(Fir::zv(TS, 1000.0, 0.1).unwrap_err().to_string().starts_with("hz = 1000"));
         assert!(Fir::zvd(TS, 100.0, 1.0).unwrap_err().to_string().starts_with("damping = 1"));
         assert!(Fir::smooth(TS, 0.0).is_err() && notch(TS, 100.0, 0.0).is_err() && Fir::smooth(TS, 1e9).is_err());
+    }
+
+    #[test]
+    fn a_reference_is_smoothed_first_then_shaped_for_the_resonance() {
+        let plain = Arc::new(Proportional::new(TS, 1.0).unwrap());
+        let model = Model::new(plain.clone(), oscillator(160.0, 0.02), 0.0).unwrap();
+        let resonance = model.linear().resonance().unwrap();
+        let r: Vec<f64> = (0..300).map(|t| if t < 100 { 5.0 } else { 9.0 }).collect();
+        let shaped = |smooth, notch, zvd| Shaping { smooth, notch, zvd }.of(&model, r.clone()).unwrap();
+        assert_eq!(shaped(None, false, false), r);
+        let smooth = Fir::smooth(TS, 0.02).unwrap().whole(&r);
+        assert_eq!(shaped(Some(0.02), false, false), smooth);
+        let zvd = Fir::zvd(TS, resonance.hz, resonance.damping).unwrap();
+        assert_eq!(shaped(Some(0.02), false, true), zvd.whole(&smooth));
+        // Settled at the first value, and blind at the resonance.
+        let notched = shaped(None, true, false);
+        assert_close(&notched[..100], &[5.0; 100], 1e-9, 0.0);
+        let wave: Vec<f64> = (0..2000).map(|t| (TAU * resonance.hz * TS * f64::from(t)).cos()).collect();
+        let left = Shaping { notch: true, ..Shaping::default() }.of(&model, wave).unwrap();
+        assert!(left[1500..].iter().all(|v| v.abs() < 1e-3), "{:?}", &left[1990..]);
+        let stiff = Model::new(plain, Arx::gain(TS, 1.0).unwrap(), 0.0).unwrap();
+        for (notch, zvd, name) in [(true, false, "notch"), (false, true, "zvd")] {
+            let message = Shaping { smooth: None, notch, zvd }.of(&stiff, r.clone()).unwrap_err().to_string();
+            assert!(message.starts_with(name) && message.contains("needs a model with a resonance"), "{message}");
+        }
+        assert_eq!(Shaping { smooth: Some(0.02), ..Shaping::default() }.of(&stiff, r.clone()).unwrap(), smooth);
     }
 }

@@ -3,10 +3,11 @@ use super::*;
 use piezoid::{IdentifyOptions, Records, identify};
 use piezoid_models::creep::Creep;
 use piezoid_models::driver::DriverModel;
+use piezoid_models::hammerstein::Domain;
 use piezoid_models::hysteresis::{OPERATORS, Operator};
 use piezoid_models::linear::Arx;
 use piezoid_numerics::stepper::Stepper;
-use piezoid_records::excitation::{Prbs, RisingSine, Triangle};
+use piezoid_records::excitation::{LimitOptions, Prbs, RisingSine, Triangle};
 use piezoid_records::record::{Record, Units};
 use piezoid_testing::golden::numbers;
 use piezoid_testing::random::bits;
@@ -375,4 +376,38 @@ fn the_causal_inverses_give_the_numbers_that_they_gave_in_every_version() {
         let causal = Causal::new(&model, FeedForwardSettings::default(), 0).unwrap();
         assert_eq!(causal.simulate(&of("inputs")), of("outputs"), "{}", path.display());
     }
+}
+
+#[test]
+fn inputs_beyond_those_of_the_identification_are_noted() {
+    let wave = |height: f64, hz: f64| -> Vec<f64> {
+        (0..2000).map(|t| height * (TAU * hz * TS * f64::from(t)).sin()).collect()
+    };
+    let known = Domain::of_input(&wave(10.0, 5.0), TS);
+    let inverse = inverse_of(&model(PLAYS, None).with_identified(known));
+    assert_eq!(inverse.beyond(&wave(10.0, 5.0)), Vec::<String>::new());
+    let wide = inverse.beyond(&wave(20.0, 1.0));
+    assert!(wide.len() == 1 && wide[0].starts_with("inputs from -20"), "{wide:?}");
+    assert!(wide[0].contains(" to 20") && wide[0].contains("identified from -10"), "{wide:?}");
+    let fast = inverse.beyond(&wave(10.0, 15.0));
+    assert!(fast.len() == 1 && fast[0].starts_with("the input changes by 94"), "{fast:?}");
+    assert!(fast[0].contains("at most by 314"), "{fast:?}");
+    assert_eq!(inverse_of(&model(PLAYS, None)).beyond(&wave(99.0, 99.0)), Vec::<String>::new());
+}
+
+#[test]
+fn a_model_compensates_a_whole_reference_by_its_inverse_without_settings() {
+    let (model, r) = (model(PLAYS, None), sine(0.0, 300.0, 10.0, 600));
+    assert_eq!(model.compensate(&r).unwrap(), inverse_of(&model).whole(&r).unwrap());
+    assert!(model.compensate(&[1e6; 9]).is_err());
+}
+
+#[test]
+fn settings_take_the_limits_of_a_driver_and_its_options() {
+    let limits = Limits { low: Some(-5.0), high: Some(7.0), ..Limits::default() };
+    let options = LimitOptions { driver: None, own: limits };
+    let settings = FeedForwardSettings::within(&options, true).unwrap();
+    assert_eq!(settings, FeedForwardSettings { limits, clip: true, iterations: 0 });
+    let none = FeedForwardSettings::within(&LimitOptions::default(), false).unwrap();
+    assert_eq!(none, FeedForwardSettings::default());
 }

@@ -200,3 +200,111 @@ impl Comparison {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{MarginTarget, Scheme};
+    use super::*;
+    use crate::compensation::FeedForwardSettings;
+    use piezoid_models::hammerstein::Model;
+    use piezoid_models::hysteresis::Proportional;
+    use piezoid_models::linear::Arx;
+    use piezoid_records::excitation::{Limits, Sine};
+    use piezoid_records::record::Units;
+    use piezoid_twins::Preset;
+    use std::ops::ControlFlow;
+    use std::sync::Arc;
+
+    const TS: f64 = 5e-4;
+
+    fn sine(amplitude: f64, n: usize) -> Vec<f64> {
+        Sine { amplitude, frequency: 20.0, ..Sine::default() }.samples(TS, n).unwrap()
+    }
+
+    /// A scheme tuned on a gain of 35 um/V.
+    fn tuned(name: &str, ts: f64, y: &str) -> TunedScheme {
+        let model = Model::new(Arc::new(Proportional::new(ts, 1.0).unwrap()), Arx::gain(ts, 35.0).unwrap(), 0.0);
+        let model = model.unwrap().with_units(Units { u: "V".into(), y: y.into() });
+        let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Limits::default() };
+        let settings = FeedForwardSettings { limits, ..FeedForwardSettings::default() };
+        TunedScheme::new(Scheme::named(name).unwrap(), &model, settings, 0, &MarginTarget::default()).unwrap()
+    }
+
+    fn compared(schemes: Vec<TunedScheme>, references: Vec<NamedReference>) -> Result<Comparison, Error> {
+        let actuator: SimulatedActuator = Preset::find("pl140").unwrap().spec().into();
+        Comparison::run(("pl140", &actuator), schemes, references, 3, None, &mut Stage::ignore)
+    }
+
+    fn two() -> Vec<TunedScheme> {
+        vec![tuned("gain", TS, "um"), tuned("pi", TS, "um")]
+    }
+
+    #[test]
+    fn whole_periods_of_a_quarter_of_a_second_do_not_count() {
+        for (n, from) in [(2000, 500), (600, 300), (250, 100)] {
+            assert_eq!(NamedReference::new("sine", TS, sine(3.0, n)).from, from, "{n}");
+        }
+        let ramp = NamedReference::new("ramp", TS, (0..500).map(f64::from).collect());
+        assert_eq!((ramp.from, ramp.height(), &*ramp.name), (0, 499.0, "ramp"));
+    }
+
+    #[test]
+    fn every_scheme_follows_every_reference_on_the_same_actuator() {
+        let references = ["small", "large"].into_iter().zip([100.0, 500.0]);
+        let references: Vec<_> =
+            references.map(|(name, size)| NamedReference::new(name, TS, sine(size, 1000))).collect();
+        let found = compared(two(), references.clone()).unwrap();
+        assert_eq!((found.unit(), &*found.plant, &found.references), ("um", "pl140", &references));
+        let actuator: SimulatedActuator = Preset::find("pl140").unwrap().spec().into();
+        let document = found.to_json();
+        for (k, (expected, scheme)) in two().iter().zip(&found.results).enumerate() {
+            assert_eq!(scheme.name(), expected.scheme.name());
+            let plant = actuator.plant(expected.model(), 3).unwrap();
+            for (i, (reference, result)) in references.iter().zip(&scheme.attempts).enumerate() {
+                let result = result.as_ref().unwrap();
+                let feed_forward = expected.feed_forward(&*plant, &reference.r).unwrap();
+                let run = expected.run(&*plant, &reference.r, &feed_forward).unwrap();
+                assert_eq!(result.tracking, run.tracking(500, 2.0 * [100.0, 500.0][i]));
+                let written = &document["schemes"][k]["tracking"][i];
+                assert_eq!(written["rms"], result.tracking.rms);
+                assert_eq!(written["percent_of_stroke"], result.tracking.percent_of_stroke);
+                let highest = run.u.iter().fold(0.0, |most: f64, u| most.max(u.abs()));
+                assert_eq!((result.run.max_abs_voltage(), &written["highest_voltage"]), (highest, &json!(highest)));
+                assert_eq!((&written["reference"], &written["limited"]), (&json!(reference.name), &json!(run.limited)));
+            }
+        }
+        assert_eq!(document["schemes"][1]["scheme"], "pi");
+        assert!(document["schemes"][1]["least_bandwidth_hz"].as_f64().unwrap() > 1.0);
+        assert!(document["schemes"][0]["margins"].is_null() && document["schemes"][0]["tolerance"].is_null());
+        assert_eq!(document["references"][1], json!({"name": "large", "samples": 1000, "from": 500, "height": 1000.0}));
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_an_error() {
+        let message =
+            |schemes, r: Vec<f64>| compared(schemes, vec![NamedReference::new("r", TS, r)]).unwrap_err().to_string();
+        assert!(compared(two(), vec![]).unwrap_err().to_string().contains("must be one each at least"));
+        assert!(message(vec![], sine(9.0, 400)).contains("must be one each at least"));
+        assert!(message(two(), vec![7.0; 400]).contains("reference = r: must not be constant"));
+        let slow = vec![tuned("gain", TS, "um"), tuned("gain", 1e-3, "um")];
+        assert!(message(slow, sine(9.0, 400)).contains("the first model"));
+        let millimetres = vec![tuned("gain", TS, "um"), tuned("pi", TS, "mm")];
+        assert!(message(millimetres, sine(9.0, 400)).contains("the output of the model of pi"));
+        // Out of reach for every scheme with a feed-forward by the model.
+        assert!(message(vec![tuned("feed-forward", TS, "um")], sine(5000.0, 400)).contains("reduce its amplitude"));
+    }
+
+    #[test]
+    fn a_comparison_can_be_cancelled_between_schemes() {
+        let actuator: SimulatedActuator = Preset::find("pl140").unwrap().spec().into();
+        let references = vec![NamedReference::new("sine", TS, sine(100.0, 400))];
+        let mut stages = Vec::new();
+        let progress = &mut |stage: Stage| {
+            stages.push((stage.done, stage.total));
+            if stage.done == 1 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        };
+        let error = Comparison::run(("pl140", &actuator), two(), references, 0, None, progress).unwrap_err();
+        assert_eq!(error, Error::Cancelled { what: "schemes".into(), done: 1, total: 2 });
+        assert_eq!(stages, [(0, 2), (1, 2)]);
+    }
+}
