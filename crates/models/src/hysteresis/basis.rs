@@ -328,4 +328,29 @@ mod tests {
             basis.slopes(&weights(&*basis), &odd);
         }
     }
+
+    #[test]
+    fn the_output_is_that_of_the_operator() {
+        for (name, basis, u) in bases() {
+            let w = weights(&*basis);
+            assert_eq!(basis.output(&w, &u).unwrap(), basis.operator(&w).unwrap().simulate(&u), "{name}");
+            assert!(basis.output(&w[1..], &u).is_err(), "{name}");
+        }
+    }
+
+    #[test]
+    fn responses_that_records_select_are_those_of_the_whole() {
+        let mut selecting = Vec::new();
+        for (name, basis, u) in bases() {
+            let chosen = [0, basis.len() - 1];
+            assert_eq!(basis.with_terms(&chosen).is_some(), basis.with_period(2.0 * TS).is_some(), "{name}");
+            let (Some(some), Some(slow)) = (basis.with_terms(&chosen), basis.with_period(2.0 * TS)) else { continue };
+            selecting.push(name);
+            assert_eq!((some.len(), slow.len()), (2, basis.len()), "{name}");
+            assert_eq!(responses(&*some, &u), responses(&*basis, &u).select_columns(&chosen), "{name}");
+            assert_eq!(slow.operator(&weights(&*basis)).unwrap().ts(), 2.0 * TS, "{name}");
+        }
+        selecting.dedup();
+        assert_eq!(selecting, ["narx"]);
+    }
 }

@@ -397,4 +397,73 @@ mod tests {
         let error = Branches::of_loop(&[0.0, 1.0, 2.0], &[0.0, 1.0, 2.0], &twelve()).unwrap_err().to_string();
         assert!(error.contains("never falls"), "{error}");
     }
+
+    #[test]
+    fn a_branch_needs_two_knots_and_both_branches_the_same_ends() {
+        let knots = |u: &[f64]| (u.to_vec(), vec![1.0; u.len()]);
+        let message = Branches::new(knots(&[0.0, 2.0]), knots(&[0.0, 3.0])).unwrap_err().to_string();
+        assert!(message.contains("(0.0, 2.0) and (0.0, 3.0)") && message.contains("the same first and last u"));
+        assert!(Branches::new(knots(&[0.0]), knots(&[0.0])).is_err());
+        assert!(Branches::new(knots(&[0.0, 2.0]), knots(&[0.0, 1.0, 2.0])).is_ok());
+    }
+
+    #[test]
+    fn exchanged_branches_turn_the_loop_round() {
+        let (u, z) = cycle(0.1);
+        let branches = Branches::of_loop(&u, &z, &twelve()).unwrap().branches;
+        let exchanged = branches.exchanged();
+        assert_eq!(
+            (exchanged.ascending(3.0), exchanged.descending(3.0)),
+            (branches.descending(3.0), branches.ascending(3.0))
+        );
+        assert_eq!(exchanged.width(), -branches.width());
+    }
+
+    #[test]
+    fn slopes_are_differences_inside_and_outside_the_knots() {
+        let branches = Branches::new(
+            (vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 0.5, 2.5, 3.0]),
+            (vec![0.0, 1.0, 2.0, 3.0], vec![0.0, 1.5, 2.0, 3.0]),
+        )
+        .unwrap();
+        for u in [-2.0, 0.3, 1.0, 1.7, 2.9, 4.5] {
+            let h = 1e-6;
+            let (up, down) = branches.slopes(u);
+            let slope = |z: &dyn Fn(f64) -> f64| (z(u + h) - z(u - h)) / (2.0 * h);
+            let expected = [slope(&|u| branches.ascending(u)), slope(&|u| branches.descending(u))];
+            assert_close(&[up.slope, down.slope], &expected, 1e-5, 1e-5);
+            assert_eq!((up.value, down.value), (branches.ascending(u), branches.descending(u)));
+        }
+        assert_eq!(branches.ascending(4.5), 4.5);
+    }
+
+    #[test]
+    fn averages_lie_on_a_loop_of_straight_branches() {
+        // Up along z = u - 1, down along z = u + 1, 3 samples a step of u, as a staircase.
+        let turn = |k: i32| f64::from(if k % 40 < 20 { k % 20 } else { 20 - k % 20 });
+        let (u, z): (Vec<f64>, Vec<f64>) = (0..240)
+            .map(|k| (turn(k / 3), if (k / 3) % 40 < 20 { turn(k / 3) - 1.0 } else { turn(k / 3) + 1.0 }))
+            .unzip();
+        for split in [Split::Line, Split::Direction] {
+            let found = Branches::of_loop(&u, &z, &LoopOptions { split, bins: 5, line: None }).unwrap();
+            // The means of u in the bins.
+            for u in [2.0, 5.5, 9.5, 13.5, 17.5] {
+                let both = [found.branches.ascending(u), found.branches.descending(u)];
+                assert_close(&both, &[u - 1.0, u + 1.0], 0.0, 1e-12);
+            }
+            assert!(found.error < 0.01 && found.agreement > 0.9, "{} {}", found.error, found.agreement);
+        }
+    }
+
+    #[test]
+    fn a_loop_without_samples_or_with_too_many_bins_is_an_error() {
+        let (u, z) = cycle(0.1);
+        for bins in [0, 1001] {
+            let message = Branches::of_loop(&u, &z, &LoopOptions { bins, ..twelve() }).unwrap_err().to_string();
+            assert!(message.contains("must be from 1 to 1000"), "{message}");
+        }
+        assert!(Branches::of_loop(&u, &z, &LoopOptions { bins: 1, ..twelve() }).is_ok());
+        assert!(Branches::of_loop(&[], &[], &twelve()).is_err());
+        assert!(Branches::of_loop(&u, &z[1..], &twelve()).is_err());
+    }
 }

@@ -212,4 +212,22 @@ mod tests {
             assert_eq!(row.iter().map(|(k, c)| c * plane[*k]).sum::<f64>(), 0.0);
         }
     }
+
+    #[test]
+    fn levels_ascend_and_the_ridge_is_not_much_narrower_than_their_distance() {
+        let message = |levels: &[f64], ridge: f64| {
+            Krasnoselskii { levels: levels.to_vec(), ridge }.check().err().map(|error| error.to_string())
+        };
+        assert_eq!(message(&[-1.0, 0.0, 4.0], 1.0), None);
+        assert_eq!(message(&[3.0], 1e-9), None);
+        let narrow = message(&[-1.0, 0.0, 4.0], 0.999 * NARROWEST).unwrap();
+        assert!(narrow.contains("ridge") && narrow.contains("of the smallest distance of two levels, 1"), "{narrow}");
+        assert_eq!(message(&[-1.0, 0.0, 4.0], 1.001 * NARROWEST), None);
+        for (levels, at, below) in
+            [([-1.0, -2.0, 4.0], "levels[1] = -2", "-1"), ([-1.0, 2.0, 2.0], "levels[2] = 2", "2")]
+        {
+            let message = message(&levels, 1.0).unwrap();
+            assert!(message.starts_with(at) && message.contains(&format!("must be above {below}:")), "{message}");
+        }
+    }
 }

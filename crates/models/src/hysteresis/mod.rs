@@ -581,4 +581,60 @@ mod tests {
         let error = load(&serde_json::json!({"operator": "two-brunch"}), 5e-4).unwrap_err().to_string();
         assert!(error.contains("did you mean `two-branch`?"), "{error}");
     }
+
+    fn names(list: &str) -> Vec<&'static str> {
+        Operator::list(list).unwrap().iter().map(|operator| operator.name).collect()
+    }
+
+    #[test]
+    fn a_list_names_operators_and_those_that_it_leaves_out() {
+        assert_eq!(names("stop, PI"), ["stop", "prandtl-ishlinskii"]);
+        let all: Vec<_> = OPERATORS.iter().map(|operator| operator.name).collect();
+        let learned = ["narx", "neural", "gaussian-process"];
+        let laws: Vec<_> = all.iter().copied().filter(|name| !learned.contains(name)).collect();
+        assert_eq!((names("all"), names("auto")), (all.clone(), laws));
+        let without: Vec<_> = all.into_iter().filter(|name| *name != "preisach").collect();
+        assert_eq!(names("all,-preisach"), without);
+        for refused in ["stop,-stop", "", "furlong", "stop,-furlong"] {
+            assert!(Operator::list(refused).is_err(), "{refused}");
+        }
+        assert!(is_auto("stop, Auto") && is_auto("all,-stop") && !is_auto("stop,dahl") && !is_auto(""));
+    }
+
+    #[test]
+    fn the_row_of_an_operator_is_written_with_its_properties() {
+        let row = |name: &str| serde_json::to_value(Operator::find(name).unwrap()).unwrap();
+        let preisach = row("preisach");
+        assert_eq!((&preisach["name"], &preisach["class"]), (&json!("preisach"), &json!("relays")));
+        assert_eq!((&preisach["learned"], &row("narx")["learned"]), (&json!(false), &json!(true)));
+        assert_eq!((&preisach["minor_loops"], &preisach["wipes_out"]), (&json!(true), &json!(true)));
+        let plays = Operator::find("PI").unwrap();
+        let summary = format!("{} (or {})", plays.summary, plays.aliases.join(", "));
+        assert_eq!((&row("PI")["summary"], &row("PI")["aliases"]), (&json!(summary), &json!(plays.aliases)));
+        assert_eq!(row("dahl")["summary"], Operator::find("dahl").unwrap().summary);
+    }
+
+    #[test]
+    fn weights_that_a_program_can_move_multiply_the_responses() {
+        let mut count = 0;
+        for operator in examples() {
+            let Some(linear) = operator.linear_weights() else { continue };
+            count += 1;
+            let mut phi = vec![0.0; linear.weights.len()];
+            let (mut x, mut of_basis) = (operator.initial(), operator.initial());
+            for u in wander(50) {
+                linear.basis.step(&mut of_basis, u, &mut phi);
+                let sum: f64 = linear.weights.iter().zip(&phi).map(|(w, phi)| w * phi).sum();
+                let z = operator.step(&mut x, u);
+                assert!((z - sum).abs() <= 1e-12 * z.abs().max(1.0), "{}: {z} {sum}", operator.operator().name);
+            }
+        }
+        assert!(count >= 4, "{count} operators have such weights");
+    }
+
+    #[test]
+    fn only_an_operator_of_frequencies_has_frequencies() {
+        let known: Vec<_> = examples().filter_map(|o| Some((o.operator().name, o.frequencies()?))).collect();
+        assert_eq!(known, [("rate-scheduled", (5.0, 80.0))]);
+    }
 }

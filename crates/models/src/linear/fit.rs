@@ -329,4 +329,37 @@ mod tests {
             assert!(found.history.windows(2).all(|w| w[1] <= w[0]), "{name}");
         }
     }
+
+    #[test]
+    fn an_order_that_is_too_low_is_noted_with_the_resonance() {
+        let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5]).unwrap();
+        let u = Prbs::default().samples(5e-4, 900).unwrap();
+        let records = [Record::new(5e-4, u.clone(), truth.simulate(&u)).unwrap()];
+        let estimator = Estimator::find("least-squares").unwrap();
+        let fit = |n| {
+            let orders = Orders::of(n);
+            estimator.fit(&records, orders, &swarm::SwarmSettings::default(), &mut Stage::ignore).unwrap()
+        };
+        let (low, right) = (fit(1), fit(2));
+        let note = low.order_too_low(&records).unwrap();
+        let share = 100.0 * low.residuals.rms / (scatter(records[0].y()) / 900.0).sqrt();
+        assert!(note.contains(&format!("{share:.0} % of the records' rms")), "{note}");
+        assert!(note.contains("that of order 2 is more than 1000 times smaller"), "{note}");
+        let pole = truth.poles()[0];
+        assert!(note.contains(&format!("at {:.1} Hz with damping {:.3}", pole.hz, pole.damping)), "{note}");
+        assert!(note.ends_with("order 1 is too low"), "{note}");
+        assert_eq!(right.order_too_low(&records), None);
+        // Noise, which no order explains.
+        let noise = piezoid_testing::noise(1, 900);
+        let noisy = [Record::new(5e-4, u, noise).unwrap()];
+        let fit = estimator.fit(&noisy, Orders::of(1), &swarm::SwarmSettings::default(), &mut Stage::ignore).unwrap();
+        assert_eq!(fit.order_too_low(&noisy), None);
+    }
+
+    #[test]
+    fn residuals_are_white_if_neighbours_are_not_correlated() {
+        let residuals = |lag_one| Residuals { n: 100, sum_abs: 1.0, rms: 1.0, max_abs: 1.0, lag_one };
+        assert!(residuals(0.2).are_white() && residuals(-0.2).are_white());
+        assert!(!residuals(0.21).are_white() && !residuals(-0.21).are_white());
+    }
 }

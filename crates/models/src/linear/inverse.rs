@@ -236,4 +236,18 @@ mod tests {
         let again = monic(&roots(&c));
         assert_close(&again, &c[1..], 1e-12, 0.0);
     }
+
+    #[test]
+    fn chosen_zeros_inside_the_circle_become_poles_with_gain_one() {
+        // Zeros at 0.5, -0.4 and 3.
+        let arx = Arx::new(0.1, vec![0.3], vec![2.0, -6.2, 0.2, 1.2]).unwrap();
+        let all = arx.inverse_of_zeros(|_| true).unwrap().unwrap();
+        assert_close(all.a(), &[0.1, 0.2], 0.0, 1e-12);
+        assert_close(all.b(), &[0.7], 0.0, 1e-12);
+        assert_eq!(all.ts(), 0.1);
+        let one = arx.inverse_of_zeros(|zero| zero.re > 0.0).unwrap().unwrap();
+        assert_close(&[one.a(), one.b()].concat(), &[0.5, 0.5], 0.0, 1e-12);
+        assert_eq!(arx.inverse_of_zeros(|_| false).unwrap(), None);
+        assert_eq!(Arx::new(0.1, vec![0.3], vec![1.0, 3.0]).unwrap().inverse_of_zeros(|_| true).unwrap(), None);
+    }
 }

@@ -138,3 +138,62 @@ impl Regression {
         centred
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record(ts: f64, n: i32) -> Record {
+        let [u, y] = [2.0, 10.0].map(|scale| (0..n).map(|k| scale * f64::from(k)).collect());
+        Record::new(ts, u, y).unwrap()
+    }
+
+    const ORDERS: Orders = Orders { na: 2, nb: 1, delay: 3 };
+
+    #[test]
+    fn a_row_is_an_output_the_outputs_before_it_and_delayed_inputs() {
+        let records = [record(0.1, 8), record(0.1, 5)];
+        let regression = Regression::new(&records, ORDERS).unwrap();
+        assert_eq!((regression.len(), ORDERS.parameters()), (7, 3));
+        let rows: Vec<&[f64]> = regression.rows().collect();
+        assert_eq!(rows[0], [30.0, 20.0, 10.0, 0.0]);
+        assert_eq!(rows[4], [70.0, 60.0, 50.0, 8.0]);
+        assert_eq!(rows[5], rows[0]);
+        let centred = regression.centred(&[1.0, -1.0]);
+        let centred: Vec<&[f64]> = centred.rows().collect();
+        assert_eq!(centred[4], [69.0, 59.0, 49.0, 8.0]);
+        assert_eq!(centred[5], [31.0, 21.0, 11.0, 0.0]);
+    }
+
+    #[test]
+    fn orders_out_of_range_and_too_few_samples_are_errors() {
+        let records = [record(0.1, 30)];
+        for (na, nb, delay) in [(513, 1, 0), (0, 0, 0), (0, 513, 0), (0, 1, 513)] {
+            let message = Regression::new(&records, Orders { na, nb, delay }).unwrap_err().to_string();
+            assert!(message.contains(&format!("{na}, {nb}, {delay}")), "{message}");
+        }
+        for (na, nb, delay) in [(512, 1, 0), (0, 512, 0), (0, 1, 512)] {
+            let message = Regression::new(&records, Orders { na, nb, delay }).unwrap_err().to_string();
+            assert!(message.contains("record longer"), "{message}");
+        }
+        assert!(Regression::new(&[record(0.1, 9)], ORDERS).is_ok());
+        assert!(Regression::new(&[record(0.1, 8)], ORDERS).is_err());
+        assert!(Regression::new(&[], ORDERS).is_err());
+        assert!(Regression::new(&[record(0.1, 30), record(0.2, 30)], ORDERS).is_err());
+    }
+
+    #[test]
+    fn the_box_of_the_search_holds_every_stable_denominator_and_what_was_found() {
+        let regression = Regression::new(&[record(0.1, 30)], Orders { na: 3, nb: 2, delay: 0 }).unwrap();
+        // Binomial coefficients, and 290 um over 58 V.
+        let around = [0.0; 5];
+        let expected = [3.0, 3.0, 1.0, 5.0, 5.0];
+        let bounds = |around: &[f64]| regression.search_box(around).unwrap();
+        assert_eq!(bounds(&around), Bounds::new(expected.map(|h| -h).to_vec(), expected.to_vec()).unwrap());
+        let wide = [6.0, 3.0, 1.0, 5.0, 14.0];
+        let found = bounds(&[-3.0, 2.9, 0.0, 4.9, 7.0]);
+        assert_eq!(found, Bounds::new(wide.map(|h| -h).to_vec(), wide.to_vec()).unwrap());
+        let still = Record::new(0.1, vec![0.0; 30], vec![0.0; 30]).unwrap();
+        assert!(Regression::new(&[still], ORDERS).unwrap().search_box(&[0.0; 3]).is_err());
+    }
+}

@@ -314,4 +314,20 @@ mod tests {
             assert_eq!([top.z, bottom.z], [25.0, -20.0].map(|u| operator.step(&mut x.clone(), u)), "{}", o.name);
         }
     }
+
+    #[test]
+    fn bracketing_takes_few_steps_and_ends_at_the_nearer_end() {
+        let mut count = 0;
+        let found = between((-3.0, 50.0), 2.0, |u| {
+            count += 1;
+            u.exp().min(1e6)
+        });
+        assert_close(&[found.u, found.z], &[2f64.ln(), 2.0], 1e-15, 0.0);
+        assert!(count <= 24, "{count} steps");
+        for (z, u) in [(-5.0, -3.0), (5.0, 4.0)] {
+            assert_eq!(between((-3.0, 4.0), z, |u| u), Inverted { u, z: u });
+            assert_eq!(between((4.0, -3.0), z, |u| u), Inverted { u, z: u });
+            assert_eq!(between((-3.0, 4.0), -z, |u| -u), Inverted { u, z: -u });
+        }
+    }
 }
