@@ -392,4 +392,32 @@ mod tests {
         // The line goes on before the counted part.
         assert_close(&[rest.simulated[0] - record.u()[0]], &[-0.08], 0.05, 0.0);
     }
+
+    #[test]
+    fn a_model_and_a_record_have_the_same_period_and_units_that_can_be_converted() {
+        let model =
+            Model::new(Arc::new(Proportional::new(1e-3, 1.0).unwrap()), Arx::gain(1e-3, 1.0).unwrap(), 0.0).unwrap();
+        let units = |u: &str, y: &str| Units { u: u.into(), y: y.into() };
+        assert_eq!(factor(&model, 1e-3, &units("V", "nm")), Ok(1e3));
+        for (ts, units) in [(1e-3, units("mA", "um")), (1e-3, units("V", "V")), (2e-3, units("V", "um"))] {
+            assert!(factor(&model, ts, &units).is_err(), "{ts} {units:?}");
+        }
+    }
+
+    #[test]
+    fn any_free_run_is_compared_if_it_is_complete_and_finite() {
+        let u: Vec<f64> = (0..400).map(|t| (std::f64::consts::TAU * f64::from(t) / 100.0).sin()).collect();
+        let record = Record::new(1e-3, u.clone(), u.iter().map(|u| 2.0 * u).collect()).unwrap();
+        let options = ValidateOptions::default();
+        let own: Vec<f64> = u.iter().map(|u| 1.8 * u).collect();
+        let found = Validation::of_run(&record, own.clone(), &options).unwrap();
+        assert_close(&[found.metrics.nrmse_percent, found.mean_error], &[10.0, 0.0], 1e-9, 1e-12);
+        assert_eq!((found.remarks, found.not_covered, found.simulated), (vec![], vec![], own.clone()));
+        let message = Validation::of_run(&record, own[1..].to_vec(), &options).unwrap_err().to_string();
+        assert!(message.contains("has 399 samples, but the input has 400"), "{message}");
+        let mut diverging = own;
+        diverging[7] = f64::INFINITY;
+        let message = Validation::of_run(&record, diverging, &options).unwrap_err().to_string();
+        assert!(message.contains("inf at sample 7"), "{message}");
+    }
 }

@@ -323,3 +323,6 @@ impl<'a> Sections<'a> {
         self.before = kept.max(self.before);
     }
 }
+
+#[cfg(test)]
+mod tests;
