@@ -1,5 +1,7 @@
 //! The joint method on plants with known coefficients.
 
+mod kept;
+
 use super::*;
 use libm::expm1;
 use piezoid_models::creep::{Creep, Lag};

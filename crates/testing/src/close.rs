@@ -22,6 +22,25 @@ pub fn assert_named_close(name: &str, a: &[f64], b: &[f64], rtol: f64, atol: f64
     }
 }
 
+/// Asserts that two texts have the same words in the same order, and numbers that differ by at most `rtol` of
+/// themselves and `atol`.
+#[track_caller]
+pub fn assert_alike(found: &str, expected: &str, rtol: f64, atol: f64) {
+    let parts = |text: &str| -> Vec<String> {
+        let marks = |c: char| c.is_whitespace() || "()[]{},:;\"".contains(c);
+        text.split(marks).filter(|part| !part.is_empty()).map(String::from).collect()
+    };
+    let (found, expected) = (parts(found), parts(expected));
+    for (k, (a, b)) in found.iter().zip(&expected).enumerate() {
+        let close = match (a.parse::<f64>(), b.parse::<f64>()) {
+            (Ok(a), Ok(b)) => (a - b).abs() <= atol + rtol * b.abs(),
+            _ => false,
+        };
+        assert!(a == b || close, "{a} is not {b} after {}", expected[k.saturating_sub(12)..k].join(" "));
+    }
+    assert_eq!(found.len(), expected.len());
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,5 +66,28 @@ mod tests {
     #[test]
     fn both_tolerances_count() {
         assert_close(&[1.01, 1e-13], &[1.0, 0.0], 0.011, 1e-12);
+    }
+
+    #[test]
+    fn texts_are_alike_if_their_words_are_the_same_and_their_numbers_close() {
+        assert_alike("fit {a: 1.0000001, b: [inf, 0]}", "fit {a: 1, b: [inf, 1e-9]}", 1e-6, 1e-8);
+    }
+
+    #[test]
+    #[should_panic(expected = "1.1 is not 1 after fit a")]
+    fn a_number_that_is_not_close_is_named_with_what_stands_before_it() {
+        assert_alike("fit a 1.1", "fit a 1", 1e-6, 0.0);
+    }
+
+    #[test]
+    #[should_panic(expected = "order is not mode after second")]
+    fn another_word_is_not_alike() {
+        assert_alike("second order", "second mode", 1.0, 1.0);
+    }
+
+    #[test]
+    #[should_panic(expected = "left == right")]
+    fn a_text_that_goes_on_is_not_alike() {
+        assert_alike("second order", "second", 1.0, 1.0);
     }
 }

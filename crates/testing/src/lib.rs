@@ -16,7 +16,7 @@ pub mod random;
 mod skipped;
 mod vectors;
 
-pub use close::{assert_close, assert_named_close};
+pub use close::{assert_alike, assert_close, assert_named_close};
 pub use feedback::in_feedback;
 pub use measured::measured;
 pub use noise::noise;

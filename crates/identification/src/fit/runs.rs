@@ -157,3 +157,66 @@ pub(crate) fn training_records<'a>(
     fold(&mut runs);
     Ok(runs)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn record() -> Record {
+        let u: Vec<f64> = (0..100).map(|t| f64::from(t % 20)).collect();
+        let y = u.iter().map(|u| 3.0 + 2.0 * u).collect();
+        Record::new(1e-3, u, y).unwrap()
+    }
+
+    #[test]
+    fn scale_and_level_are_those_of_the_usable_samples() {
+        let mut whole = record();
+        let mut usable = vec![true; 100];
+        whole = whole.with_samples(1e-3, whole.u().to_vec(), whole.y().iter().map(|y| y.min(31.0)).collect()).unwrap();
+        usable[19..].fill(false);
+        let run = TrainingRecord::new(&whole, "r", true, usable).unwrap();
+        // Outputs 3, 5, ..., 31, which 14 to 18 share.
+        assert_eq!((run.scale, run.level), (1.0 / 28.0, 17.0));
+        let outputs: Vec<f64> = (0..19).map(|k| (3.0 + 2.0 * f64::from(k)).min(31.0)).collect();
+        let mean = outputs.iter().sum::<f64>() / 19.0;
+        let power = outputs.iter().map(|y| (y - mean).powi(2)).sum::<f64>() / 19.0 / 28.0f64.powi(2);
+        assert!((run.power() - power).abs() < 1e-12);
+        assert!(TrainingRecord::new(&whole, "r", true, vec![false; 100]).is_none());
+        let mut one = vec![false; 100];
+        one[4] = true;
+        assert!(TrainingRecord::new(&whole, "r", true, one).is_none());
+    }
+
+    #[test]
+    fn the_inputs_before_a_record_are_those_of_its_initial_condition() {
+        let record = record();
+        let run = TrainingRecord::new(&record, "r", true, vec![true; 100]).unwrap();
+        let range = (-5.0, 40.0);
+        for initial in [InitialCondition::Rest, InitialCondition::Settled, InitialCondition::FromAbove] {
+            let run = run.clone().starting_from(initial, range);
+            assert_eq!((run.initial, run.moving), (initial, 0));
+            assert_eq!(run.before, initial.inputs_before(record.u(), range));
+        }
+        let moving = run.clone().starting_from(InitialCondition::Motion, range);
+        assert_eq!(moving.moving, 100.min(moving.before.len() - 1));
+        assert!(moving.moving > 0);
+        let later = run.later_part(vec![1.0, 2.0, 3.0], 2).starting_from(InitialCondition::Rest, range);
+        assert_eq!(
+            (later.initial, later.moving, &later.before[..]),
+            (InitialCondition::Motion, 2, &[1.0, 2.0, 3.0][..])
+        );
+    }
+
+    #[test]
+    fn a_part_has_the_usable_samples_and_segments_of_its_place() {
+        let record = record();
+        let mut usable = vec![true; 100];
+        usable[35] = false;
+        let run = TrainingRecord::new(&record, "r", true, usable).unwrap();
+        let run = TrainingRecord { segments: vec![(20, None), (40, Some(0)), (60, Some(1)), (100, Some(2))], ..run };
+        let part = run.within(&(30..60));
+        assert_eq!((part.usable.len(), part.usable[5], part.usable[6]), (30, false, true));
+        assert_eq!(part.segments, [(10, Some(0)), (30, Some(1))]);
+        assert_eq!(run.within(&(0..100)).segments, run.segments);
+    }
+}

@@ -31,3 +31,23 @@ impl Spread {
         Spread { lines, low: below(EDGE_POWER_SHARE), high: below(1.0 - EDGE_POWER_SHARE) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_testing::assert_close;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn lines_of_equal_power_are_counted_and_their_ends_found() {
+        let of = |lines: &[f64]| {
+            let at = |t: i32| lines.iter().map(|hz| (TAU * hz * 1e-3 * f64::from(t)).sin()).sum::<f64>();
+            let u: Vec<f64> = (0..2000).map(at).collect();
+            Spread::of(&Record::new(1e-3, u, vec![0.0; 2000]).unwrap())
+        };
+        for (lines, low, high) in [(&[10.0][..], 10.0, 10.0), (&[10.0, 35.0, 60.0], 10.0, 60.0)] {
+            let spread = of(lines);
+            assert_close(&[spread.lines, spread.low, spread.high], &[lines.len() as f64, low, high], 1e-6, 0.0);
+        }
+    }
+}

@@ -80,3 +80,14 @@ pub(crate) fn parameters(fitted: &Fitted) -> Vec<FittedParameter> {
     }
     parameters
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parameter_is_unknown_if_its_error_exceeds_half_of_it() {
+        let unknown = |value, error| FittedParameter { name: "p".into(), value, error }.is_unknown();
+        assert!(!unknown(-4.0, 2.0) && unknown(-4.0, 2.1) && unknown(4.0, f64::NAN) && unknown(0.0, 1e-9));
+    }
+}

@@ -98,3 +98,27 @@ fn from_unit(shape: &ShapeParameter, share: f64) -> f64 {
         shape.low + share * (shape.high - shape.low)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_testing::assert_close;
+
+    #[test]
+    fn the_sequences_are_those_of_van_der_corput() {
+        let of = |base| (0..8).map(|k| halton(k, base)).collect::<Vec<_>>();
+        assert_close(&of(2), &[0.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875], 1e-15, 0.0);
+        let ninths = [0.0, 3.0, 6.0, 1.0, 4.0, 7.0, 2.0, 5.0].map(|k| k / 9.0);
+        assert_close(&of(3), &ninths, 1e-14, 0.0);
+    }
+
+    #[test]
+    fn a_share_of_a_positive_domain_is_on_a_logarithmic_scale() {
+        let shape = |low, high| ShapeParameter { name: "p", value: 1.0, low, high };
+        for (low, high, share, expected) in
+            [(1.0, 100.0, 0.5, 10.0), (2.0, 32.0, 0.75, 16.0), (0.0, 4.0, 0.25, 1.0), (-2.0, 6.0, 0.25, 0.0)]
+        {
+            assert_close(&[from_unit(&shape(low, high), share)], &[expected], 1e-15, 1e-15);
+        }
+    }
+}

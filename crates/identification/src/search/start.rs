@@ -253,3 +253,78 @@ fn delay(hidden: &[Record]) -> usize {
     }
     best
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_records::excitation::Prbs;
+    use piezoid_testing::assert_close;
+
+    const TS: f64 = 5e-4;
+
+    fn record(u: &[f64], y: Vec<f64>) -> Record {
+        Record::new(TS, u.to_vec(), y).unwrap()
+    }
+
+    /// An input that comes `d` samples late, with a gain of 4.
+    fn delayed(u: &[f64], d: usize) -> Record {
+        record(u, (0..u.len()).map(|t| 4.0 * u[t.saturating_sub(d)]).collect())
+    }
+
+    fn sine(hz: f64) -> Vec<f64> {
+        (0..2000).map(|t| (std::f64::consts::TAU * hz * TS * f64::from(t)).sin()).collect()
+    }
+
+    #[test]
+    fn a_lag_as_slow_as_creep_is_removed_with_the_zero_next_to_it() {
+        // Poles 0.9999 (0.03 Hz) and 0.5, zeros 0.9998 and 0.2.
+        let arx = Arx::new(TS, vec![1.4999, -0.49995], vec![2.0, -2.3996, 0.39992]).unwrap();
+        let left = without_creep(&arx, 1.0).unwrap();
+        assert_close(left.a(), &[0.5], 1e-8, 0.0);
+        assert_close(left.b(), &[2.0, -0.4], 1e-8, 0.0);
+        let all = without_creep(&arx, 0.01).unwrap();
+        assert_close(&[all.a(), all.b()].concat(), &[arx.a(), arx.b()].concat(), 0.0, 0.0);
+    }
+
+    #[test]
+    fn a_driver_smooths_the_input_from_its_settled_state() {
+        let settings =
+            |lag| JointOptions { driver: Some(DriverModel::new(lag, None).unwrap()), ..JointOptions::default() };
+        let u: Vec<f64> = (0..100).map(|t| if t < 50 { 3.0 } else { 5.0 }).collect();
+        let step = record(&u, vec![1.0; 100]);
+        assert_eq!(behind_driver(&step, &JointOptions::default()).unwrap(), step);
+        let behind = behind_driver(&step, &settings(4.0 * TS)).unwrap();
+        assert_eq!((behind.y(), behind.ts()), (step.y(), TS));
+        assert_close(&behind.u()[..50], &[3.0; 50], 1e-12, 0.0);
+        // A lag of four samples: 1 - e^-k/4 after k of them.
+        let rises: Vec<f64> = (50..100).map(|t| 5.0 - 2.0 * (-f64::from(t - 50) / 4.0).exp()).collect();
+        assert_close(&behind.u()[50..], &rises, 0.0, 0.35);
+        assert!(behind.u()[50..].windows(2).all(|pair| pair[1] >= pair[0]));
+    }
+
+    #[test]
+    fn the_first_gain_is_at_the_delay_at_which_the_output_correlates_with_the_input() {
+        let prbs = Prbs { order: 11, ..Prbs::default() }.samples(TS, 2000).unwrap();
+        for d in [0, 1, 2, 3] {
+            let (gain, delay) = start_gain(&[delayed(&prbs, d)]).unwrap();
+            assert_eq!(delay, d);
+            assert_close(&[gain], &[4.0], 0.01, 0.0);
+        }
+        // Without a clear delay: the gain over all records, with the sign of the slowest.
+        let (slow, fast) = (sine(5.0), sine(200.0));
+        let resonant = record(&fast, fast.iter().map(|u| -9.0 * u).collect());
+        let (gain, delay) = start_gain(&[resonant, delayed(&slow, 0)]).unwrap();
+        assert_eq!(delay, 0);
+        assert_close(&[gain], &[2.5], 1e-3, 0.0);
+    }
+
+    #[test]
+    fn a_long_delay_of_a_smooth_input_is_found_up_to_a_tenth_of_the_record() {
+        let u = sine(6.0);
+        for d in [0, 1, 7, 60] {
+            assert_eq!(delay(&[delayed(&u, d), delayed(&u, d)]), d);
+        }
+        assert_eq!(delay(&[delayed(&u[..400], 60)]), 400 / POLICY.hidden_delays_in_record);
+        assert_eq!(delay(&[]), 0);
+    }
+}

@@ -146,3 +146,17 @@ pub(super) fn rescaled(arx: &Arx, gain: f64) -> Result<Arx, Error> {
     let k = gain / arx.dc_gain();
     Arx::new(arx.ts(), arx.a().to_vec(), arx.b().iter().map(|b| b * k).collect())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_with_another_gain_keeps_its_poles_and_zeros() {
+        let arx = Arx::new(1e-3, vec![1.2, -0.7], vec![0.0, 2.0, -1.0]).unwrap();
+        let scaled = rescaled(&arx, -5.0).unwrap();
+        assert!((scaled.dc_gain() + 5.0).abs() < 1e-12);
+        assert_eq!((scaled.a(), scaled.ts(), scaled.delay()), (arx.a(), 1e-3, 1));
+        assert!((scaled.b()[2] / scaled.b()[1] + 0.5).abs() < 1e-12);
+    }
+}
