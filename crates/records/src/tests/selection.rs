@@ -68,8 +68,8 @@ fn a_reference_is_found_before_an_output() {
     assert_eq!(both.reference(&named("y_um")).unwrap().samples, [0.0, 20.0, 30.0, 50.0]);
     let alone = table(b"t_s,y_um\n0,7\n0.5,8\n");
     assert_eq!(alone.reference(&any).unwrap().samples, [7.0, 8.0]);
-    let wanted = table(b"t_s,Target position [um],Sensor [um]\n0,7,1\n0.5,8,2\n");
-    assert_eq!(wanted.reference(&any).unwrap().samples, [7.0, 8.0]);
+    let requested = table(b"t_s,Target position [um],Sensor [um]\n0,7,1\n0.5,8,2\n");
+    assert_eq!(requested.reference(&any).unwrap().samples, [7.0, 8.0]);
     assert_eq!(both.input(&any).unwrap().samples_in("mV", "the input"), Ok(vec![0.0, 1e3, 2e3, 3e3]));
     let message = both.input(&any).unwrap().samples_in("um", "the input").unwrap_err().to_string();
     assert!(message.contains("the input") && message.contains('V') && message.contains("um"), "{message}");
