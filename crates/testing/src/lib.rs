@@ -1,5 +1,6 @@
-//! What the tests of all crates share: comparison of numbers, reference numbers, the files of every version, measured
-//! data, noise, random cases, models with feedback, hostile models, and the report of skipped tests.
+//! What the tests of all crates share: comparison of numbers, reference numbers, the files of every version, results
+//! that are kept, measured data, noise, random cases, models with feedback, hostile models, and the report of skipped
+//! tests.
 //!
 //! It uses no other crate of this workspace, so that the lowest can use it.
 
@@ -10,6 +11,7 @@ mod close;
 mod feedback;
 pub mod golden;
 pub mod hostile;
+mod kept;
 mod measured;
 mod noise;
 pub mod random;
@@ -18,6 +20,7 @@ mod vectors;
 
 pub use close::{assert_alike, assert_close, assert_named_close};
 pub use feedback::in_feedback;
+pub use kept::assert_kept;
 pub use measured::measured;
 pub use noise::noise;
 pub use skipped::skipped;

@@ -22,6 +22,8 @@ mod extrapolation;
 mod facts;
 mod floor;
 mod initial_condition;
+#[cfg(test)]
+mod kept;
 mod long;
 mod loops;
 mod metrics;

@@ -352,4 +352,6 @@ fn rms_error(r: &[f64], y: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
+mod kept;
+#[cfg(test)]
 mod tests;

@@ -189,6 +189,9 @@ fn check(gains: &[(&str, f64)], limits: (f64, f64)) -> Result<(), Error> {
 }
 
 #[cfg(test)]
+mod kept;
+
+#[cfg(test)]
 mod tests {
     //! The contract of every controller.
     use super::margins::tests::path_of;

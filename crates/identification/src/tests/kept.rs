@@ -1,11 +1,9 @@
-//! Searches that take the same steps to the same models as before: their results are kept in `golden/searches` of
-//! piezoid-testing. A change of these files is a change of the models that users get from their records. After one that
-//! is meant, `cargo test -p piezoid-identification --lib kept -- --ignored` writes them.
+//! Searches that find the same models as before, for the same reasons: a change of these results is one of the models
+//! that users get from their records.
 
 use super::*;
 use piezoid_models::driver::DriverModel;
-use piezoid_testing::assert_alike;
-use std::path::{Path, PathBuf};
+use piezoid_testing::assert_kept;
 
 /// The searches: name, records of small and of large signals, and options.
 fn searches() -> Vec<(&'static str, [Vec<Record>; 2], JointOptions)> {
@@ -48,23 +46,9 @@ fn text(found: &Identified) -> String {
     format!("{}\n{}\n{}", found.remarks().join("\n"), rows.collect::<Vec<_>>().join("\n"), model.to_json())
 }
 
-fn file(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../testing/golden/searches/{name}.txt"))
-}
-
 #[test]
 fn searches_find_the_models_that_they_found() {
     for (name, [small, large], options) in searches() {
-        println!("{name}");
-        let expected = std::fs::read_to_string(file(name)).unwrap();
-        assert_alike(&text(&identified(&small, &large, &options)), &expected, 1e-6, 1e-12);
-    }
-}
-
-#[test]
-#[ignore = "writes the files"]
-fn write() {
-    for (name, [small, large], options) in searches() {
-        std::fs::write(file(name), text(&identified(&small, &large, &options))).unwrap();
+        assert_kept(&format!("search-{name}"), &text(&identified(&small, &large, &options)));
     }
 }

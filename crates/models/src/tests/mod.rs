@@ -5,5 +5,6 @@
 mod golden_dynamics;
 mod golden_linear;
 mod golden_operators;
+mod kept;
 mod properties;
 mod vectors;

@@ -12,7 +12,7 @@ macro_rules! golden {
 }
 
 /// Files of one record: what reads them, and what each leaves out.
-const FILES: &[(&str, &str, &[u8], &str)] = &[
+pub(super) const FILES: &[(&str, &str, &[u8], &str)] = &[
     ("csv", "record.csv", b"t_s,u_V,y_um\n0,0,0\n0.0005,1,20\n0.001,1.5,33\n0.0015,-2,-40\n", ""),
     (
         "gcs",

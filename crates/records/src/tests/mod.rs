@@ -5,6 +5,7 @@
 mod csv;
 mod formats;
 mod golden_excitation;
+mod kept;
 mod properties;
 mod quality;
 mod selection;
