@@ -1,11 +1,12 @@
 use super::settings::BEYOND;
 use super::*;
-use piezoid::{IdentifyOptions, Records, identify};
+use piezoid_identification::{JointOptions, identify_joint};
 use piezoid_models::creep::Creep;
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::Domain;
 use piezoid_models::hysteresis::{OPERATORS, Operator};
 use piezoid_models::linear::Arx;
+use piezoid_numerics::progress::Stage;
 use piezoid_numerics::stepper::Stepper;
 use piezoid_records::excitation::{LimitOptions, Prbs, RisingSine, Triangle};
 use piezoid_records::record::{Record, Units};
@@ -223,9 +224,8 @@ fn identified() -> (Plant, Model) {
     };
     let large_signal = [rising(2.0, 6000), rising(40.0, 3000)];
     let operator = "generalised-prandtl-ishlinskii".into();
-    let options = IdentifyOptions { operator, order: Some(5), seed: 0, ..Default::default() };
-    let records = Records { small_signal: &small_signal, large_signal: &large_signal };
-    let model = identify(records, &options).unwrap().model;
+    let options = JointOptions { operator, order: Some(5), ..Default::default() };
+    let model = identify_joint(&small_signal, &large_signal, &options, &mut Stage::ignore).unwrap().model;
     (plant, model)
 }
 

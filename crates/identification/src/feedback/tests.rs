@@ -1,15 +1,15 @@
 use super::*;
 use crate::{Effort, Identified, JointOptions, identify_joint};
-use piezoid::PrepareOptions;
-use piezoid::excitation::{Multisine, Prbs, RisingSine};
-use piezoid::plant::Plant;
 use piezoid_models::driver::DriverModel;
 use piezoid_models::feedback::Intersample;
 use piezoid_models::hammerstein::Model;
 use piezoid_models::linear::Arx;
 use piezoid_numerics::series::scatter;
 use piezoid_numerics::system::System;
+use piezoid_records::excitation::{Multisine, Prbs, RisingSine};
+use piezoid_records::preparation::PrepareOptions;
 use piezoid_testing::assert_close;
+use piezoid_twins::Plant;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Normal};

@@ -2,13 +2,17 @@
 //! models, or from a generator here.
 
 use super::*;
+use crate::{JointOptions, identify_joint};
 use piezoid_models::creep::{Creep, Lag};
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::Domain;
 use piezoid_models::hysteresis::{OPERATORS, Operator};
 use piezoid_models::linear::Arx;
 use piezoid_models::program::Machine;
+use piezoid_numerics::progress::Stage;
+use piezoid_records::excitation::Prbs;
 use piezoid_records::record::Record;
+use piezoid_twins::Plant;
 
 const TS: f64 = 5e-4;
 
@@ -97,18 +101,18 @@ fn the_program_of_every_operator_and_setting_is_bit_identical() {
 
 /// A twin with its response [um] to the drive, and a model of it with plays.
 fn twin(n: usize) -> (Model, Vec<f64>, Vec<f64>) {
-    let plant = piezoid::plant::Plant::named("pl140", TS).unwrap();
+    let plant = Plant::named("pl140", TS).unwrap();
     let measure = |u: Vec<f64>| Record::new(TS, u.clone(), plant.run(&u).y).unwrap();
-    let small = piezoid::excitation::Prbs { amplitude: 1.0, ..Default::default() }.samples(TS, 4094).unwrap();
+    let small = Prbs { amplitude: 1.0, ..Default::default() }.samples(TS, 4094).unwrap();
     let large = (0..4000).map(|t| drive(t) * t as f64 / 4000.0).collect();
-    let records = piezoid::Records { small_signal: &[measure(small)], large_signal: &[measure(large)] };
-    let options = piezoid::IdentifyOptions {
+    let options = JointOptions {
         operator: "prandtl-ishlinskii".into(),
         elements: Some(12),
         order: Some(2),
         ..Default::default()
     };
-    let model = piezoid::identify(records, &options).unwrap().model;
+    let found = identify_joint(&[measure(small)], &[measure(large)], &options, &mut Stage::ignore);
+    let model = found.unwrap().model;
     let u: Vec<f64> = (0..n).map(drive).collect();
     let y = plant.run(&u).y;
     (model, u, y)
