@@ -289,6 +289,9 @@ fn learning_checks_the_responses_and_discards_bad_trials() {
     let first = learnt(&mut |u| u.iter().map(|u| -20.0 * u).collect()).unwrap();
     let best = first.rms.iter().copied().fold(f64::INFINITY, f64::min);
     assert_close(&[rms_error(&r, &first.y)], &[best], 1e-12, 0.0);
+    let idle = Learning { trials: 0, ..Default::default() }.run(&mut |u| u.to_vec(), &inverse, &r).unwrap_err();
+    let empty = Learning::default().run(&mut |u| u.to_vec(), &inverse, &[]).unwrap_err();
+    assert!(idle.to_string().starts_with("trials = 0") && empty.to_string().contains("for a non-empty reference"));
     let none = Learning { gain: 0.0, ..Default::default() };
     assert!(none.run(&mut |u| u.to_vec(), &inverse, &r).unwrap_err().to_string().starts_with("gain = 0"));
 }
