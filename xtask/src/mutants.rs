@@ -66,7 +66,9 @@ fn copy(tree: &Path) -> Result<(), String> {
         let manifest = tree.join("crates").join(name).join("Cargo.toml");
         let reason = |e: std::io::Error| format!("{}: {e}", manifest.display());
         let text = std::fs::read_to_string(&manifest).map_err(reason)?;
-        std::fs::write(&manifest, text.replace("\npiezoid.workspace = true\n", "\n")).map_err(reason)?;
+        let is_facade = |line: &&str| line.starts_with("piezoid.") || line.starts_with("piezoid = ");
+        let others: Vec<&str> = text.lines().filter(|line| !is_facade(line)).collect();
+        std::fs::write(&manifest, others.join("\n") + "\n").map_err(reason)?;
     }
     Ok(())
 }
