@@ -19,9 +19,6 @@ const AREAS: [&str; 7] = [
 /// Number of changes that are tried: of all, every n-th.
 const SAMPLE: usize = 200;
 
-/// Their crates, whose tests need no crate above them.
-const LOW: [&str; 5] = ["control", "identification", "models", "records", "validation"];
-
 /// The sample of all areas, or of the path that is named; a second word is the number of the sample, from 0 on.
 pub(super) fn mutants() -> Result<(), String> {
     let words: Vec<String> = std::env::args().skip(2).collect();
@@ -58,12 +55,12 @@ pub(super) fn mutants() -> Result<(), String> {
     step(Command::new("python3").arg("xtask/src/mutants.py").arg(folder.join("mutants.out/outcomes.json")))
 }
 
-/// Copies the files as they are staged. There the low crates do not have the facade, which only the examples in their
-/// documentation use: with it, each change of them would build all crates.
+/// Copies the files as they are staged. There the crates of the core do not have the facade, which only the examples in
+/// their documentation use: with it, each change of them would build all crates.
 fn copy(tree: &Path) -> Result<(), String> {
     copy_staged(tree)?;
-    for name in LOW {
-        let manifest = tree.join("crates").join(name).join("Cargo.toml");
+    for area in AREAS {
+        let manifest = tree.join(area.split("/src").next().unwrap_or_default()).join("Cargo.toml");
         let reason = |e: std::io::Error| format!("{}: {e}", manifest.display());
         let text = std::fs::read_to_string(&manifest).map_err(reason)?;
         let is_facade = |line: &&str| line.starts_with("piezoid.") || line.starts_with("piezoid = ");

@@ -352,6 +352,4 @@ fn rms_error(r: &[f64], y: &[f64]) -> f64 {
 }
 
 #[cfg(test)]
-mod kept;
-#[cfg(test)]
 mod tests;

@@ -1,3 +1,5 @@
+mod kept;
+
 use super::settings::BEYOND;
 use super::*;
 use piezoid_identification::{JointOptions, identify_joint};

@@ -170,9 +170,9 @@ mod tests {
 
     #[test]
     fn scale_and_level_are_those_of_the_usable_samples() {
-        let mut whole = record();
-        let mut usable = vec![true; 100];
-        whole = whole.with_samples(1e-3, whole.u().to_vec(), whole.y().iter().map(|y| y.min(31.0)).collect()).unwrap();
+        let (record, mut usable) = (record(), vec![true; 100]);
+        let limited = record.y().iter().map(|y| y.min(31.0)).collect();
+        let whole = Record::new(1e-3, record.u().to_vec(), limited).unwrap();
         usable[19..].fill(false);
         let run = TrainingRecord::new(&whole, "r", true, usable).unwrap();
         // Outputs 3, 5, ..., 31, which 14 to 18 share.

@@ -15,7 +15,7 @@ use std::f64::consts::TAU;
 
 const TS: f64 = 5e-4;
 
-/// Two modes and a lag after a delay, with noise, from a settled state off zero.
+/// Two blocks side by side, with noise and an offset.
 fn record(seed: u64, u: Vec<f64>) -> Record {
     let plant = Arx::new(TS, vec![1.62, -0.93], vec![0.0, 2.0, 1.1]).unwrap();
     let stiff = Arx::new(TS, vec![-0.5, -0.8, 0.2], vec![0.4, 0.1]).unwrap();

@@ -106,7 +106,7 @@ fn factors_scale_samples_and_replace_units() {
 }
 
 #[test]
-fn uneven_times_are_interpolated_only_where_it_is_wanted() {
+fn uneven_times_are_interpolated_only_on_request() {
     let uneven = table(b"t_s,u_V,y_um\n0,0,0\n1.2,12,24\n2.0,20,40\n3.2,32,64\n4,40,80\n");
     assert!(uneven.record(&ColumnSelection::default()).is_err());
     let record = uneven.resampled(&ColumnSelection::default(), Some(1.0)).unwrap();

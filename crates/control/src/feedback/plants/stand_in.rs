@@ -405,12 +405,11 @@ pub(super) mod tests {
 
     #[test]
     fn every_initial_condition_is_that_of_both_models() {
-        let (u, plant) = (drive(), with_share(0.25).plant(0));
+        let (u, stand_in) = (drive(), with_share(0.25));
+        let plant = stand_in.plant(0);
         let run = |model: &Model, condition| model.resume(&mut model.before(&u, condition), &u);
         for condition in [InitialCondition::Rest, InitialCondition::FromBelow, InitialCondition::FromAbove] {
-            let [a, b] = [("prandtl-ishlinskii", 0.0), ("preisach", 7.0)].map(|(name, offset)| model(name, offset));
-            let domain = Domain { u: [-20.0, 60.0], hz: None, slew: 1e4, mean: [0.0, 20.0] };
-            let (a, b) = (run(&a.with_identified(domain), condition), run(&b, condition));
+            let [a, b] = [stand_in.model(), stand_in.other()].map(|model| run(model, condition));
             let y = plant.resume(&mut plant.before(&u, condition), &u);
             for t in 0..u.len() {
                 let expected = a[t] + 0.25 * ((b[t] - b[0]) - (a[t] - a[0]));

@@ -148,25 +148,24 @@ mod tests {
 
     #[test]
     fn a_unit_of_time_is_a_quotient_of_whole_numbers() {
-        for (unit, expected) in [
-            ("W", (604_800.0, 1.0)),
-            ("D", (86_400.0, 1.0)),
-            ("h", (3600.0, 1.0)),
-            ("m", (60.0, 1.0)),
-            ("s", (1.0, 1.0)),
-            ("ms", (1.0, 1e3)),
-            ("us", (1.0, 1e6)),
-            ("10us", (10.0, 1e6)),
-            ("ns", (1.0, 1e9)),
-            ("ps", (1.0, 1e12)),
-            ("fs", (1.0, 1e15)),
-            ("as", (1.0, 1e18)),
+        for (code, unit, per_second) in [
+            ("W", 604_800.0, 1.0),
+            ("D", 86_400.0, 1.0),
+            ("h", 3600.0, 1.0),
+            ("m", 60.0, 1.0),
+            ("s", 1.0, 1.0),
+            ("ms", 1.0, 1e3),
+            ("us", 1.0, 1e6),
+            ("10us", 10.0, 1e6),
+            ("ns", 1.0, 1e9),
+            ("ps", 1.0, 1e12),
+            ("fs", 1.0, 1e15),
+            ("as", 1.0, 1e18),
         ] {
-            assert_eq!(seconds(unit), Some(expected), "{unit}");
-            let (unit_, per_second) = expected;
+            assert_eq!(seconds(code), Some((unit, per_second)), "{code}");
             for (order, big) in [('<', false), ('>', true)] {
-                let instants = Some(Descr::Instants { big, unit: unit_, per_second });
-                assert_eq!(of(&format!("'{order}M8[{unit}]'")), instants, "{unit}");
+                let instants = Some(Descr::Instants { big, unit, per_second });
+                assert_eq!(of(&format!("'{order}M8[{code}]'")), instants, "{code}");
             }
         }
         assert_eq!((seconds("Y"), seconds("")), (None, None));

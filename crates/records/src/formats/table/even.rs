@@ -99,7 +99,7 @@ mod tests {
     }
 
     #[test]
-    fn the_period_is_a_whole_fraction_of_the_wanted_one_near_the_median() {
+    fn the_period_is_a_whole_fraction_of_the_requested_one_near_the_median() {
         for (requested, ts, count) in [(None, 1.05, 5), (Some(0.5), 0.5, 9), (Some(2.1), 1.05, 5), (Some(4.2), 1.05, 5)]
         {
             let even = Even::over(&T, 1.05, requested, 0.0).unwrap();
