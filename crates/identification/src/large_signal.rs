@@ -223,4 +223,55 @@ mod tests {
         let part = linear_from_large_signal(&[record(&[1.0, 2.5, 4.0, 6.0], &beam())], 2).unwrap();
         assert!(part.arx.a().is_empty(), "{}", part.reason);
     }
+
+    /// Least squares by hand: sums of squares and products about the mean of each record 13, 16 and 23.
+    #[test]
+    fn the_gain_is_that_of_all_records_each_with_its_offset() {
+        let first = Record::new(1.0, vec![0.0, 1.0, 2.0, 3.0], vec![1.0, 2.0, 2.0, 5.0]).unwrap();
+        let second = Record::new(1.0, vec![2.0, 0.0, -2.0], vec![10.0, 9.0, 5.0]).unwrap();
+        let (gain, offset, share) = affine(&[first, second]).unwrap();
+        let expected = [16.0 / 13.0, 2.5 - 1.5 * 16.0 / 13.0, (43.0f64 / 299.0).sqrt()];
+        piezoid_testing::assert_close(&[gain, offset, share], &expected, 1e-14, 0.0);
+    }
+
+    #[test]
+    fn a_constant_input_and_an_output_that_does_not_follow_are_different_errors() {
+        let moving = vec![0.0, 1.0, 0.0, -1.0];
+        for (u, y, says) in [(vec![2.0; 4], &moving, "is constant"), (moving.clone(), &vec![2.0; 4], "does not depend")]
+        {
+            let error = affine(&[Record::new(1.0, u, y.clone()).unwrap()]).unwrap_err();
+            assert!(error.to_string().contains(says), "{error}");
+        }
+    }
+
+    #[test]
+    fn the_gain_behind_dynamics_is_found_with_its_offset_and_is_one_without_evidence() {
+        let record = record(&[5.0, 40.0], &beam());
+        let half = beam().b().iter().map(|b| 0.5 * b).collect();
+        let half = Arx::new(5e-4, beam().a().to_vec(), half).unwrap();
+        let (gain, offset) = proportional(&half, 1.0, std::slice::from_ref(&record)).unwrap();
+        piezoid_testing::assert_close(&[gain, offset], &[2.0, -40.0], 1e-9, 0.0);
+        assert_eq!(proportional(&half, 1.0, &[]).unwrap(), (1.0, 1.0));
+        let unstable = Arx::new(5e-4, vec![1.1], vec![1.0]).unwrap();
+        assert_eq!(proportional(&unstable, 1.0, &[record]).unwrap(), (1.0, 1.0));
+    }
+
+    #[test]
+    fn the_residual_is_that_of_the_free_run_over_the_scatter_of_the_output() {
+        let record = record(&[5.0, 40.0, 90.0, 150.0, 220.0], &beam());
+        let part = linear_from_large_signal(std::slice::from_ref(&record), 2).unwrap();
+        let mut fit = part.fit.unwrap();
+        fit.offsets[0] += 3.0;
+        let expected = 3.0 * (record.len() as f64 / scatter(record.y())).sqrt();
+        piezoid_testing::assert_close(&[residual(&fit, &[record]).unwrap()], &[expected], 1e-6, 0.0);
+    }
+
+    #[test]
+    fn frequencies_of_all_records_count_once_and_too_few_are_an_error() {
+        let records = [record(&[5.0, 40.0], &beam()), record(&[5.25, 90.0], &beam())];
+        piezoid_testing::assert_close(&lines(&records), &[5.0, 40.0, 90.0], 1e-3, 0.0);
+        require_excitation(&records, 2).unwrap();
+        let error = require_excitation(&records, 4).unwrap_err();
+        assert!(error.to_string().contains("3 frequencies, but a block of order 4 needs"), "{error}");
+    }
 }

@@ -172,10 +172,10 @@ fn windowed(
     for whole in runs(records, counted, |record| states(start, record)) {
         let record = &whole.record;
         let counts: Vec<bool> = counted.of(record.len()).collect();
-        for from in (0..(record.len() + 1).saturating_sub(samples)).step_by(samples) {
-            let window = record.slice(from..from + samples)?;
+        for range in (0..record.len() / samples).map(|k| k * samples..(k + 1) * samples) {
+            let window = record.slice(range.clone())?;
             let initial = states(start, &window);
-            if counts[from..from + samples].iter().all(|counts| *counts) {
+            if counts[range].iter().all(|counts| *counts) {
                 let record = Cow::Owned(window);
                 windows.push(Run { record, initial, weight: whole.weight, counted: Counted::All });
             }

@@ -1,3 +1,5 @@
+mod derivatives;
+
 use super::*;
 use crate::{Effort, Identified, JointOptions, identify_joint};
 use piezoid_models::driver::DriverModel;
@@ -8,7 +10,7 @@ use piezoid_numerics::series::scatter;
 use piezoid_numerics::system::System;
 use piezoid_records::excitation::{Multisine, Prbs, RisingSine};
 use piezoid_records::preparation::PrepareOptions;
-use piezoid_testing::assert_close;
+use piezoid_testing::{assert_close, assert_kept};
 use piezoid_twins::Plant;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
@@ -106,6 +108,13 @@ fn of_structure(records: &[Record], structure: Structure) -> Identified {
     identify_structure(found, records.iter(), structure, None, &mut Stage::ignore).unwrap()
 }
 
+/// What a search found, and why, without parameters that the records hardly determine.
+fn text(found: &Identified) -> String {
+    let rows = found.trials.iter().map(|trial| format!("{trial:?}"));
+    let determined = found.parameters.iter().filter(|p| p.error < 0.01 * p.value.abs());
+    rows.chain(determined.map(|p| format!("{p:?}"))).chain(found.reasons.clone()).collect::<Vec<_>>().join("\n")
+}
+
 #[test]
 fn auto_takes_feedback_only_where_it_predicts_better() {
     let found = of_structure(&[benchmark(1, N, 8.0)], Structure::Auto);
@@ -116,6 +125,7 @@ fn auto_takes_feedback_only_where_it_predicts_better() {
     assert_eq!((row.operator, row.verdict), ("bouc-wen, in feedback", "taken"));
     assert_eq!(found.trials.iter().filter(|trial| trial.verdict == "taken").count(), 1);
     assert!(found.reasons.iter().any(|reason| reason.starts_with("structure: hysteresis in feedback: ")));
+    assert_kept("feedback-displacement", &text(&found));
 
     // Hysteresis first, mechanics after: a bender at its resonance.
     let u = RisingSine { amplitude: 2.0, frequency: 160.0, ..RisingSine::default() }.samples(5e-4, 2000).unwrap();
@@ -151,6 +161,7 @@ fn auto_finds_vibration_that_drives_the_hysteresis() {
     let blocks = identify_joint(&small, &training, &options, &mut Stage::ignore).unwrap();
     let records = small.iter().chain(&training);
     let found = identify_structure(blocks, records, Structure::Auto, Some(driver), &mut Stage::ignore).unwrap();
+    assert_kept("feedback-vibration", &text(&found));
     let feedback = found.model.feedback().unwrap();
     assert!(feedback.dynamics().modes[0].sensed > 0.0 && feedback.dynamics().modes[0].softening > 0.0);
     let test = record(165.0, 6.0, 1500);

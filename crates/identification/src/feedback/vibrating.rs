@@ -389,3 +389,66 @@ fn operator(ts: f64, paths: &[(Vec<f64>, Vec<f64>)]) -> Result<WeightedOperator,
     let weights = weights.ok_or_else(|| Error::Unidentifiable { what: STAGE.into(), because: because() })?;
     Ok((basis, weights.as_slice().to_vec()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_testing::assert_close;
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn images_are_the_same_at_the_samples() {
+        let ts = 5e-4;
+        for hz in [300.0, 700.0, 1300.0, 2300.0] {
+            let images = images_of(hz, ts);
+            for image in images {
+                let at = |hz: f64| (0..40).map(|t| libm::cos(TAU * hz * ts * f64::from(t))).collect::<Vec<_>>();
+                assert_close(&at(image), &at(hz), 0.0, 1e-9);
+            }
+            assert!(images[0] <= 1000.0 && images[0] < images[1] && images[1] < images[2] && images[2] <= 3000.0);
+        }
+    }
+
+    #[test]
+    fn a_second_mode_takes_its_share_from_the_first_once() {
+        let mode = FeedbackMode { hz: 100.0, damping: 0.01, input: 0.0, hysteretic: 1.5, sensed: 0.1, softening: 0.2 };
+        let one = FeedbackDynamics { modes: vec![mode], ..FeedbackDynamics::default() };
+        let two = with_second(one, 400.0);
+        let [first, second] = &two.modes[..] else { panic!("{two:?}") };
+        assert_close(&[first.hysteretic, second.hysteretic], &[0.92 * 1.5, 0.08 * 1.5], 1e-12, 0.0);
+        assert_eq!((first.hz, second.hz, second.softening), (100.0, 400.0, 0.0));
+        let again = with_second(two.clone(), 500.0);
+        assert_eq!(again.modes[1], FeedbackMode { hz: 500.0, ..two.modes[1] });
+    }
+
+    /// Along the paths of an operator on the same levels.
+    #[test]
+    fn the_operator_is_the_nearest_along_the_paths_for_wider_inputs() {
+        let ts = 1e-3;
+        let u: Vec<f64> = (0..9000).map(|t| f64::from(t) / 9000.0 * 10.0 * libm::sin(0.01 * f64::from(t))).collect();
+        let plays = (Operator::find("prandtl-ishlinskii").unwrap().example)(ts).unwrap();
+        let z = plays.simulate(&u);
+        let (basis, weights) = operator(ts, &[(u.clone(), z.clone())]).unwrap();
+        assert!(weights.iter().all(|weight| *weight >= 0.0));
+        let (mut x, mut phi) = (basis.initial(), vec![0.0; basis.len()]);
+        let run: Vec<f64> = u
+            .iter()
+            .map(|u| {
+                basis.step(&mut x, *u, &mut phi);
+                phi.iter().zip(&weights).map(|(phi, w)| phi * w).sum()
+            })
+            .collect();
+        let error = z.iter().zip(&run).map(|(z, run)| z - run).collect::<Vec<_>>();
+        let share = (scatter(&error) / scatter(&z)).sqrt();
+        assert!(share < 0.02, "{share}");
+        let (low, high) = ends(u.iter().copied());
+        // What is beyond the range still moves the output.
+        let moved = |x: &[f64], u: f64| {
+            let mut phi = vec![0.0; basis.len()];
+            basis.step(&mut x.to_vec(), u, &mut phi);
+            phi
+        };
+        let beyond = high + 0.14 * (high - low);
+        assert_ne!(moved(&x, high), moved(&x, beyond));
+    }
+}
