@@ -99,7 +99,8 @@ impl Release {
         command.env("PATH", path).env("SOURCE_DATE_EPOCH", &self.epoch).env("CARGO_INCREMENTAL", "0");
         let mut flags = web::without_paths().to_vec();
         if of.is_windows() {
-            flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
+            // Among the symbols are names of files that the linker read.
+            flags.extend(["-Clink-arg=-Wl,--no-insert-timestamp", "-Cstrip=symbols"].map(String::from));
         }
         command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
         // Libraries in C leave out their paths too, and when they were compiled: perhaps for an earlier commit.
