@@ -12,7 +12,7 @@ use piezoid_numerics::progress::Stage;
 use piezoid_numerics::series::{ends, scatter};
 use piezoid_numerics::system::System;
 use piezoid_records::excitation::{Prbs, RisingSine};
-use piezoid_testing::{assert_close, noise};
+use piezoid_testing::{assert_close, assert_kept, noise};
 use std::f64::consts::TAU;
 use std::ops::ControlFlow;
 
@@ -240,6 +240,24 @@ fn each_finished_operator_hands_out_its_model_and_a_cancelled_search_ends_with_t
     }
 }
 
+/// The linear block, each operator with it held, then with other shapes, then with all parameters.
+#[test]
+fn progress_counts_each_fit_of_each_operator() {
+    let plant = plant(5e-4, 1);
+    let (small, large_signal) = ([prbs(&plant)], large_signal(&plant, 0.3, &[(11.0, 0.0), (29.0, 0.0), (61.0, 0.0)]));
+    let mut done = Vec::new();
+    let mut count = |stage: Stage| {
+        assert_eq!(stage.total, 10);
+        if stage.model.is_some() {
+            done.push(stage.done);
+        }
+        ControlFlow::Continue(())
+    };
+    identify_joint(&small, &large_signal, &named("bouc-wen,dahl,prandtl-ishlinskii"), &mut count).unwrap();
+    done.dedup();
+    assert_eq!(done, (0..10).collect::<Vec<_>>());
+}
+
 #[test]
 fn a_quick_search_finds_a_coarse_model_in_the_ends_of_long_records() {
     let plant = plant(5e-4, 1);
@@ -369,11 +387,11 @@ fn the_order_of_fractional_creep_is_found_to_a_hundredth() {
         let path = |t: u32| 15.0 * (sine(f64::from(t), 0.06) + sine(f64::from(t), 1.3));
         let records = vec![crept((0..6000).map(levels).collect()), crept((0..6000).map(path).collect())];
         let settings = JointOptions { fractional_creep: true, ..named("prandtl-ishlinskii") };
-        let of = |records: &[Record]| {
-            let found = identified(&[], records, &settings);
-            found.parameters.into_iter().find(|p| p.name == "creep order [-]").unwrap()
-        };
-        let (exact, of_noise) = (of(&records), of(&noisy(records.clone())));
+        let of = |found: &Identified| found.parameters.iter().find(|p| p.name == "creep order [-]").unwrap().clone();
+        let exact = of(&identified(&[], &records, &settings));
+        let found = identified(&[], &noisy(records), &settings);
+        assert_kept(&format!("search-creep-order-{order}"), &kept::text(&found));
+        let of_noise = of(&found);
         assert!((exact.value - order).abs() < 0.01, "{exact:?}");
         assert!((of_noise.value - order).abs() < 2.0 * of_noise.error && of_noise.error < 0.1, "{of_noise:?}");
     }
@@ -405,19 +423,22 @@ fn a_lag_before_the_hysteresis_is_found_and_belongs_to_the_driver() {
     assert!(found.linear.reason.contains("driver lag 0.00"), "{}", found.linear.reason);
 }
 
-#[test]
-fn records_after_cycles_over_the_whole_range_give_the_same_weights_as_records_from_rest() {
-    let plant = plant(5e-4, 1);
+/// Rising sines after two cycles over the whole range, which end at zero from below, and a pause.
+fn after_cycles(plant: &Model) -> Vec<Record> {
     let cycled = |hz: f64| {
         let cycle = |t: i32| -30.0 * (TAU * f64::from(t) / 400.0).sin();
         let sine = RisingSine { amplitude: 30.0, frequency: hz, ..RisingSine::default() }.samples(5e-4, 1600).unwrap();
-        // Two cycles that end at zero from below, and a pause.
         let u: Vec<f64> = (0..800).map(cycle).chain(vec![0.0; 400]).chain(sine).collect();
         let y = plant.simulate(&u);
         Record::new(5e-4, u[1200..].to_vec(), y[1200..].to_vec()).unwrap()
     };
-    let records = [5.0, 23.0, 47.0].map(cycled);
-    let found = identified(&[prbs(&plant)], &records, &named("prandtl-ishlinskii"));
+    [5.0, 23.0, 47.0].map(cycled).into()
+}
+
+#[test]
+fn records_after_cycles_over_the_whole_range_give_the_same_weights_as_records_from_rest() {
+    let plant = plant(5e-4, 1);
+    let found = identified(&[prbs(&plant)], &after_cycles(&plant), &named("prandtl-ishlinskii"));
     assert!(error(&found.model, &plant) < 1e-3, "{}", error(&found.model, &plant));
 }
 
@@ -433,6 +454,7 @@ fn records_that_are_long_are_searched_in_parts_and_fitted_whole() {
     let records = noisy(vec![record(&plant, (0..160_000).map(u).collect(), 0.0)]);
     let found = identified(&[], &records, &named("prandtl-ishlinskii"));
     assert!(found.left_percent.is_none(), "{:?}", found.notes);
+    assert_kept("search-parts", &kept::text(&found));
     let slow: f64 =
         found.model.creep().lags().iter().filter(|lag| (1.0..100.0).contains(&lag.tau_s)).map(|lag| lag.gain).sum();
     assert!((slow - 0.05).abs() < 0.01, "{:?}", found.model.creep().lags());

@@ -290,4 +290,21 @@ mod tests {
         assert_eq!(shown[0].name, "a mode");
         assert_close(shown[0].linear.a(), block.a(), 1e-3, 0.0);
     }
+
+    #[test]
+    fn the_grid_has_lags_an_octave_apart_and_modes_from_the_highest_frequency_down() {
+        let grid = Grid { ts: 1e-3, slowest: 20.0, lowest: 100.0 };
+        let lags: Vec<f64> = grid.lags().iter().map(|factor| -1e-3 / log(-factor[1])).collect();
+        assert_close(&lags, &[0.5e-3, 1e-3, 2e-3, 4e-3], 1e-12, 0.0);
+        let pole = |factor: &Factor| {
+            let [_, b, c] = factor[..] else { panic!("{factor:?}") };
+            let (decay, angle) = (0.5 * log(c), libm::acos(-0.5 * b / c.sqrt()));
+            let size = libm::hypot(decay, angle);
+            [size / (TAU * 1e-3), -decay / size]
+        };
+        let found: Vec<f64> = grid.modes().iter().flat_map(pole).collect();
+        let hz = (0..6).map(|k| 450.0 / libm::pow(1.3, f64::from(k)));
+        let expected: Vec<f64> = hz.flat_map(|hz| [hz, 0.03, hz, 0.2]).collect();
+        assert_close(&found, &expected, 1e-9, 0.0);
+    }
 }

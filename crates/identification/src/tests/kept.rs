@@ -3,7 +3,6 @@
 
 use super::*;
 use piezoid_models::driver::DriverModel;
-use piezoid_testing::assert_kept;
 
 /// The searches: name, records of small and of large signals, and options.
 fn searches() -> Vec<(&'static str, [Vec<Record>; 2], JointOptions)> {
@@ -31,6 +30,8 @@ fn searches() -> Vec<(&'static str, [Vec<Record>; 2], JointOptions)> {
             [vec![], noisy(large_signal(&driven, 0.5, &[(5.0, 0.0), (20.0, 0.0), (60.0, 0.0)]))],
             named("bouc-wen,dahl"),
         ),
+        ("ringing", [vec![], after_a_step(&beam, 0.02)], named("prandtl-ishlinskii")),
+        ("cycled", [noisy(vec![prbs(&beam)]), noisy(after_cycles(&beam))], named("prandtl-ishlinskii")),
         (
             "quick",
             [vec![], noisy(large_signal(&beam, 0.5, &three))],
@@ -40,7 +41,7 @@ fn searches() -> Vec<(&'static str, [Vec<Record>; 2], JointOptions)> {
 }
 
 /// What a search found, and why.
-fn text(found: &Identified) -> String {
+pub(super) fn text(found: &Identified) -> String {
     let Identified { model, trials, parameters, .. } = found;
     let rows = trials.iter().map(|trial| format!("{trial:?}")).chain(parameters.iter().map(|p| format!("{p:?}")));
     format!("{}\n{}\n{}", found.remarks().join("\n"), rows.collect::<Vec<_>>().join("\n"), model.to_json())
