@@ -9,7 +9,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut list = String::from("&[\n");
     for path in files(&root)? {
         let name = path.strip_prefix(&root)?.to_string_lossy().replace('\\', "/");
-        writeln!(list, "({name:?}, include_bytes!({:?})),", path.to_string_lossy())?;
+        // A path in the list would make the program depend on the folder of its build.
+        writeln!(list, "({name:?}, include_bytes!(concat!(env!(\"CARGO_MANIFEST_DIR\"), \"/page/\", {name:?}))),")?;
     }
     std::fs::write(PathBuf::from(std::env::var("OUT_DIR")?).join("page.rs"), list + "]")?;
     Ok(())

@@ -98,9 +98,10 @@ impl Release {
         path.push(std::env::var_os("PATH").unwrap_or_default());
         command.env("PATH", path).env("SOURCE_DATE_EPOCH", &self.epoch).env("CARGO_INCREMENTAL", "0");
         let mut flags = web::without_paths().to_vec();
+        // Symbols name the files that the linker read, and what identifies a program for macOS is a sum over them.
+        flags.push("-Clink-arg=-s".into());
         if of.is_windows() {
-            // Among the symbols are names of files that the linker read.
-            flags.extend(["-Clink-arg=-Wl,--no-insert-timestamp", "-Cstrip=symbols"].map(String::from));
+            flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
         }
         command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
         // Libraries in C leave out their paths too, and when they were compiled: perhaps for an earlier commit.
