@@ -274,4 +274,18 @@ mod tests {
         let error = require_excitation(&records, 4).unwrap_err();
         assert!(error.to_string().contains("3 frequencies, but a block of order 4 needs"), "{error}");
     }
+
+    #[test]
+    fn dynamics_are_taken_if_they_leave_less_than_four_fifths_of_what_a_gain_leaves() {
+        let exact = record(&[5.0, 40.0, 90.0, 150.0, 220.0], &beam());
+        let y = exact.y().iter().zip(piezoid_testing::noise(1, exact.len())).map(|(y, e)| y + 1e-3 * e).collect();
+        let records = [Record::new(5e-4, exact.u().to_vec(), y).unwrap()];
+        let (gain, offset, _) = affine(&records).unwrap();
+        let part = |left: f64| of_order(&records, 2, (gain, offset, left), &lines(&records)).unwrap();
+        let share = residual(&part(1.0).fit.unwrap(), &records).unwrap();
+        assert!(share > 0.0);
+        let of_gain = part(share / 0.82);
+        assert!(of_gain.fit.is_none() && of_gain.reason.contains("no clear improvement"), "{}", of_gain.reason);
+        assert!(part(share / 0.78).fit.is_some());
+    }
 }
