@@ -98,7 +98,7 @@ impl Release {
         path.push(std::env::var_os("PATH").unwrap_or_default());
         command.env("PATH", path).env("SOURCE_DATE_EPOCH", &self.epoch).env("CARGO_INCREMENTAL", "0");
         let mut flags = web::without_paths().to_vec();
-        // Symbols name the files that the linker read, and what identifies a program for macOS is a sum over them.
+        // Symbols name the files that the linker read, and the UUID of a program for macOS is a hash over them.
         flags.push("-Clink-arg=-s".into());
         if of.is_windows() {
             flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
