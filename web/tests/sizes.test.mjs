@@ -10,7 +10,10 @@ import { DIST } from "./modules.mjs";
 const LARGEST = {
   "files.wasm": 800_000,
   "models.wasm": 800_000,
+  "plans.wasm": 1_000_000,
+  "compensation.wasm": 1_000_000,
   "reports.wasm": 1_000_000,
+  "studies.wasm": 1_000_000,
   "exports.wasm": 1_000_000,
   "lists.json": 10_000,
 };

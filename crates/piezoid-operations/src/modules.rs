@@ -1,5 +1,7 @@
 //! The operations, by the WebAssembly modules in which the page loads them: a feature of this crate each.
 
+#[cfg(feature = "compensation")]
+mod compensation;
 #[cfg(feature = "exports")]
 mod exports;
 #[cfg(feature = "files")]
@@ -8,10 +10,14 @@ mod files;
 mod instruments;
 #[cfg(feature = "models")]
 mod models;
+#[cfg(feature = "plans")]
+mod plans;
 #[cfg(feature = "reports")]
 mod reports;
 #[cfg(any(feature = "files", feature = "models"))]
 mod shape;
+#[cfg(feature = "studies")]
+mod studies;
 
 use crate::{Inputs, Operation, Role};
 use piezoid::Error;
@@ -23,16 +29,24 @@ use piezoid_numerics::options::OptionKind;
 pub(crate) const MODULES: &[&[Operation]] = &[
     #[cfg(feature = "files")]
     files::OPERATIONS,
+    #[cfg(feature = "plans")]
+    plans::OPERATIONS,
     #[cfg(feature = "models")]
     models::OPERATIONS,
+    #[cfg(feature = "compensation")]
+    compensation::OPERATIONS,
     #[cfg(feature = "reports")]
     reports::OPERATIONS,
+    #[cfg(feature = "studies")]
+    studies::OPERATIONS,
     #[cfg(feature = "exports")]
     exports::OPERATIONS,
     #[cfg(feature = "instruments")]
     instruments::OPERATIONS,
 ];
 
+/// The address of the page that has a project open.
+const ADDRESS: OptionKind = OptionKind::Text("ADDRESS");
 const NAME: OptionKind = OptionKind::Text("NAME");
 const DATA: Role = several("data", 1);
 const MODEL: Role = one("model");
@@ -52,6 +66,12 @@ const fn optional(name: &'static str) -> Role {
 /// So many files or more.
 const fn several(name: &'static str, least: usize) -> Role {
     Role { name, least, many: true }
+}
+
+/// The address of a project. A wrong one is an error before the work of a report, not after it.
+#[cfg(any(feature = "reports", feature = "studies"))]
+fn address(project: Option<String>) -> Result<Option<piezoid_report::page::Address>, Error> {
+    project.map(|text| text.parse()).transpose()
 }
 
 /// Series by their names.

@@ -1,7 +1,7 @@
-//! What comes before a model: drives, and records from files of all formats.
+//! Records from files of all formats, and drive signals.
 
 use super::shape::{shape, spectra};
-use super::{DATA, NAME, STAND_IN, named, one, optional, several, some_simulated};
+use super::{DATA, NAME, named, one};
 use crate::packet::Marks;
 use crate::{Inputs, Operation, Output};
 use piezoid::excitation::Excitation;
@@ -10,7 +10,7 @@ use piezoid::{Error, PrepareOptions, Record};
 use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_records::quality::Drive;
 use piezoid_records::waveform::spectrum;
-use piezoid_verbs::{ContributeOptions, Contributed, ExciteOptions, File, PlanOptions, Source, Step, propose};
+use piezoid_verbs::{ExciteOptions, File, Source, Step, propose};
 use serde_json::{Value, json};
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -37,22 +37,6 @@ pub(super) const OPERATIONS: &[Operation] = &[
         roles: &[],
         options: ExciteCall::rows,
         run: |inputs, _| excite(inputs),
-    },
-    Operation {
-        name: "plan",
-        summary: "Plan the records of an identification: the drives within a driver's limits, and what each is for",
-        module: "files",
-        roles: &[optional("model"), STAND_IN],
-        options: PlanOptions::rows,
-        run: |inputs, _| plan(inputs),
-    },
-    Operation {
-        name: "contribute",
-        summary: "Check records of a real actuator and pack them as evidence for all, or check such an archive",
-        module: "files",
-        roles: &[several("data", 0), optional("check")],
-        options: ContributeOptions::rows,
-        run: |inputs, _| contribute(inputs),
     },
 ];
 
@@ -134,30 +118,4 @@ fn excite(inputs: &Inputs) -> Result<Output, Error> {
     let (hz, amplitude) = spectrum(&outcome.u, outcome.ts);
     let series = named([("u", &outcome.u), ("u/hz", &hz), ("u/amplitude", &amplitude)]);
     Ok(Output { result, series, files: vec![file] })
-}
-
-fn plan(inputs: &Inputs) -> Result<Output, Error> {
-    let model = inputs.some("model")?.map(|file| file.model()).transpose()?;
-    let (options, plant) = (inputs.options::<PlanOptions>()?, some_simulated(inputs, None)?);
-    let plan = match &plant {
-        Some((name, plant)) => options.rehearsed(model.as_ref(), (name, plant))?,
-        None => options.run(model.as_ref())?,
-    };
-    let mut series = Vec::new();
-    for drive in &plan.drives {
-        let (hz, amplitude) = spectrum(&drive.u, plan.ts);
-        series.push((drive.name.to_string(), drive.u.clone()));
-        series.extend([(format!("{}/hz", drive.name), hz), (format!("{}/amplitude", drive.name), amplitude)]);
-    }
-    Ok(Output { result: plan.to_json(), series, files: plan.files()? })
-}
-
-/// Records as an archive, or the archive that is to be checked.
-fn contribute(inputs: &Inputs) -> Result<Output, Error> {
-    if let Some(archive) = inputs.some("check")? {
-        return Ok(Output { result: Contributed::check(&archive)?.to_json(), ..Output::default() });
-    }
-    let found = inputs.options::<ContributeOptions>()?.run(inputs.sources("data")?)?;
-    let files = vec![File::new("contribution.zip", found.archive()?)];
-    Ok(Output { result: found.to_json(), series: Vec::new(), files })
 }

@@ -1,6 +1,6 @@
 //! Controllers in the network.
 
-use super::models::timed;
+use super::compensation::timed;
 use super::{MODEL, NAME, STAND_IN, named, one, optional, some_simulated};
 use crate::{Inputs, Operation, Output, Role};
 use piezoid::progress::Progress;

@@ -1,18 +1,14 @@
-//! Operations that write pages with figures.
+//! Pages with figures about one model.
 
-use super::{DATA, MODEL, NAME, STAND_IN, several, simulated};
+use super::{ADDRESS, DATA, MODEL, NAME, STAND_IN, address, several, simulated};
 use crate::{Inputs, Operation, Output};
 use piezoid::Error;
 use piezoid::progress::Progress;
 use piezoid::validation::ValidateOptions;
-use piezoid_numerics::options::{OptionKind, OptionRow, Options, options};
+use piezoid_numerics::options::{OptionRow, Options, options};
 use piezoid_report::dcc;
-use piezoid_report::page::Address;
-use piezoid_report::report::{certificate, comparison, leaderboard, report, tracking};
-use piezoid_report::study::{Study, StudyOptions};
-use piezoid_verbs::{
-    CertificateOptions, CompareOptions, ComparisonReport, ControlOptions, DataFile, File, ValidateRecords,
-};
+use piezoid_report::report::{certificate, report, tracking};
+use piezoid_verbs::{CertificateOptions, ComparisonReport, ControlOptions, DataFile, File, ValidateRecords};
 use serde_json::json;
 
 pub(super) const OPERATIONS: &[Operation] = &[
@@ -40,22 +36,6 @@ pub(super) const OPERATIONS: &[Operation] = &[
         options: CertificateOptions::rows,
         run: |inputs, _| certify(inputs),
     },
-    Operation {
-        name: "compare",
-        summary: "Compare models, operators and structures on the same records",
-        module: "reports",
-        roles: &[several("model", 0), several("training", 0), several("small_signal", 0), several("data", 0)],
-        options: CompareCall::rows,
-        run: compare,
-    },
-    Operation {
-        name: "study",
-        summary: "Repeat the paper's experiment from end to end, as tables and a report",
-        module: "reports",
-        roles: &[],
-        options: StudyOptions::rows,
-        run: study,
-    },
 ];
 
 options! {
@@ -73,16 +53,6 @@ options! {
         project: Option<String> = None, OptionRow::new(ADDRESS);
     } with validation: ValidateOptions
 }
-
-options! {
-    /// Options of `compare`.
-    pub(crate) struct CompareCall {
-        /// Address of the page that has the project open, for a link to it.
-        project: Option<String> = None, OptionRow::new(ADDRESS);
-    } with comparison: CompareOptions
-}
-
-const ADDRESS: OptionKind = OptionKind::Text("ADDRESS");
 
 fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let ControlCall { plant, mut control } = inputs.options()?;
@@ -103,11 +73,6 @@ fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     Ok(Output { result, series, files: vec![File::new("control.html", tracking(&outcome).html())] })
 }
 
-/// The address of a project. A wrong one is an error before the work of a report, not after it.
-fn address(project: Option<String>) -> Result<Option<Address>, Error> {
-    project.map(|text| text.parse()).transpose()
-}
-
 fn page(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
     let ReportCall { project, validation } = inputs.options()?;
@@ -126,21 +91,4 @@ fn certify(inputs: &Inputs) -> Result<Output, Error> {
         files.push(File::new("certificate.xml", dcc(&found)?));
     }
     Ok(Output { result: found.to_json(), series: Vec::new(), files })
-}
-
-fn compare(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
-    let CompareCall { project, comparison: options } = inputs.options()?;
-    let project = address(project)?;
-    let [training, small_signal, data] = ["training", "small_signal", "data"].map(|role| inputs.sources(role));
-    let outcome = options.run_all((inputs.all("model")?, [training?, small_signal?, data?]), None, progress)?;
-    let mut files = vec![File::new("compare.html", comparison(&outcome).of_project(project).html())];
-    if outcome.split.is_some() {
-        files.extend(leaderboard(&outcome).map(|figure| File::new("compare.svg", figure.svg())));
-    }
-    Ok(Output { result: outcome.to_json(), series: Vec::new(), files })
-}
-
-fn study(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
-    let studies = inputs.options::<StudyOptions>()?.run(progress)?;
-    Ok(Output { result: Study::to_json(&studies), series: Vec::new(), files: Study::files(&studies) })
 }
