@@ -12,6 +12,8 @@ mod instruments;
 mod models;
 #[cfg(feature = "plans")]
 mod plans;
+#[cfg(any(feature = "reports", feature = "studies"))]
+mod project;
 #[cfg(feature = "reports")]
 mod reports;
 #[cfg(any(feature = "files", feature = "models"))]
@@ -45,8 +47,6 @@ pub(crate) const MODULES: &[&[Operation]] = &[
     instruments::OPERATIONS,
 ];
 
-/// The address of the page that has a project open.
-const ADDRESS: OptionKind = OptionKind::Text("ADDRESS");
 const NAME: OptionKind = OptionKind::Text("NAME");
 const DATA: Role = several("data", 1);
 const MODEL: Role = one("model");
@@ -66,12 +66,6 @@ const fn optional(name: &'static str) -> Role {
 /// So many files or more.
 const fn several(name: &'static str, least: usize) -> Role {
     Role { name, least, many: true }
-}
-
-/// The address of a project. A wrong one is an error before the work of a report, not after it.
-#[cfg(any(feature = "reports", feature = "studies"))]
-fn address(project: Option<String>) -> Result<Option<piezoid_report::page::Address>, Error> {
-    project.map(|text| text.parse()).transpose()
 }
 
 /// Series by their names.

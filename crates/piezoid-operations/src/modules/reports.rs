@@ -1,6 +1,7 @@
 //! Pages with figures about one model.
 
-use super::{ADDRESS, DATA, MODEL, NAME, STAND_IN, address, several, simulated};
+use super::project::ProjectOptions;
+use super::{DATA, MODEL, NAME, STAND_IN, several, simulated};
 use crate::{Inputs, Operation, Output};
 use piezoid::Error;
 use piezoid::progress::Progress;
@@ -49,9 +50,7 @@ options! {
 options! {
     /// Options of `report`.
     pub(crate) struct ReportCall {
-        /// Address of the page that has the project open, for a link to it.
-        project: Option<String> = None, OptionRow::new(ADDRESS);
-    } with validation: ValidateOptions
+    } with project: ProjectOptions with validation: ValidateOptions
 }
 
 fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
@@ -76,7 +75,7 @@ fn control(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
 fn page(inputs: &Inputs) -> Result<Output, Error> {
     let model = inputs.one("model")?.model()?;
     let ReportCall { project, validation } = inputs.options()?;
-    let project = address(project)?;
+    let project = project.address()?;
     let outcome = validation.run(&model, inputs.sources("data")?)?;
     let result = json!({"sentence": outcome.verdict(&model).map(|verdict| verdict.to_string())});
     let page = report(&model, &outcome).of_project(project);

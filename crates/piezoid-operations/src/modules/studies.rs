@@ -1,10 +1,11 @@
 //! Pages with figures about many models.
 
-use super::{ADDRESS, address, several};
+use super::project::ProjectOptions;
+use super::several;
 use crate::{Inputs, Operation, Output};
 use piezoid::Error;
 use piezoid::progress::Progress;
-use piezoid_numerics::options::{OptionRow, Options, options};
+use piezoid_numerics::options::{Options, options};
 use piezoid_report::report::{comparison, leaderboard};
 use piezoid_report::study::{Study, StudyOptions};
 use piezoid_verbs::{CompareOptions, File};
@@ -31,14 +32,12 @@ pub(super) const OPERATIONS: &[Operation] = &[
 options! {
     /// Options of `compare`.
     pub(crate) struct CompareCall {
-        /// Address of the page that has the project open, for a link to it.
-        project: Option<String> = None, OptionRow::new(ADDRESS);
-    } with comparison: CompareOptions
+    } with project: ProjectOptions with comparison: CompareOptions
 }
 
 fn compare(inputs: &Inputs, progress: &mut Progress) -> Result<Output, Error> {
     let CompareCall { project, comparison: options } = inputs.options()?;
-    let project = address(project)?;
+    let project = project.address()?;
     let [training, small_signal, data] = ["training", "small_signal", "data"].map(|role| inputs.sources(role));
     let outcome = options.run_all((inputs.all("model")?, [training?, small_signal?, data?]), None, progress)?;
     let mut files = vec![File::new("compare.html", comparison(&outcome).of_project(project).html())];
