@@ -90,12 +90,6 @@ fn every_model_is_measured_with_the_clock_and_without() {
 }
 
 #[test]
-fn two_controllers_with_one_seed_give_the_same_record() {
-    let one = || run(&at(simulated(&Simulation::default())), &drive(5e-4, &sine(100)), &mut Stage::ignore).unwrap();
-    assert_eq!(one(), one());
-}
-
-#[test]
 fn a_controller_tells_its_axis_limits_and_tables() {
     let port = simulated(&Simulation::default());
     let connect = ConnectOptions { port, ..ConnectOptions::default() };

@@ -106,6 +106,22 @@ fn a_long_time_at_rest_is_the_same_in_coarse_steps() {
     }
 }
 
+/// The test gives the commands itself: a client also asks, by the clock of the machine, what the actuator does, and each
+/// answer lets time pass.
+#[test]
+fn the_same_commands_and_seed_give_the_same_record_and_another_seed_another() {
+    let record = |seed: u64| {
+        let device = device(Simulation { seed, ..Simulation::default() });
+        ask(&device, &format!("{RAMP}DRC 1 1 16\nDRC 2 1 2\nRTR 100\nWGO 1 1\n"));
+        wait(&device, 1.1);
+        ask(&device, "DRR? 1 200 1 2")
+    };
+    let first = record(1);
+    assert!(first.lines().count() > 200, "{first}");
+    assert_eq!(first, record(1));
+    assert_ne!(first, record(2));
+}
+
 #[test]
 fn moves_take_time_and_the_velocity_is_kept() {
     let device = device(Simulation { plant: "paper".into(), ..Simulation::default() });
