@@ -98,10 +98,12 @@ impl Release {
         path.push(std::env::var_os("PATH").unwrap_or_default());
         command.env("PATH", path).env("SOURCE_DATE_EPOCH", &self.epoch).env("CARGO_INCREMENTAL", "0");
         let mut flags = web::without_paths().to_vec();
-        // Symbols name the files that the linker read, and the UUID of a program for macOS is a hash over them.
-        flags.push("-Clink-arg=-s".into());
+        // Symbols name the files that the linker read, and the UUID of a program for macOS is a hash over them. Cargo
+        // has only debug information removed; after that, the linker of MinGW ignores -s.
         if of.is_windows() {
-            flags.push("-Clink-arg=-Wl,--no-insert-timestamp".into());
+            flags.extend(["-Cstrip=symbols", "-Clink-arg=-Wl,--no-insert-timestamp"].map(String::from));
+        } else {
+            flags.push("-Clink-arg=-s".into());
         }
         command.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
         // Libraries in C leave out their paths too, and when they were compiled: perhaps for an earlier commit.
