@@ -14,8 +14,8 @@ use libm::{erfc, exp, lgamma, log, log1p};
 /// Degrees of freedom from which the distribution is normal but for a correction.
 const MANY: f64 = 1e5;
 
-/// Number of halvings of the interval of a quantile: to the last digit.
-const HALVINGS: usize = 200;
+/// Number of bisections of the interval of a quantile: to the last digit.
+const BISECTIONS: usize = 200;
 
 /// The factor k within which a share `coverage` (between 0 and 1) of Student's t-distribution with `nu` degrees of
 /// freedom (above 0, perhaps infinite) lies.
@@ -43,7 +43,7 @@ fn solved(value: f64, falling: impl Fn(f64) -> f64) -> f64 {
         high *= 2.0;
     }
     let mut low = 0.0;
-    for _ in 0..HALVINGS {
+    for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);
         if middle <= low || middle >= high {
             break;

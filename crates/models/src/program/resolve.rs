@@ -9,6 +9,55 @@ use std::rc::Rc;
 /// A statement, an expression or a condition, ready to run.
 type Closure<'p, T = f64> = Box<dyn Fn(&mut Work) -> T + 'p>;
 
+/// A number of an expression. Most are constants and variables, which need no call.
+struct Number<'p> {
+    source: Source<'p>,
+    /// In a watched machine, the cell with its largest absolute value.
+    largest: Option<usize>,
+}
+
+enum Source<'p> {
+    Constant(f64),
+    Cell(usize),
+    Computed(Closure<'p>),
+}
+
+impl<'p> Number<'p> {
+    fn constant(v: f64) -> Self {
+        Source::Constant(v).into()
+    }
+
+    fn computed(value: impl Fn(&mut Work) -> f64 + 'p) -> Self {
+        Source::Computed(Box::new(value)).into()
+    }
+
+    /// Its value now.
+    fn at(&self, w: &mut Work) -> f64 {
+        let v = match &self.source {
+            Source::Constant(v) => *v,
+            Source::Cell(at) => w.cells[*at],
+            Source::Computed(value) => value(w),
+        };
+        if let Some(at) = self.largest {
+            w.cells[at] = w.cells[at].max(0.0).max(v.abs());
+        }
+        v
+    }
+
+    fn then(self, act: impl Fn(&mut Work, f64) -> f64 + 'p) -> Self {
+        Number::computed(move |w| {
+            let v = self.at(w);
+            act(w, v)
+        })
+    }
+}
+
+impl<'p> From<Source<'p>> for Number<'p> {
+    fn from(source: Source<'p>) -> Self {
+        Number { source, largest: None }
+    }
+}
+
 /// A function with its own cells: there is no recursion.
 #[derive(Clone)]
 pub(super) struct ResolvedFunction<'p> {
@@ -35,15 +84,19 @@ impl<'p> Resolver<'p> {
         }
         let steps = self.steps(&function.steps);
         let gives = self.room(function.returns.len());
-        let returns: Vec<Closure> =
-            function.returns.iter().map(|expr| later(self.of(&ValueType::Real, expr))).collect();
+        let returns: Vec<Number> = function.returns.iter().map(|expr| self.result(expr)).collect();
         let run = Rc::new(move |w: &mut Work| {
             steps(w);
             for (k, value) in returns.iter().enumerate() {
-                w.cells[gives + k] = value(w);
+                w.cells[gives + k] = value.at(w);
             }
         });
         self.machine.ready.push(ResolvedFunction { run, takes, gives });
+    }
+
+    /// A returned number; an error is reported only when it is computed.
+    fn result(&mut self, expr: &'p Expr) -> Number<'p> {
+        self.of(&ValueType::Real, expr).unwrap_or_else(|error| Source::Computed(later(Err(error))).into())
     }
 
     /// Allocates `n` cells; returns the first.
@@ -90,7 +143,7 @@ impl<'p> Resolver<'p> {
             Statement::Let(new, expr) => {
                 let (value, kind) = self.value(expr)?;
                 let to = self.name(&new[0], kind, 0);
-                Box::new(move |w| w.cells[to] = value(w))
+                Box::new(move |w| w.cells[to] = value.at(w))
             }
             Statement::Copy { name, of, block, zero } => {
                 let ((begins, before, _), n, zero) = (self.meant(of)?, self.machine.program.order(block), *zero);
@@ -108,7 +161,7 @@ impl<'p> Resolver<'p> {
             Statement::Set(place, expr) => {
                 let (value, place) = (self.value(expr)?.0, self.place(place)?);
                 Box::new(move |w| {
-                    let v = value(w);
+                    let v = value.at(w);
                     place(w).into_iter().for_each(|at| w.cells[at] = v);
                 })
             }
@@ -129,7 +182,7 @@ impl<'p> Resolver<'p> {
                 let (at, steps) = (self.name(name, ValueType::Integer, 0), self.steps(steps));
                 let most = most.unwrap_or(usize::MAX);
                 Box::new(move |w| {
-                    let (from, to) = (from(w) as usize, to(w) as usize);
+                    let (from, to) = (from.at(w) as usize, to.at(w) as usize);
                     if to.saturating_sub(from) > most {
                         w.fail(format!("the loop over `{name}` takes more than {most} passes"));
                     }
@@ -163,7 +216,7 @@ impl<'p> Resolver<'p> {
         let room = self.room(inputs.len());
         let call = move |w: &mut Work| {
             for (k, value) in inputs.iter().enumerate() {
-                w.cells[room + k] = value(w);
+                w.cells[room + k] = value.at(w);
             }
             w.cells.copy_within(room..room + inputs.len(), takes);
             run(w);
@@ -172,11 +225,11 @@ impl<'p> Resolver<'p> {
     }
 
     /// A number of type `kind`, or the position of a state of this type.
-    fn of(&mut self, kind: &ValueType, expr: &'p Expr) -> Result<Closure<'p>, Error> {
-        let (value, known): (Closure, ValueType) = match expr {
+    fn of(&mut self, kind: &ValueType, expr: &'p Expr) -> Result<Number<'p>, Error> {
+        let (value, known) = match expr {
             Expr::Part(place) => {
                 let (begins, before, known) = self.meant(place)?;
-                (Box::new(move |w| w.cells[begins] + before as f64), known)
+                (Number::computed(move |w| w.cells[begins] + before as f64), known)
             }
             expr => self.value(expr)?,
         };
@@ -184,48 +237,50 @@ impl<'p> Resolver<'p> {
     }
 
     /// A number and its type.
-    fn value(&mut self, expr: &'p Expr) -> Result<(Closure<'p>, ValueType), Error> {
-        let (value, kind) = self.computed(expr)?;
+    fn value(&mut self, expr: &'p Expr) -> Result<(Number<'p>, ValueType), Error> {
+        let (mut value, kind) = self.computed(expr)?;
         let at = self.machine.work.cells.len();
-        let Some(largest) = self.machine.largest.as_mut().filter(|_| kind == ValueType::Real) else {
-            return Ok((value, kind));
-        };
-        largest.insert(expr, at);
-        self.machine.work.cells.push(-1.0);
-        let watched = move |w: &mut Work, v: f64| {
-            w.cells[at] = w.cells[at].max(0.0).max(v.abs());
-            v
-        };
-        Ok((then(value, watched), kind))
+        if let Some(largest) = self.machine.largest.as_mut().filter(|_| kind == ValueType::Real) {
+            largest.insert(expr, at);
+            self.machine.work.cells.push(-1.0);
+            value.largest = Some(at);
+        }
+        Ok((value, kind))
     }
 
-    fn computed(&mut self, expr: &'p Expr) -> Result<(Closure<'p>, ValueType), Error> {
-        let value: Closure<'p> = match expr {
-            Expr::Real(v) => same(self.machine.work.round(*v)),
-            Expr::Integer(i) => return Ok((same(*i as f64), ValueType::Integer)),
-            Expr::Limit(limit) => same(limit.value(self.machine.work.single)),
+    fn computed(&mut self, expr: &'p Expr) -> Result<(Number<'p>, ValueType), Error> {
+        let value = match expr {
+            Expr::Real(v) => Number::constant(self.machine.work.round(*v)),
+            Expr::Integer(i) => return Ok((Number::constant(*i as f64), ValueType::Integer)),
+            Expr::Limit(limit) => Number::constant(limit.value(self.machine.work.single)),
             Expr::Variable(name, _) => match self.names.get(name.as_str()).cloned() {
-                Some((at, kind)) => return Ok((Box::new(move |w| w.cells[at]), kind)),
+                Some((at, kind)) => return Ok((Source::Cell(at).into(), kind)),
                 None => return wrong(format!("`{name}` has no value yet")),
             },
             Expr::Constant(block, name, index) => {
-                let index = index.as_ref().map_or(Ok(same(0.0)), |index| self.of(&ValueType::Integer, index))?;
                 let constant = self.machine.program.blocks[*block].constants.iter().find(|c| c.name == *name);
                 let values = constant.map_or(&[][..], |c| &c.values);
-                then(index, move |w, k| match values.get(k as usize) {
-                    Some(v) => w.round(*v),
-                    None => w.fail(format!("`{name}` has no element {k}")),
-                })
+                match (index, values) {
+                    (None, [v, ..]) => Number::constant(self.machine.work.round(*v)),
+                    (index, _) => {
+                        let first = Ok(Number::constant(0.0));
+                        let index = index.as_ref().map_or(first, |index| self.of(&ValueType::Integer, index))?;
+                        index.then(move |w, k| match values.get(k as usize) {
+                            Some(v) => w.round(*v),
+                            None => w.fail(format!("`{name}` has no element {k}")),
+                        })
+                    }
+                }
             }
             Expr::At(place) => {
                 let place = self.place(place)?;
-                Box::new(move |w| place(w).map_or(f64::NAN, |at| w.cells[at]))
+                Number::computed(move |w| place(w).map_or(f64::NAN, |at| w.cells[at]))
             }
             Expr::Part(_) => return wrong("a state is not a number".into()),
             Expr::Call(name, arguments) if name == "real" => self.of(&ValueType::Integer, &arguments[0])?,
             Expr::Call(name, arguments) if name == "whole" => {
                 let value = self.of(&ValueType::Real, &arguments[0])?;
-                let whole = then(value, |w, v| {
+                let whole = value.then(|w, v| {
                     let fits = (0.0..1e9).contains(&v);
                     if fits { v.trunc() } else { w.fail(format!("{v} cannot be converted to an integer")) }
                 });
@@ -234,29 +289,33 @@ impl<'p> Resolver<'p> {
             Expr::Call(name, arguments) => match counted::operation(name) {
                 Some(operation) => {
                     let inputs = arguments.iter().map(|a| Ok(self.value(a)?.0)).collect::<Result<Vec<_>, Error>>()?;
-                    Box::new(move |w| {
+                    Number::computed(move |w| {
                         let mut counts = [0.0; 3];
-                        counts.iter_mut().zip(&inputs).for_each(|(count, value)| *count = value(w));
+                        counts.iter_mut().zip(&inputs).for_each(|(count, value)| *count = value.at(w));
                         w.operations += 1;
                         operation(&counts)
                     })
                 }
                 None => {
                     let (call, gives) = self.call(name, arguments)?;
-                    Box::new(move |w| {
+                    Number::computed(move |w| {
                         call(w);
                         w.cells[gives]
                     })
                 }
             },
-            Expr::Negative(expr) => then(self.of(&ValueType::Real, expr)?, |_, v| -v),
+            Expr::Negative(expr) => self.of(&ValueType::Real, expr)?.then(|_, v| -v),
             Expr::Binary(op, left, right) => {
                 let (a, kind) = self.value(left)?;
                 let (b, op) = (self.of(&kind, right)?, *op);
-                return Ok(match kind {
-                    ValueType::Real => (both(a, b, move |w, a, b| w.real(op, a, b)), kind),
-                    _ => (both(a, b, move |w, a, b| w.whole(op, a, b)), kind),
-                });
+                let value = match (&kind, op) {
+                    (ValueType::Real, Op::Add) => both(a, b, |w, a, b| w.real(Op::Add, a, b)),
+                    (ValueType::Real, Op::Subtract) => both(a, b, |w, a, b| w.real(Op::Subtract, a, b)),
+                    (ValueType::Real, Op::Multiply) => both(a, b, |w, a, b| w.real(Op::Multiply, a, b)),
+                    (ValueType::Real, _) => both(a, b, move |w, a, b| w.real(op, a, b)),
+                    _ => both(a, b, move |w, a, b| w.whole(op, a, b)),
+                };
+                return Ok((Source::Computed(value).into(), kind));
             }
         };
         Ok((value, ValueType::Real))
@@ -305,7 +364,7 @@ impl<'p> Resolver<'p> {
             ((begins, before, ValueType::Array(n)), Some(index)) => {
                 let index = self.of(&ValueType::Integer, index)?;
                 Box::new(move |w| {
-                    let k = index(w) as usize;
+                    let k = index.at(w) as usize;
                     if k >= n {
                         w.fail(format!("`{}` has no element {k}", place.root));
                     }
@@ -327,20 +386,9 @@ fn later<'p, T: Default + 'p>(act: Result<Closure<'p, T>, Error>) -> Closure<'p,
     })
 }
 
-fn same<'p>(v: f64) -> Closure<'p> {
-    Box::new(move |_| v)
-}
-
-fn then<'p>(value: Closure<'p>, act: impl Fn(&mut Work, f64) -> f64 + 'p) -> Closure<'p> {
+fn both<'p, T>(a: Number<'p>, b: Number<'p>, act: impl Fn(&mut Work, f64, f64) -> T + 'p) -> Closure<'p, T> {
     Box::new(move |w| {
-        let v = value(w);
-        act(w, v)
-    })
-}
-
-fn both<'p, T>(a: Closure<'p>, b: Closure<'p>, act: impl Fn(&mut Work, f64, f64) -> T + 'p) -> Closure<'p, T> {
-    Box::new(move |w| {
-        let (a, b) = (a(w), b(w));
+        let (a, b) = (a.at(w), b.at(w));
         act(w, a, b)
     })
 }

@@ -61,7 +61,7 @@ fn every_operator_has_a_model_and_a_feed_forward_within_a_millionth_of_the_strok
             let (rms, largest) = (words[0], words[6]);
             let f = &result.functions[k];
             println!("| {name} | `{step}` | {rms} | {largest} | {} | {} |", f.most_seen, f.bound);
-            // Halving evaluates the law 33 times, whatever the reference.
+            // Bisection evaluates the law 33 times, whatever the reference.
             assert!(f.name == step && f.bound < 40 * result.functions[0].bound, "{name}: {f:?}");
             assert!(largest.parse::<f64>().unwrap() <= most, "{name}: {line:?}");
         }

@@ -3,7 +3,7 @@
 //! ```text
 //! from the last input toward the wanted z:   u = (near + far) / 2;   short of z: near = u, else far = u
 //! ```
-//! Newton's method compares with the rounding of floating-point numbers. Halving needs only the sign: after 31 passes
+//! Newton's method compares with the rounding of floating-point numbers. Bisection needs only the sign: after 31 passes
 //! the ends are neighbouring counts. The last input stays unless another is nearer, so that a constant reference gives
 //! a constant voltage. Where z is out of reach, the result is the end, and of a flat piece its beginning, as by
 //! Newton's method. It does not do: laws that fall or jump between the ends, for which several inputs give the same z.

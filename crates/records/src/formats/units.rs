@@ -7,6 +7,8 @@
 
 use super::quote::shortened;
 use piezoid_numerics::number::ascii_unit;
+use std::collections::HashMap;
+use std::sync::LazyLock;
 
 /// What a unit measures.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -62,37 +64,43 @@ const SINGLE: &[(&str, &[&str], Quantity)] = &[
     ("samples", &["sample", "sequence", "index"], Quantity::Other),
 ];
 
+/// Every spelling in lower case, with its unit as it is written here, its quantity, and whether an `M` at its beginning
+/// may be mega.
+static SPELLINGS: LazyLock<HashMap<String, (String, Quantity, bool)>> = LazyLock::new(|| {
+    let mut all = HashMap::new();
+    let mut add = |spelling: String, unit: &str, quantity: Quantity, doubtful: bool| {
+        all.entry(spelling.to_lowercase()).or_insert((unit.into(), quantity, doubtful));
+    };
+    for &(unit, names, quantity) in SINGLE {
+        [unit].iter().chain(names).for_each(|name| add((*name).into(), unit, quantity, false));
+    }
+    for &(base, names, quantity) in BASES {
+        for &(prefix, prefix_name, factor) in PREFIXES {
+            let unit = format!("{prefix}{base}");
+            let quantity = if base == "s" { Quantity::Time(factor) } else { quantity };
+            let short: &[&str] = if base == "s" { &["sec"] } else { &[] };
+            let long = names.iter().map(|name| format!("{prefix_name}{name}"));
+            for name in long.chain(short.iter().map(|name| format!("{prefix}{name}"))) {
+                ["", "s", "e", "n"].iter().for_each(|end| add(format!("{name}{end}"), &unit, quantity, false));
+            }
+            // Only the case of a unit without this doubt is corrected.
+            add(unit.clone(), &unit, quantity, prefix == "m" && base != "m");
+        }
+    }
+    all
+});
+
 /// A unit as it is written here, and its quantity; `None` if it is not known.
-pub(super) fn known(text: &str) -> Option<(String, Quantity)> {
+pub(super) fn known(text: &str) -> Option<(&'static str, Quantity)> {
     // NetCDF counts from a date: `milliseconds since 2024-01-01`.
     let text = text.split(" since ").next().unwrap_or_default();
     // Origin writes Greek letters so.
     let text = ascii_unit(text.trim()).replace("\\g(m)", "u");
-    if text.is_empty() || text.len() > 20 {
+    if text.len() > 20 {
         return None;
     }
-    let lower = text.to_lowercase();
-    for &(unit, names, quantity) in SINGLE {
-        if lower == unit.to_lowercase() || names.contains(&lower.as_str()) {
-            return Some((unit.into(), quantity));
-        }
-    }
-    for &(base, names, quantity) in BASES {
-        for &(prefix, prefix_name, factor) in PREFIXES {
-            // An `M` may be mega: only the case of a unit without this doubt is mended.
-            let certain = prefix != "m" || text.starts_with('m') || base == "m";
-            let symbol = lower.strip_prefix(prefix).is_some_and(|rest| rest.eq_ignore_ascii_case(base));
-            let name = |prefix: &str, names: &[&str]| {
-                let stem = lower.strip_prefix(prefix).unwrap_or_default();
-                names.contains(&stem) || stem.strip_suffix(['s', 'e', 'n']).is_some_and(|stem| names.contains(&stem))
-            };
-            if symbol && certain || name(prefix_name, names) || base == "s" && name(prefix, &["sec"]) {
-                let quantity = if base == "s" { Quantity::Time(factor) } else { quantity };
-                return Some((format!("{prefix}{base}"), quantity));
-            }
-        }
-    }
-    None
+    let (unit, quantity, doubtful) = SPELLINGS.get(&text.to_lowercase())?;
+    (!doubtful || text.starts_with('m')).then_some((unit, *quantity))
 }
 
 /// True for a unit of what an actuator gives: a length, an angle or a strain.
@@ -121,7 +129,7 @@ pub(super) fn is_word(text: &str) -> bool {
 
 /// A unit as it is written here; one that is not known stays as it is.
 pub(super) fn written(text: &str) -> String {
-    known(text).map_or_else(|| ascii_unit(&shortened(text.trim())), |(unit, _)| unit)
+    known(text).map_or_else(|| ascii_unit(&shortened(text.trim())), |(unit, _)| unit.into())
 }
 
 /// The name of a channel and the unit that stands in it: `Weg [µm]`, `Weg (µm)`, `x/µm`, `Weg in µm`, `Weg, µm`,
@@ -144,7 +152,7 @@ pub(super) fn split(name: &str) -> (&str, Option<&str>) {
         {
             // `Channel A`, `y_min` and `x_c` hold no unit.
             let doubtful =
-                ["A", "N", "K", "degC", "h", "d", "min", "samples"].contains(&&*symbol) || mark == " " && symbol == "m";
+                ["A", "N", "K", "degC", "h", "d", "min", "samples"].contains(&symbol) || mark == " " && symbol == "m";
             let timed = ["t", "time", "zeit", "temps"].contains(&&*head.to_lowercase());
             if timed || !(doubtful && ["_", " "].contains(&mark)) {
                 return (head.trim_end_matches([' ', ',', '_']), Some(unit.trim()));
@@ -189,7 +197,7 @@ mod tests {
         ] {
             assert_eq!(written(spelled), expected, "{spelled}");
         }
-        assert_eq!(known("ms"), Some(("ms".into(), Quantity::Time(1e-3))));
+        assert_eq!(known("ms"), Some(("ms", Quantity::Time(1e-3))));
         for (unit, expected) in [("s", 1.0), ("ks", 1e3), ("us", 1e-6), ("ns", 1e-9), ("ps", 1e-12), ("min", 60.0)] {
             assert_eq!(seconds(unit), Some(expected), "{unit}");
         }
