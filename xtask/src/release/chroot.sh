@@ -5,7 +5,7 @@
 set -euo pipefail
 cd "$(dirname "$0")/../../.."
 dist=$PWD/target/dist
-debian=${1:-target/debian}
+debian=$(realpath --canonicalize-missing "${1:-target/debian}")
 
 if [[ ! -x $debian/usr/bin/python3 ]]; then
     debootstrap --variant=minbase --include=python3,python3-venv bookworm "$debian"
