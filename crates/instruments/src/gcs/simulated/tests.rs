@@ -106,8 +106,8 @@ fn a_long_time_at_rest_is_the_same_in_coarse_steps() {
     }
 }
 
-/// The test gives the commands itself: a client also asks, by the clock of the machine, what the actuator does, and each
-/// answer lets time pass.
+/// The test gives the commands itself: a client also asks, by the clock of the machine, what the actuator does, and
+/// each answer lets time pass.
 #[test]
 fn the_same_commands_and_seed_give_the_same_record_and_another_seed_another() {
     let record = |seed: u64| {
