@@ -219,6 +219,12 @@ mod tests {
     }
 
     #[test]
+    fn frequencies_somewhat_below_the_resonance_give_the_block() {
+        let part = linear_from_large_signal(&[record(&[5.0, 40.0, 80.0, 110.0], &beam())], 2).unwrap();
+        piezoid_testing::assert_close(&[part.arx.poles()[0].hz], &[146.73], 1e-3, 0.0);
+    }
+
+    #[test]
     fn frequencies_far_below_the_resonance_give_a_gain() {
         let part = linear_from_large_signal(&[record(&[1.0, 2.5, 4.0, 6.0], &beam())], 2).unwrap();
         assert!(part.arx.a().is_empty(), "{}", part.reason);

@@ -98,6 +98,24 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_random_one_rises_smoothly_within_two_periods() {
+        let (ts, hz) = (5e-4, 5.0);
+        let r = Reference::find("random").unwrap().samples(ts, 40_000, 800.0, hz).unwrap();
+        let sines = Multisine {
+            amplitude: 800.0,
+            frequency_low: hz / 20.0,
+            frequency_high: hz,
+            period: 20.0,
+            seed: 1,
+            ..Default::default()
+        };
+        let whole = sines.samples(ts, 40_000).unwrap();
+        for (t, share) in [(0, 0.0), (200, 5.0 / 32.0), (400, 0.5), (800, 1.0), (39_999, 1.0)] {
+            assert!((r[t] - share * whole[t]).abs() < 1e-9, "{t}: {} of {}", r[t], whole[t]);
+        }
+    }
+
+    #[test]
     fn every_reference_starts_at_rest_and_stays_within_its_peak() {
         for kind in REFERENCES {
             let r = kind.samples(5e-4, 40_000, 800.0, 5.0).unwrap();

@@ -174,6 +174,17 @@ mod tests {
     }
 
     #[test]
+    fn the_noise_of_each_draw_is_another() {
+        let r = Sine { amplitude: 500.0, frequency: 5.0, ..Default::default() }.samples(5e-4, 400).unwrap();
+        let equal = Tolerance { draws: 6, share: 0.0, seed: 1 };
+        let spec = Preset::find("pl140").unwrap().spec().into();
+        let spread = equal.trials(&spec, &drive::<1>(), &r, 100, &mut Stage::ignore).unwrap();
+        for (k, one) in spread.trials.iter().enumerate() {
+            assert!(spread.trials[..k].iter().all(|other| other.tracking != one.tracking), "{k}");
+        }
+    }
+
+    #[test]
     fn a_loop_that_oscillates_within_its_limits_is_unstable() {
         assert_eq!(spread(&drive::<1>(), 2).unstable(), 0);
         assert_eq!(spread(&drive::<30>(), 2).unstable(), 4);

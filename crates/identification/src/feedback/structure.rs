@@ -10,7 +10,7 @@ use piezoid_models::feedback::Intersample;
 use piezoid_models::hammerstein::{InitialCondition, Model};
 use piezoid_numerics::error::Error;
 use piezoid_numerics::number::short;
-use piezoid_numerics::optimize::Reason;
+use piezoid_numerics::optimize::{Minimum, Reason};
 use piezoid_numerics::progress::Progress;
 use piezoid_numerics::series::{mean, scatter};
 use piezoid_records::record::Record;
@@ -95,17 +95,9 @@ fn taken(found: Identified, fit: FeedbackFit, trial: &Trial) -> Result<Identifie
     let of_blocks = notes_on_values(&found.model, &found.parameters);
     notes.retain(|note| !of_blocks.contains(note));
     reasons.push(format!("structure: {STAGE}: {}", trial.errors()));
-    match fit.minimum.reason {
-        Reason::Iterations => {
-            let history = &fit.minimum.history;
-            let lowered = short(100.0 * (1.0 - fit.minimum.cost / history[0]));
-            notes.push(format!(
-                "search: {STAGE}: it ended before its minimum; its last {} steps lowered the sum of squared errors by \
-                 {lowered} %",
-                history.len() - 1
-            ));
-        }
-        _ => reasons.push(format!("search: {STAGE}: it ended at its minimum")),
+    match note_on_end(&fit.minimum) {
+        Some(note) => notes.push(note),
+        None => reasons.push(format!("search: {STAGE}: it ended at its minimum")),
     }
     let parameters = fit.parameters;
     notes.extend(note_on_unknown(&parameters));
@@ -113,6 +105,18 @@ fn taken(found: Identified, fit: FeedbackFit, trial: &Trial) -> Result<Identifie
     trials.push(trial.row(SELECTED));
     let model = found.model.with_feedback(fit.model)?;
     Ok(Identified { model, parameters, trials, reasons, notes, spread: Vec::new(), left_percent: None, ..found })
+}
+
+/// What the last steps of a search changed that did not end at its minimum.
+fn note_on_end(minimum: &Minimum) -> Option<String> {
+    let lowered = short(100.0 * (1.0 - minimum.cost / minimum.history[0]));
+    let steps = minimum.history.len() - 1;
+    (minimum.reason == Reason::Iterations).then(|| {
+        format!(
+            "search: {STAGE}: it ended before its minimum; its last {steps} steps lowered the sum of squared errors by \
+             {lowered} %"
+        )
+    })
 }
 
 /// What drives the hysteresis.
@@ -227,4 +231,17 @@ fn held_out_percent(model: &Model, records: &[Record]) -> f64 {
     };
     let (sum, samples) = records.iter().map(square).fold((0.0, 0), |(sum, n), (square, m)| (sum + square, n + m));
     100.0 * (sum / samples as f64).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_search_that_ends_early_states_what_its_last_steps_lowered() {
+        let minimum = |reason| Minimum { x: vec![], cost: 1.0, history: vec![4.0, 2.0, 1.0], courses: vec![], reason };
+        let note = note_on_end(&minimum(Reason::Iterations)).unwrap();
+        assert!(note.ends_with("its last 2 steps lowered the sum of squared errors by 75.00 %"), "{note}");
+        assert_eq!(note_on_end(&minimum(Reason::Converged)), None);
+    }
 }

@@ -303,7 +303,7 @@ fn weigh(runs: &mut [TrainingRecord], residuals: &[f64]) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{runs::training_records, testing::estimate};
+    use super::super::{optimality::optimality, runs::training_records, testing::estimate};
     use super::*;
     use piezoid_numerics::system::System;
     use piezoid_records::record::Record;
@@ -334,5 +334,26 @@ mod tests {
         assert!((poles[0].hz / slowest - 1.0).abs() < 1e-5, "{slowest} {poles:?}");
         // Without the limit, the fit ends at 5.4e-5.
         assert!(fit.cost() < 3e-5, "{:e}", fit.cost());
+    }
+
+    #[test]
+    fn a_minimum_that_is_approached_slowly_is_reached() {
+        let lag = Arx::new(5e-4, vec![0.9], vec![0.1]).unwrap();
+        let wave = |t: f64| 28.0 * (0.01 * t).sin() * (0.0013 * t).sin();
+        let u: Vec<f64> = (0..1800).map(|t| wave(f64::from(t))).collect();
+        let mut play = 0.0f64;
+        let bent = |u: &f64| {
+            play += (u - play).clamp(-0.2, 0.2);
+            u + 0.4 * play + 0.004 * u * u
+        };
+        let driven: Vec<f64> = u.iter().map(bent).collect();
+        let records = [Record::new(5e-4, u, lag.simulate(&driven)).unwrap()];
+        let mut runs = training_records(&[], &records, &mut Vec::new()).unwrap();
+        let start = estimate("rate-dependent-prandtl-ishlinskii", 6).with_linear(lag);
+        let fit = refine_from(start, Smoothness::Any, &mut runs, FreeParameters::All, &mut |_| Ok(())).unwrap();
+        assert!(optimality(&fit, &runs).left_percent.is_some());
+        let end = refine_to_minimum(&fit, &mut runs, &mut |_| Ok(())).unwrap();
+        assert!(end.cost() < 0.9 * fit.cost(), "{:e} {:e}", end.cost(), fit.cost());
+        assert_eq!(optimality(&end, &runs).left_percent, None);
     }
 }

@@ -64,7 +64,7 @@ pub(super) fn best_shape(
     };
     // Spread evenly over all shapes, and the operator's own.
     let count = breadth.shapes + breadth.shapes_per_parameter * shape.len();
-    let first = 1 + settings.seed as usize % MAX_SEED * count;
+    let first = first_shape(settings.seed, count);
     let spread = |k: usize| -> Vec<f64> { PRIMES[..shape.len()].iter().map(|&base| halton(k, base)).collect() };
     let starts: Vec<Estimate> = (first..first + count).filter_map(|k| at(&spread(k))).collect();
     let mut costs: Vec<_> = starts.into_par_iter().chain([estimate.clone()]).map(cost).collect();
@@ -76,6 +76,11 @@ pub(super) fn best_shape(
     let fits = side_by_side(costs, refined, |_, _| watch(0))?.into_iter().collect::<Result<Vec<_>, _>>()?;
     let best = fits.into_iter().min_by(|p, q| p.minimum.total_cmp(&q.minimum));
     best.map(|fit| Ok(estimate.with_basis(fit.estimate.basis.reshaped(&fit.estimate.shape())?))).transpose()
+}
+
+/// The first element of the sequences of a seed, each with `count` elements.
+fn first_shape(seed: u64, count: usize) -> usize {
+    1 + seed as usize % MAX_SEED * count
 }
 
 /// Element `k` of the Van der Corput sequence of a base, from 0 to 1; those of several primes are spread evenly.
@@ -110,6 +115,11 @@ mod tests {
         assert_close(&of(2), &[0.0, 0.5, 0.25, 0.75, 0.125, 0.625, 0.375, 0.875], 1e-15, 0.0);
         let ninths = [0.0, 3.0, 6.0, 1.0, 4.0, 7.0, 2.0, 5.0].map(|k| k / 9.0);
         assert_close(&of(3), &ninths, 1e-14, 0.0);
+    }
+
+    #[test]
+    fn seeds_have_no_shape_in_common() {
+        assert_eq!([0, 1, 2, 999].map(|seed| first_shape(seed, 12)), [1, 13, 25, 11989]);
     }
 
     #[test]

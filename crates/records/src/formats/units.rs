@@ -96,9 +96,6 @@ pub(super) fn known(text: &str) -> Option<(&'static str, Quantity)> {
     let text = text.split(" since ").next().unwrap_or_default();
     // Origin writes Greek letters so.
     let text = ascii_unit(text.trim()).replace("\\g(m)", "u");
-    if text.len() > 20 {
-        return None;
-    }
     let (unit, quantity, doubtful) = SPELLINGS.get(&text.to_lowercase())?;
     (!doubtful || text.starts_with('m')).then_some((unit, *quantity))
 }
