@@ -36,7 +36,7 @@ const VERBS: [(&str, &str, Work); 10] = [
         web::web,
     ),
     ("bench", "all benches, then beside other tools (Python, its own environment); `-- NAME`: one bench", bench),
-    ("fuzz", "damaged files of every format, and models, for a minute each (cargo-fuzz)", fuzz),
+    ("fuzz", "damaged files of every format, models, plants and profiles, for a minute each (cargo-fuzz)", fuzz),
     (
         "mutants",
         "changes of the code that tests should notice, 200 of them or by path (cargo-mutants)",
@@ -70,8 +70,8 @@ fn main() -> ExitCode {
     }
 }
 
-/// Reads damaged files of every format, and uses damaged models, for a minute each; what fails is kept in
-/// fuzz/artifacts.
+/// Reads damaged files of every format, and uses damaged models, plants and profiles, for a minute each; what fails is
+/// kept in fuzz/artifacts.
 fn fuzz() -> Result<(), String> {
     // The fuzzer needs flags of the compiler that are not stable.
     let fuzzer = |verb: &str| {
@@ -89,6 +89,8 @@ fn fuzz() -> Result<(), String> {
         let mut run = fuzzer("run");
         let seeds: &[&str] = match target {
             "model" => &["fuzz/models"],
+            "plant" => &["fuzz/plants"],
+            "profile" => &["fuzz/profiles"],
             _ => &["fuzz/seeds", "crates/testing/golden/formats"],
         };
         run.args([target, &corpus]).args(seeds).arg("--");

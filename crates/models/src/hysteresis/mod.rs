@@ -356,6 +356,14 @@ mod tests {
     }
 
     #[test]
+    fn every_operator_but_the_gain_states_the_range_of_its_data() {
+        for example in examples() {
+            let range = Some((-30.0, 30.0)).filter(|_| example.operator().name != "proportional");
+            assert_eq!(example.range(), range, "{example:?}");
+        }
+    }
+
+    #[test]
     fn bounded_inputs_give_bounded_outputs() {
         for example in examples() {
             let z = example.simulate(&wander(5000));

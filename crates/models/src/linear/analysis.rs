@@ -215,4 +215,16 @@ mod tests {
         let found = Arx::new(ts, a, b).unwrap().resonance().unwrap();
         assert!((found.hz - 166.0).abs() < 1.0, "{} Hz", found.hz);
     }
+
+    #[test]
+    fn poles_that_are_real_or_well_damped_or_unstable_are_no_resonance() {
+        let pair = |hz: f64, damping: f64| polar((-TAU * hz * damping * 5e-4).exp(), TAU * hz * 5e-4);
+        let resonance = |z: Complex<f64>| {
+            let block = Arx::new(5e-4, vec![2.0 * z.re, -z.norm_sqr()], vec![1.0]).unwrap();
+            block.resonance().map(|pole| pole.hz)
+        };
+        assert_eq!(Arx::new(5e-4, vec![1.0], vec![1.0]).unwrap().resonance(), None);
+        assert_eq!([0.5, -0.01].map(|damping| resonance(pair(100.0, damping))), [None, None]);
+        assert!(resonance(pair(100.0, 0.2)).is_some());
+    }
 }

@@ -331,6 +331,17 @@ mod tests {
     }
 
     #[test]
+    fn the_offset_of_an_integrator_is_refused() {
+        let u: Vec<f64> = Prbs::default().samples(5e-4, 900).unwrap().iter().map(|u| u.signum()).collect();
+        let y = Arx::new(5e-4, vec![1.0], vec![0.5]).unwrap().simulate(&u);
+        let records = [Record::new(5e-4, u, y).unwrap()];
+        let estimator = Estimator::find("least-squares").unwrap();
+        let fit = estimator.fit(&records, Orders::of(1), &swarm::SwarmSettings::default(), &mut Stage::ignore);
+        let error = fit.unwrap_err().to_string();
+        assert!(error.contains("the output offset") && error.contains("a pole at 0 Hz"), "{error}");
+    }
+
+    #[test]
     fn an_order_that_is_too_low_is_noted_with_the_resonance() {
         let truth = Arx::new(5e-4, vec![1.7, -0.9], vec![0.0, 3.0, 2.5]).unwrap();
         let u = Prbs::default().samples(5e-4, 900).unwrap();

@@ -158,6 +158,13 @@ mod tests {
     }
 
     #[test]
+    fn energies_are_sums_over_the_decays_and_what_is_not_explained_is_left() {
+        // A pole at the origin explains the first sample of each.
+        let decays = [vec![1.0, 0.0, 0.0, 2.0], vec![3.0, 0.0, 1.0]];
+        assert_eq!(energies(&decays, &[Complex::new(0.0, 0.0)]), (vec![2.0 * (1.0 + 9.0)], 4.0 + 1.0));
+    }
+
+    #[test]
     fn noise_and_hum_show_no_mode() {
         let noise = noise(1, 600);
         let noise = |t: f64| noise[(t / TS).round() as usize];

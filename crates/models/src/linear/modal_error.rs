@@ -302,4 +302,14 @@ pub(super) mod tests {
         let x = [1050f64.ln(), 0.04f64.ln(), 25.0, 4300f64.ln(), 0.2f64.ln(), 3.0, 0.5, 0.6];
         assert_gradient(&problem, &x, 1e-5, 1e-3);
     }
+
+    #[test]
+    fn only_damped_modes_of_limited_frequency_are_possible() {
+        let records = [Record::new(TS, vec![0.0], vec![0.0]).unwrap()];
+        let problem = ModalError { records: &records, weights: &[1.0], modes: 1, whole: 1 };
+        let fastest = 2.0 * TAU / TS;
+        let at = |w: f64, zeta: f64, r: f64| problem.possible(&[w.ln(), zeta.ln(), 25.0, r, 0.6]);
+        assert!(at(0.9 * fastest, 0.9, 1.0));
+        assert_eq!([at(1.1 * fastest, 0.9, 1.0), at(1000.0, 1.1, 1.0), at(1000.0, 0.9, f64::NAN)], [false; 3]);
+    }
 }
