@@ -1,7 +1,7 @@
 //! Reads any bytes as a document, the kind that the target is named after, and uses it: the profile of a rig, or a
 //! plant.
 //!
-//! What fails is a panic, a run of more than 10 s, and a document that changes when it is written and read.
+//! What fails is a panic, a run of more than 10 s, and a profile that changes when it is written and read.
 
 #![no_main]
 

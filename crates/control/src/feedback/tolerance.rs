@@ -157,12 +157,15 @@ mod tests {
         TunedScheme::new(scheme, &model.unwrap().with_units(units), settings, 0, &MarginTarget::default()).unwrap()
     }
 
-    fn spread(drive: &TunedScheme, threads: usize) -> Spread {
+    fn trials(tolerance: Tolerance, drive: &TunedScheme) -> Spread {
         let r = Sine { amplitude: 500.0, frequency: 5.0, ..Default::default() }.samples(5e-4, 400).unwrap();
-        let tolerance = Tolerance { draws: 4, ..Default::default() };
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let spec = Preset::find("pl140").unwrap().spec().into();
-        pool.install(|| tolerance.trials(&spec, drive, &r, 100, &mut Stage::ignore)).unwrap()
+        tolerance.trials(&spec, drive, &r, 100, &mut Stage::ignore).unwrap()
+    }
+
+    fn spread(drive: &TunedScheme, threads: usize) -> Spread {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| trials(Tolerance { draws: 4, ..Default::default() }, drive))
     }
 
     #[test]
@@ -175,10 +178,7 @@ mod tests {
 
     #[test]
     fn the_noise_of_each_draw_is_another() {
-        let r = Sine { amplitude: 500.0, frequency: 5.0, ..Default::default() }.samples(5e-4, 400).unwrap();
-        let equal = Tolerance { draws: 6, share: 0.0, seed: 1 };
-        let spec = Preset::find("pl140").unwrap().spec().into();
-        let spread = equal.trials(&spec, &drive::<1>(), &r, 100, &mut Stage::ignore).unwrap();
+        let spread = trials(Tolerance { draws: 6, share: 0.0, seed: 1 }, &drive::<1>());
         for (k, one) in spread.trials.iter().enumerate() {
             assert!(spread.trials[..k].iter().all(|other| other.tracking != one.tracking), "{k}");
         }

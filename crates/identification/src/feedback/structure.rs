@@ -107,16 +107,17 @@ fn taken(found: Identified, fit: FeedbackFit, trial: &Trial) -> Result<Identifie
     Ok(Identified { model, parameters, trials, reasons, notes, spread: Vec::new(), left_percent: None, ..found })
 }
 
-/// What the last steps of a search changed that did not end at its minimum.
+/// The note on a search that ended before its minimum, with what its last steps changed; `None` for another end.
 fn note_on_end(minimum: &Minimum) -> Option<String> {
-    let lowered = short(100.0 * (1.0 - minimum.cost / minimum.history[0]));
+    if minimum.reason != Reason::Iterations {
+        return None;
+    }
     let steps = minimum.history.len() - 1;
-    (minimum.reason == Reason::Iterations).then(|| {
-        format!(
-            "search: {STAGE}: it ended before its minimum; its last {steps} steps lowered the sum of squared errors by \
-             {lowered} %"
-        )
-    })
+    let lowered = short(100.0 * (1.0 - minimum.cost / minimum.history[0]));
+    Some(format!(
+        "search: {STAGE}: it ended before its minimum; its last {steps} steps lowered the sum of squared errors by \
+         {lowered} %"
+    ))
 }
 
 /// What drives the hysteresis.

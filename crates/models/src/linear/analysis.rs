@@ -161,6 +161,13 @@ mod tests {
     use super::*;
     use piezoid_testing::assert_close;
 
+    const TS: f64 = 5e-4;
+
+    /// A pole in the z plane.
+    fn pole(hz: f64, damping: f64) -> Complex<f64> {
+        polar((-TAU * hz * damping * TS).exp(), TAU * hz * TS)
+    }
+
     #[test]
     fn table_2_has_the_poles_and_zeros_of_the_reproduced_paper() {
         let table2 = Arx::new(5e-4, vec![1.7424, -0.9453], vec![0.0012, -0.0004, -0.0003]).unwrap();
@@ -205,26 +212,23 @@ mod tests {
     #[test]
     fn the_resonance_is_the_highest_peak_and_not_the_least_damped_pole() {
         // 166 Hz carries the displacement; 900 Hz, less damped, a thousandth of it.
-        let ts = 5e-4;
-        let pole = |hz: f64, damping: f64| polar((-TAU * hz * damping * ts).exp(), TAU * hz * ts);
         let quadratic = |p: Complex<f64>| [1.0, -2.0 * p.re, p.norm_sqr()];
         let ([_, a1, a2], [_, c1, c2]) = (quadratic(pole(166.0, 0.03)), quadratic(pole(900.0, 0.02)));
         let (large, small) = (1.0 + a1 + a2, 1e-3 * (1.0 + c1 + c2));
         let a = vec![-(a1 + c1), -(a2 + a1 * c1 + c2), -(a1 * c2 + a2 * c1), -(a2 * c2)];
         let b = vec![0.0, large + small, large * c1 + small * a1, large * c2 + small * a2];
-        let found = Arx::new(ts, a, b).unwrap().resonance().unwrap();
+        let found = Arx::new(TS, a, b).unwrap().resonance().unwrap();
         assert!((found.hz - 166.0).abs() < 1.0, "{} Hz", found.hz);
     }
 
     #[test]
     fn poles_that_are_real_or_well_damped_or_unstable_are_no_resonance() {
-        let pair = |hz: f64, damping: f64| polar((-TAU * hz * damping * 5e-4).exp(), TAU * hz * 5e-4);
         let resonance = |z: Complex<f64>| {
-            let block = Arx::new(5e-4, vec![2.0 * z.re, -z.norm_sqr()], vec![1.0]).unwrap();
+            let block = Arx::new(TS, vec![2.0 * z.re, -z.norm_sqr()], vec![1.0]).unwrap();
             block.resonance().map(|pole| pole.hz)
         };
-        assert_eq!(Arx::new(5e-4, vec![1.0], vec![1.0]).unwrap().resonance(), None);
-        assert_eq!([0.5, -0.01].map(|damping| resonance(pair(100.0, damping))), [None, None]);
-        assert!(resonance(pair(100.0, 0.2)).is_some());
+        assert_eq!(Arx::new(TS, vec![1.0], vec![1.0]).unwrap().resonance(), None);
+        assert_eq!([0.5, -0.01].map(|damping| resonance(pole(100.0, damping))), [None, None]);
+        assert!(resonance(pole(100.0, 0.2)).is_some());
     }
 }

@@ -6,18 +6,17 @@ use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
 use piezoid_records::excitation::Limits;
 use piezoid_testing::in_feedback;
-use serde_json::Value;
 use std::f64::consts::TAU;
 
 const TS: f64 = 5e-4;
 
 /// One of each kind. The hysteresis of one of them senses less than the whole input.
 fn models() -> impl Iterator<Item = (&'static str, Model)> {
-    let sensed = |name: &str| if name == "loaded" { 0.8 } else { 1.0 };
-    let model = |document: Value| Model::from_json(&document.to_string()).unwrap();
-    in_feedback()
-        .into_iter()
-        .map(move |(name, document)| (name, changed(&model(document), |dynamics| dynamics.sensed *= sensed(name))))
+    in_feedback().into_iter().map(|(name, document)| {
+        let share = if name == "loaded" { 0.8 } else { 1.0 };
+        let model = Model::from_json(&document.to_string()).unwrap();
+        (name, changed(&model, |dynamics| dynamics.sensed *= share))
+    })
 }
 
 fn dynamics(model: &Model) -> FeedbackDynamics {
