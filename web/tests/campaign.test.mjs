@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
 import { overheard, skip as noPiezoid, started } from "./piezoid.mjs";
-import { fill } from "./steps.mjs";
+import { fill, written } from "./steps.mjs";
 import { SHOTS, viewed } from "./viewed.mjs";
 
 const skip = noBrowser || noPiezoid;
@@ -90,15 +90,16 @@ test("a campaign asks before it moves, is stopped, goes on, and ends with a mode
   await viewed(page, "result");
   const html = await download(page, () => page.getByRole("button", { name: "Download campaign.html" }).click());
   assert.match(String(html), /^<!DOCTYPE html>.*Tracking/s);
-  await page.waitForTimeout(500);
-  const project = JSON.parse(readFileSync(join(folder, "project.json"), "utf8"));
-  const uses = Object.fromEntries(project.records.map(({ file, use }) => [file, use]));
-  assert.deepEqual(uses, {
-    "campaign-small.csv": "small-signal", "campaign-rise1.csv": "training", "campaign-rise2.csv": "training",
-    "campaign-rise3.csv": "training", "campaign-creep.csv": "training", "campaign-path.csv": "validation",
+  await written(() => {
+    const project = JSON.parse(readFileSync(join(folder, "project.json"), "utf8"));
+    const uses = Object.fromEntries(project.records.map(({ file, use }) => [file, use]));
+    assert.deepEqual(uses, {
+      "campaign-small.csv": "small-signal", "campaign-rise1.csv": "training", "campaign-rise2.csv": "training",
+      "campaign-rise3.csv": "training", "campaign-creep.csv": "training", "campaign-path.csv": "validation",
+    });
+    assert.equal(project.models[0]?.file, "campaign-model.json");
+    assert.equal(project.models[0].from.length, 5);
   });
-  assert.equal(project.models[0].file, "campaign-model.json");
-  assert.equal(project.models[0].from.length, 5);
   const results = JSON.parse(readFileSync(join(folder, "campaign.json"), "utf8"));
   assert.deepEqual(results.resumed, ["small"]);
   assert.ok(results.better > 2, `${results.better} times better`);

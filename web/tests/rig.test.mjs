@@ -7,7 +7,7 @@ import { after, before, test } from "node:test";
 import { unzipSync } from "fflate";
 import { download, launched, opened, skip as noBrowser } from "./browser.mjs";
 import { piezoid, skip as noPiezoid, started } from "./piezoid.mjs";
-import { fill } from "./steps.mjs";
+import { fill, written } from "./steps.mjs";
 
 const skip = noBrowser || noPiezoid;
 const folder = mkdtempSync(join(tmpdir(), "piezoid-rig-"));
@@ -92,9 +92,8 @@ test("what is said of one file of a scope is said of all, saved, and read by the
   assert.match(profile, /input_col = "1"/);
   assert.match(profile, /output_scale = "60um\/V"/);
   assert.doesNotMatch(profile, /from/);
-  await page.waitForTimeout(1000);
-  assert.equal(readFileSync(join(folder, "bender bench.toml"), "utf8"), profile);
-  assert.ok(!readdirSync(folder).includes("scope.toml"), "the profile under the earlier name is gone");
+  await written(() => assert.equal(readFileSync(join(folder, "bender bench.toml"), "utf8"), profile));
+  await written(() => assert.ok(!readdirSync(folder).includes("scope.toml"), "the profile under the earlier name is gone"));
 
   const bench = mkdtempSync(join(tmpdir(), "piezoid-bench-"));
   for (const name of ["bender bench.toml", ...[1, 2, 3, 4, 5, 6].map((k) => `scope_${k}.csv`)]) writeFileSync(join(bench, name), files[name]);

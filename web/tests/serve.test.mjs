@@ -6,7 +6,7 @@ import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
 import { launched, opened, skip as noBrowser } from "./browser.mjs";
-import { identify as begun, known } from "./steps.mjs";
+import { identify as begun, known, written } from "./steps.mjs";
 import { piezoid, skip as noPiezoid, started } from "./piezoid.mjs";
 
 const skip = noBrowser || noPiezoid;
@@ -49,10 +49,12 @@ test("a project lives in a folder, and outlasts a server that is killed", { skip
   const identify = () => begun(page, "pi");
   await identify();
   await page.locator(".verdict").first().waitFor({ timeout: 120_000 });
-  await page.waitForTimeout(500);
+  await written(() => {
+    const kept = readdirSync(folder).filter((name) => !name.startsWith("."));
+    assert.deepEqual(kept.sort(), ["prandtl-ishlinskii.json", "project.json", "slow.csv"]);
+    assert.match(readFileSync(join(folder, "project.json"), "utf8"), /"file": "prandtl-ishlinskii.json"/);
+  });
   assert.deepEqual(faults, []);
-  const kept = readdirSync(folder).filter((name) => !name.startsWith("."));
-  assert.deepEqual(kept.sort(), ["prandtl-ishlinskii.json", "project.json", "slow.csv"]);
   assert.equal(JSON.parse(readFileSync(join(folder, "prandtl-ishlinskii.json"))).hysteresis.operator, "prandtl-ishlinskii");
 
   running.kill("SIGKILL");
@@ -96,10 +98,9 @@ test("files of the folder become records where they are", { skip, timeout: 60_00
   const add = page.getByRole("button", { name: "Add other.csv" });
   if (!(await add.isVisible())) await page.getByText(/more file.* in the project folder/).click();
   await add.click();
-  await page.getByText(/4,000 samples/).waitFor();
-  await page.waitForTimeout(500);
+  await page.getByRole("button", { name: "other.csv", exact: true }).waitFor();
+  await written(() => assert.match(readFileSync(join(folder, "project.json"), "utf8"), /"file": "other.csv"/));
   assert.equal(readdirSync(folder).filter((name) => name.startsWith("other")).join(), "other.csv");
-  assert.match(readFileSync(join(folder, "project.json"), "utf8"), /"file": "other.csv"/);
   assert.deepEqual(faults, []);
   await context.close();
 });
@@ -160,12 +161,11 @@ for (const [what, text] of [
     assert.ok(!existsSync(join(folder, "project-2.json")));
     if (process.env.SHOT) await page.screenshot({ path: process.env.SHOT });
     await page.getByRole("button", { name: "Begin another project, project-2.json" }).click();
-    await page.waitForTimeout(500);
+    await written(() => assert.equal(JSON.parse(readFileSync(join(folder, "project-2.json"))).records[0].file, "slow.csv"));
     await page.reload();
     await page.getByRole("button", { name: "slow.csv", exact: true }).waitFor();
     assert.equal(await page.getByRole("alert").count(), 0);
     assert.equal(readFileSync(join(folder, "project.json"), "utf8"), text);
-    assert.equal(JSON.parse(readFileSync(join(folder, "project-2.json"))).records[0].file, "slow.csv");
     assert.deepEqual(faults, []);
     await context.close();
   });
@@ -183,9 +183,9 @@ test("a model of the name of the project is kept under another", { skip, timeout
     return data;
   }, readFileSync(model, "utf8"));
   await page.dispatchEvent(".app", "drop", { dataTransfer: drop });
-  await page.waitForTimeout(800);
+  await written(() => assert.equal(JSON.parse(readFileSync(join(folder, "file-project.json"))).hysteresis.operator, "dahl"));
+  await written(() => assert.match(readFileSync(join(folder, "project.json"), "utf8"), /"file": "file-project.json"/));
   await page.reload();
   await known(page, "file-project");
-  assert.equal(JSON.parse(readFileSync(join(folder, "file-project.json"))).hysteresis.operator, "dahl");
   await context.close();
 });

@@ -26,3 +26,15 @@ export async function identify(page, operator) {
 
 /** The heading of a model of which all is known. */
 export const known = (page, name, timeout = 120_000) => page.getByRole("heading", { name, exact: true, level: 2 }).waitFor({ timeout });
+
+/** Repeats a check of files until it holds: the page writes them a moment after a change. */
+export async function written(check, end = Date.now() + 30_000) {
+  for (;;) {
+    try {
+      return check();
+    } catch (fault) {
+      if (Date.now() > end) throw fault;
+    }
+    await new Promise((passed) => setTimeout(passed, 50));
+  }
+}
