@@ -393,6 +393,19 @@ mod tests {
     }
 
     #[test]
+    fn a_lower_order_within_one_standard_error_is_chosen_but_not_on_a_sweep() {
+        let records = [delayed(1)];
+        let best = OutputError::fit(&records, Orders::of(2), &Refinement::default(), &mut Stage::ignore).unwrap();
+        let lower = OutputError { orders: Orders::of(1), ..best.clone() };
+        // 5 % worse in the mean of blocks that differ by 30 %: by less than the standard error, and by more than 2 % rms.
+        let worse = (0..2000).map(|t| 1.05 + 0.3 * (f64::from(t / 100 % 4) - 1.5)).collect();
+        let fitted = |squares: Vec<f64>, fit| Fitted { fit, predicted: mean(&squares), squares };
+        let both = [fitted(worse, lower), fitted(vec![1.0; 2000], best)];
+        let chosen = |is_swept| choose(&both, &records, is_swept).unwrap().1;
+        assert_eq!([false, true].map(chosen), [0, 1]);
+    }
+
+    #[test]
     fn threads_do_not_change_the_choice_for_several_records() {
         let records = [delayed(1).part(0.0, 0.5).unwrap(), delayed(2).part(0.5, 1.0).unwrap()];
         let few = OrderSearch { order: 4, delay: 3, ..OrderSearch::default() };

@@ -88,6 +88,18 @@ fn rows_are_timed_by_a_column_an_option_or_the_format() {
 }
 
 #[test]
+fn whole_numbers_are_points_in_time_since_1970_in_milliseconds_or_by_their_name() {
+    let times = |name: &str, first: u64| {
+        let rows: Vec<String> = (0..4).map(|k| format!("{},{k},{}\n", first + 5 * k, 20 * k)).collect();
+        table(format!("{name},u_V,y_um\n{}", rows.concat()).as_bytes()).record(&ColumnSelection::default())
+    };
+    assert_eq!(times("stamped", 1_700_000_000_000).unwrap().ts(), 5e-3);
+    assert_eq!(times("timestamp", 1_700_000_000).unwrap().ts(), 5.0);
+    // Perhaps a counter.
+    assert!(times("stamped", 1_700_000_000).is_err());
+}
+
+#[test]
 fn factors_scale_samples_and_replace_units() {
     let units = Units { u: "mV".into(), y: "V".into() };
     let record = Record::new(1.0, vec![1.0, -2.0], vec![0.2, 0.4]).unwrap().with_units(units);
