@@ -104,6 +104,7 @@ test("files, roles, identification, verdict, Compensate and an export, by keyboa
   const path = await tab(page, "Model");
   assert.equal(path.length, 1, "a view begins with its first control");
   // A point of the path is moved by arrows.
+  await page.getByRole("slider", { name: /^Height of the path at 0\.08/ }).waitFor();
   const point = await tab(page, /^Height of the path at 0\.08/);
   assert.ok(point.length < 60);
   const height = () => page.evaluate(() => Number(document.activeElement.getAttribute("aria-valuenow")));

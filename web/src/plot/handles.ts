@@ -28,6 +28,8 @@ export class Handles {
       button.type = "button";
       button.className = "handle";
       button.setAttribute("role", "slider");
+      // Until it has its place and name.
+      button.hidden = true;
       const k = this.#buttons.length;
       this.#stage.append(button);
       this.#buttons.push(button);
