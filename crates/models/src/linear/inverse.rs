@@ -78,7 +78,7 @@ impl Arx {
         let lead = self.b()[self.delay()] * product(&outside);
         let preview = self.delay() + outside.len();
         let past = |t: isize| y.get(t.clamp(0, y.len() as isize - 1) as usize).copied().unwrap_or(last);
-        let inner = (0..y.len() + preview).skip(preview).map(|t| {
+        let inner = (0..y.len() + preview).map(|t| {
             let fed_back: f64 = self.a().iter().zip(1..).map(|(a, k)| a * past(t as isize - k)).sum();
             (past(t as isize) - fed_back) / lead
         });
@@ -86,6 +86,8 @@ impl Arx {
 
         let still = first * (1.0 - self.a().iter().sum::<f64>()) / lead;
         recurse(z.iter_mut(), &monic(&inside), still);
+        // Only now, because the zeros inside the circle remember the first samples of y.
+        z.drain(..preview);
         let reciprocal: Vec<Root> = outside.iter().map(reciprocal).collect();
         let end = z[z.len() - 1];
         recurse(z.iter_mut().rev(), &monic(&reciprocal), end);
@@ -186,6 +188,28 @@ mod tests {
         let determined = 400 - arx.undetermined_samples();
         assert!(determined > 380);
         assert_close(&found[..determined], &z[..determined], 0.0, 2e-3);
+    }
+
+    #[test]
+    fn a_pair_of_zeros_outside_the_circle_is_inverted_backward() {
+        // 1.2 +- 0.9i, of modulus 1.5, and 0.5.
+        let arx = Arx::new(1.0, vec![1.2, -0.7], vec![0.0, 2.0, -5.8, 6.9, -2.25]).unwrap();
+        let z = wiggle(300);
+        let found = arx.invert_whole(&arx.simulate(&z)).unwrap();
+        assert_close(&found[..240], &z[..240], 0.0, 1e-9);
+        let undelayed = Arx::new(1.0, vec![], vec![2.0, -5.8, 6.9, -2.25]).unwrap();
+        let message = undelayed.inverse().unwrap_err().to_string();
+        let expected = "1.200-0.900i and 1.200+0.900i are not inside the unit circle and would be poles of";
+        assert!(message.contains(expected), "{message}");
+    }
+
+    #[test]
+    fn samples_are_undetermined_by_the_delay_the_zeros_outside_and_their_decay() {
+        let undetermined = |b: &[f64]| Arx::new(1.0, vec![0.5], b.to_vec()).unwrap().undetermined_samples();
+        assert_eq!(undetermined(&[0.0, 2.0, 1.0]), 1);
+        // 2^-10 is less than a thousandth.
+        assert_eq!(undetermined(&[0.0, 0.0, 1.0, 2.0]), 2 + 1 + 10);
+        assert_eq!(undetermined(&[1.0, -1.0, -6.0]), 2 + 10);
     }
 
     #[test]
