@@ -203,6 +203,36 @@ mod tests {
     }
 
     #[test]
+    fn a_pole_on_the_circle_or_one_that_is_not_found_is_not_stable() {
+        let block = |a: Vec<f64>| Arx::new(1.0, a, vec![1.0]).unwrap();
+        assert_eq!([0.999, 1.0, 1.001, -1.0].map(|a| block(vec![a]).is_stable()), [true, false, false, false]);
+        let lost = block(vec![1e308; 3]);
+        assert!(lost.poles().len() == 3 && !lost.is_stable());
+    }
+
+    #[test]
+    fn a_response_is_the_ratio_of_its_sums() {
+        let block = Arx::new(TS, vec![1.7, -0.9, 0.1], vec![0.0, 3.0, -2.5, 0.4]).unwrap();
+        let sum = |c: &[f64], hz: f64| -> Complex<f64> {
+            c.iter().zip(0..).map(|(c, k)| polar(*c, -TAU * hz * TS * f64::from(k))).sum()
+        };
+        for hz in [0.0, 40.0, 166.0, 700.0] {
+            let expected = sum(block.b(), hz) / sum(&[1.0, -1.7, 0.9, -0.1], hz);
+            let found = block.response(hz);
+            assert_close(&[found.gain, found.phase], &[modulus(expected), argument(expected)], 1e-12, 1e-12);
+        }
+    }
+
+    #[test]
+    fn zeros_are_listed_by_modulus_and_written_to_three_places() {
+        // (z - 0.9)(z^2 - 0.8 z + 0.25), behind a delay and before a zero at the origin.
+        let block = Arx::new(1.0, vec![], vec![0.0, 2.0, -3.4, 1.94, -0.45, 0.0]).unwrap();
+        let written: Vec<String> = block.zeros().iter().map(Root::to_string).collect();
+        assert_eq!(written, ["0.400-0.300i", "0.400+0.300i", "0.900"]);
+        assert_eq!(Root { re: -1e-4, im: -1e-4 }.to_string(), "0.000");
+    }
+
+    #[test]
     fn a_delay_has_no_zeros_and_no_poles() {
         let delay = Arx::new(1.0, vec![], vec![0.0, 0.0, 3.0, 0.0]).unwrap();
         assert_eq!((delay.delay(), delay.zeros().len(), delay.poles().len()), (2, 0, 0));

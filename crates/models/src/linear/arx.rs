@@ -288,6 +288,23 @@ mod tests {
     }
 
     #[test]
+    fn a_prediction_uses_the_measured_outputs() {
+        let arx = Arx::new(1.0, vec![0.5, -0.25], vec![2.0, 1.0]).unwrap();
+        assert_eq!(arx.predict(&[1.0, 0.0, 0.0, 0.0], &[8.0, 4.0, 16.0, 9.0]), [2.0, 5.0, 0.0, 7.0]);
+        assert_eq!(Arx::gain(1.0, 3.0).unwrap().predict(&[1.0, 2.0], &[9.0, 9.0]), [3.0, 6.0]);
+    }
+
+    #[test]
+    fn a_block_has_at_most_512_coefficients_of_each_kind() {
+        let block = |na, nb| Arx::new(1.0, vec![0.0; na], vec![1.0; nb]).map_err(|e| e.to_string());
+        assert!(block(512, 512).is_ok());
+        for (na, nb, expected) in [(513, 1, "a = 513 coefficients"), (1, 513, "b = 513 coefficients")] {
+            let message = block(na, nb).unwrap_err();
+            assert!(message.starts_with(expected), "{message}");
+        }
+    }
+
+    #[test]
     fn a_document_with_bad_coefficients_is_an_error() {
         let load = |text: &str| serde_json::from_str::<Arx>(text).map_err(|e| e.to_string());
         assert!(load(r#"{"ts": 1, "a": [], "b": [0]}"#).unwrap_err().contains("a number that is not zero"));

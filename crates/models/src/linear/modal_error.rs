@@ -303,6 +303,58 @@ pub(super) mod tests {
         assert_gradient(&problem, &x, 1e-5, 1e-3);
     }
 
+    /// Two records of two modes, with feed-through 1, a delay of 0.3 samples and offsets 7 and -2; and their unknowns.
+    fn offset_records() -> ([Record; 2], [f64; 8]) {
+        let arx = held(&[(166.3, 0.03, 27.0), (700.0, 0.1, 2.0)], 1.0, 0.3 * TS);
+        let u: Vec<f64> = Prbs::default().samples(TS, 500).unwrap().iter().map(|u| u + 3.0).collect();
+        let record = |offset: f64, from: usize| {
+            let y: Vec<f64> = arx.simulate(&u).iter().map(|y| y + offset).collect();
+            Record::new(TS, u[from..].to_vec(), y[from..].to_vec()).unwrap()
+        };
+        let x = [(TAU * 166.3).ln(), 0.03f64.ln(), 27.0, (TAU * 700.0).ln(), 0.1f64.ln(), 2.0, 1.0, 0.3];
+        ([record(7.0, 100), record(-2.0, 200)], x)
+    }
+
+    #[test]
+    fn gains_delay_and_offsets_of_records_without_noise_are_found() {
+        let (records, truth) = offset_records();
+        let problem = ModalError { records: &records, weights: &[0.5, 2.0], modes: 2, whole: 1 };
+        let mut poles = truth[..7].to_vec();
+        [2, 5, 6].into_iter().for_each(|k| poles[k] = 0.0);
+        let (x, cost) = problem.with_best_gains(&poles);
+        assert_close(&x, &truth, 1e-9, 0.0);
+        assert!(cost < 1e-12, "{cost}");
+        let offsets = records.each_ref().map(|record| problem.run(record, &x).offset);
+        assert_close(&offsets, &[7.0, -2.0], 1e-6, 0.0);
+    }
+
+    #[test]
+    fn a_cost_is_the_weighted_sum_over_records() {
+        let (records, mut x) = offset_records();
+        x[0] += 0.05;
+        let cost = |records, weights| {
+            let problem = ModalError { records, weights, modes: 2, whole: 1 };
+            assert_close(&[problem.normal(&x).cost], &[problem.cost(&x)], 1e-12, 0.0);
+            problem.cost(&x)
+        };
+        let sum = 0.5 * cost(&records[..1], &[1.0]) + 2.0 * cost(&records[1..], &[1.0]);
+        assert_close(&[cost(&records, &[0.5, 2.0])], &[sum], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn a_delay_outside_its_sample_is_that_of_its_end() {
+        let (records, mut x) = offset_records();
+        let problem = ModalError { records: &records, weights: &[0.5, 2.0], modes: 2, whole: 1 };
+        let mut at = |delay: f64| {
+            x[7] = delay;
+            (problem.cost(&x), problem.normal(&x).gradient[7])
+        };
+        for (outside, end) in [(-0.4, 0.0), (1.4, 1.0)] {
+            assert_eq!(at(outside), (at(end).0, 0.0));
+            assert_ne!(at(end).1, 0.0);
+        }
+    }
+
     #[test]
     fn only_damped_modes_of_limited_frequency_are_possible() {
         let records = [Record::new(TS, vec![0.0], vec![0.0]).unwrap()];

@@ -257,6 +257,7 @@ mod tests {
     use super::*;
     use crate::linear::{Orders, OutputError};
     use piezoid_testing::{assert_close, noise};
+    use std::ops::ControlFlow::{Break, Continue};
 
     const ORDERS: Orders = Orders { na: 2, nb: 2, delay: 1 };
 
@@ -312,23 +313,83 @@ mod tests {
 
     #[test]
     fn derivatives_of_roots_are_those_of_differences() {
-        let fit = fitted(1, 0.0);
-        let moved = |k: usize, h: f64| {
-            let mut x = fit.minimum.x.clone();
-            x[k] += h;
-            let arx = Arx::new(5e-4, x[..2].to_vec(), [&[0.0], &x[2..]].concat()).unwrap();
-            [arx.poles()[0].hz, arx.poles()[0].damping, arx.dc_gain()]
-        };
-        // With a single entry of the covariance, the error is the size of one derivative.
-        for k in 0..4 {
-            let mut covariance = vec![0.0; 16];
-            covariance[5 * k] = 1.0;
-            let alone = OutputError { covariance, ..fit.clone() };
-            let slopes = numbers(&alone).map(|n| n.error);
-            let by_differences: Vec<f64> =
-                moved(k, 1e-7).iter().zip(moved(k, -1e-7)).map(|(p, m)| ((p - m) / 2e-7).abs()).collect();
-            assert_close(&slopes, &by_differences, 1e-5, 1e-5);
+        // A mode alone, and with a lag and a second mode.
+        for a in [vec![1.7, -0.9], vec![2.1, -1.75, 0.97, -0.62, 0.15]] {
+            let n = a.len();
+            let block = |theta: &[f64]| Arx::new(5e-4, theta[..n].to_vec(), [&[0.0], &theta[n..]].concat()).unwrap();
+            let theta = [&a[..], &[3.0, 2.5]].concat();
+            let by = |arx: &Arx| {
+                let poles = arx.poles().into_iter().flat_map(|pole| [pole.hz, pole.damping]);
+                poles.chain([arx.dc_gain()]).collect::<Vec<_>>()
+            };
+            let moved = |k: usize, h: f64| {
+                let mut theta = theta.clone();
+                theta[k] += h;
+                by(&block(&theta))
+            };
+            // With a single entry of the covariance, the error is the size of one derivative.
+            for k in 0..n + 2 {
+                let mut covariance = vec![0.0; (n + 2) * (n + 2)];
+                covariance[(n + 3) * k] = 1.0;
+                let orders = Orders { na: n, ..ORDERS };
+                let alone = OutputError { arx: block(&theta), orders, covariance, ..fitted(1, 0.0) };
+                let known = alone.poles().into_iter().flatten().chain([alone.dc_gain()]);
+                let slopes: Vec<f64> = known.map(|known| known.error).collect();
+                let by_differences: Vec<f64> =
+                    moved(k, 1e-7).iter().zip(moved(k, -1e-7)).map(|(p, m)| ((p - m) / 2e-7).abs()).collect();
+                assert_close(&slopes, &by_differences, 1e-5, 1e-5);
+            }
         }
+    }
+
+    #[test]
+    fn the_sandwich_is_its_formula_over_records_with_weights() {
+        let weights = [0.5, 3.0];
+        let scores = |k: usize| {
+            let (seed, n) = (10 * k as u64, 40 + 30 * k);
+            let coloured: Vec<f64> = noise(seed, n).windows(2).map(|w| w[1] + 0.7 * w[0]).collect();
+            let column = |c: u64| noise(seed + c, n - 1).to_vec();
+            RecordScores { weight: weights[k], e: coloured, jacobian: vec![column(1), column(2)] }
+        };
+        let (mut outer, mut middle) = (DMatrix::<f64>::zeros(2, 2), DMatrix::<f64>::zeros(2, 2));
+        for RecordScores { weight, e, jacobian } in [scores(0), scores(1)] {
+            let (n, lags) = (e.len(), (2.0 * (e.len() as f64).powf(1.0 / 3.0)).ceil());
+            let r = |t: usize, s: usize| {
+                let l = t.abs_diff(s);
+                let lagged: f64 = (l..n).map(|t| e[t] * e[t - l]).sum();
+                lagged / n as f64 * (1.0 - l as f64 / (lags + 1.0)).max(0.0)
+            };
+            let (covariance, j) = (DMatrix::from_fn(n, n, r), DMatrix::from_fn(n, 2, |t, k| jacobian[k][t]));
+            outer += weight * j.transpose() * &j;
+            middle += weight.powi(2) * j.transpose() * covariance * &j;
+        }
+        let inverse = outer.try_inverse().unwrap();
+        let expected = &inverse * middle * &inverse * 1.25;
+        assert_close(&sandwich([scores(0), scores(1)].into_iter(), 2, 1.25), expected.as_slice(), 1e-9, 0.0);
+    }
+
+    #[test]
+    fn the_spread_over_blocks_is_their_standard_deviation() {
+        let blocks = [1.0, 2.0, 6.0].map(|b| Arx::new(1.0, vec![], vec![b]).unwrap());
+        let gain = Uncertain::over(&blocks, Arx::dc_gain);
+        assert_close(&[gain.value, gain.error], &[3.0, 7f64.sqrt()], 1e-12, 0.0);
+        assert_eq!(Uncertain::over(&blocks[..1], Arx::dc_gain).error, 0.0);
+    }
+
+    #[test]
+    fn a_bootstrap_needs_two_replicates_and_a_block() {
+        let (records, fit) = ([record(1, 0.0)], fitted(1, 0.0));
+        let drawn = |replicates, block, stage: &mut Progress| {
+            let draws = Bootstrap { replicates, block, ..Bootstrap::default() };
+            fit.bootstrap(&records, &Refinement::default(), &draws, stage).map(|blocks| blocks.len())
+        };
+        assert_eq!(drawn(2, Some(1), &mut Stage::ignore), Ok(2));
+        for (replicates, block, expected) in [(1, None, "replicates = 1"), (2, Some(0), "block = 0")] {
+            let message = drawn(replicates, block, &mut Stage::ignore).unwrap_err().to_string();
+            assert!(message.starts_with(expected), "{message}");
+        }
+        let mut second = |stage: Stage| if stage.done < 1 { Continue(()) } else { Break(()) };
+        assert!(matches!(drawn(3, None, &mut second), Err(Error::Cancelled { done: 1, total: 3, .. })));
     }
 
     #[test]
