@@ -161,6 +161,7 @@ mod tests {
     //! Contract tests of all bases, on ranges about zero, from zero, above zero, and tiny.
     use super::*;
     use crate::hysteresis::OPERATORS;
+    use crate::hysteresis::real::{LANES, Several};
     use nalgebra::{DMatrix, DVector};
     use piezoid_testing::assert_close;
 
@@ -352,5 +353,51 @@ mod tests {
         }
         selecting.dedup();
         assert_eq!(selecting, ["narx"]);
+    }
+
+    #[test]
+    fn an_operator_with_derivatives_has_the_values_and_the_slopes_of_its_basis() {
+        let mut without = Vec::new();
+        for (name, basis, u) in bases() {
+            let (w, shape) = (weights(&*basis), basis.shape());
+            let (phi, slopes) = (responses(&*basis, &u), basis.slopes(&w, &u));
+            assert_eq!(slopes.len(), shape.len(), "{name}");
+            // By the first and the last weight, then by the first shape parameters.
+            let (chosen, by_shape) = ([0, w.len() - 1], shape.len().min(LANES - 2));
+            let seeded = |value: f64, lane: Option<usize>| {
+                let slope = std::array::from_fn(|k| f64::from(u8::from(lane == Some(k))));
+                Sensitive { value, slope: Several(slope) }
+            };
+            let lane = |k: usize| chosen.iter().position(|c| *c == k);
+            let of_weights: Vec<Sensitive> = w.iter().enumerate().map(|(k, &w)| seeded(w, lane(k))).collect();
+            let of_shape: Vec<Sensitive> =
+                shape.iter().enumerate().map(|(j, s)| seeded(s.value, Some(j + 2))).collect();
+            let Some(mut run) = basis.sensitive(&of_weights, &of_shape) else {
+                without.push(name);
+                continue;
+            };
+            println!("{name}");
+            let found: Vec<Sensitive> = u.iter().map(|&u| run(u.into())).collect();
+            let slope = |lane: usize| -> Vec<f64> { found.iter().map(|z| z.slope.0[lane]).collect() };
+            let values: Vec<f64> = found.iter().map(|z| z.value).collect();
+            let rounding = 1e-12 * phi.amax();
+            assert_close(&values, &basis.output(&w, &u).unwrap(), 1e-12, rounding * w.len() as f64);
+            for (lane, k) in chosen.into_iter().enumerate() {
+                let known: Vec<f64> = phi.column(k).iter().copied().collect();
+                assert_close(&slope(lane), &known, 1e-12, rounding);
+            }
+            for (j, known) in slopes.iter().enumerate().take(by_shape) {
+                assert_close(&slope(j + 2), known, 1e-9, 1e-9 * peak(known));
+            }
+        }
+        without.dedup();
+        assert_eq!(without, ["proportional", "two-branch", "rate-scheduled", "tellinen"]);
+    }
+
+    #[test]
+    fn every_row_of_the_roughness_has_a_weight() {
+        for (name, basis, _) in bases() {
+            assert!(basis.roughness().iter().all(|row| !row.is_empty()), "{name}");
+        }
     }
 }

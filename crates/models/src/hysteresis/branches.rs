@@ -466,4 +466,36 @@ mod tests {
         assert!(Branches::of_loop(&[], &[], &twelve()).is_err());
         assert!(Branches::of_loop(&u, &z[1..], &twelve()).is_err());
     }
+
+    #[test]
+    fn every_number_of_a_split_is_that_of_its_definition() {
+        // At rest, up with samples on the line and a held one, down, and up again; two at the edges of the tips.
+        let edge = TIP * 10.0;
+        let u = [12.0, 12.0, 15.0, 15.0, 20.0 - edge, 20.0, 20.0, 17.0, 13.0, 10.0 + edge, 10.0, 10.0, 11.0];
+        let z = [3.0, 3.5, 5.5, 5.7, 9.8, 10.0, 10.2, 9.0, 6.0, 1.2, 1.0, 0.8, 1.3];
+        let (bottom, top) = ((10.0, 1.0), (20.0, 10.0));
+        let by_line = [vec![bottom, (11.0, 1.3), top], vec![bottom, (13.0, 6.0), (47.0 / 3.0, 20.2 / 3.0), top]];
+        let by_direction = [vec![bottom, (11.0, 1.3), (15.0, 5.6), top], vec![bottom, (13.0, 6.0), (17.0, 9.0), top]];
+        let splits =
+            [(Split::Line, by_line, 0.08209874108896355), (Split::Direction, by_direction, 0.012352425035827784)];
+        for (split, known, error) in splits {
+            let found = Branches::of_loop(&u, &z, &LoopOptions { split, bins: 2, line: None }).unwrap();
+            for (branch, known) in [&found.branches.ascending, &found.branches.descending].into_iter().zip(&known) {
+                let (u, z): (Vec<f64>, Vec<f64>) = known.iter().copied().unzip();
+                assert_close(&branch.knots.u, &u, 1e-14, 0.0);
+                assert_close(&branch.knots.z, &z, 1e-14, 0.0);
+            }
+            assert_eq!((found.line, found.ascending_below), ([bottom, top], true));
+            // Of 11 samples in motion 5 agree, 3 do not, and 3 are on the line.
+            assert_close(&[found.agreement, found.error], &[0.5 + 1.0 / 11.0, error], 1e-9, 0.0);
+        }
+    }
+
+    #[test]
+    fn a_loop_without_height_has_no_width_and_one_without_bounds_is_an_error() {
+        let flat = || (vec![-1.0, 1.0], vec![3.0, 3.0]);
+        assert_eq!(Branches::new(flat(), flat()).unwrap().width(), 0.0);
+        let options = LoopOptions { split: Split::Direction, ..twelve() };
+        assert!(Branches::of_loop(&[-1.7e308, 1.7e308, -1.7e308], &[0.0, 1.0, 0.0], &options).is_err());
+    }
 }

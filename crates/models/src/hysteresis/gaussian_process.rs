@@ -380,4 +380,33 @@ mod tests {
         document["points"][2] = json!([0.0, 1.0]);
         assert!(load(&document, 5e-4).unwrap_err().to_string().starts_with("points = 2 numbers: must be 5 to 5"));
     }
+
+    #[test]
+    fn the_factor_is_that_of_the_kernel_between_the_points() {
+        let law = law();
+        let factor = law.factor();
+        for (i, x) in law.points.iter().enumerate() {
+            assert_eq!(factor[i].len(), i + 1);
+            for (j, y) in law.points[..=i].iter().enumerate() {
+                let product: f64 = factor[i].iter().zip(&factor[j]).map(|(l, m)| l * m).sum();
+                let nugget = if i == j { NUGGET } else { 0.0 };
+                assert_close(&[product], &[law.kernel(x, y) + nugget], 0.0, 1e-14);
+            }
+        }
+    }
+
+    #[test]
+    fn the_deviation_moves_with_the_range() {
+        let (process, mut document) = (example(), save(&*example()));
+        document["range"] = json!([-10.0, 50.0]);
+        let moved = load(&document, 5e-4).unwrap();
+        let mut x = process.settled(0.0);
+        for u in wander(50) {
+            process.step(&mut x, u);
+            let there: Vec<f64> =
+                x.iter().enumerate().map(|(k, x)| if k == 0 || k > 8 { x + 20.0 } else { *x }).collect();
+            let known = process.deviation(&x).unwrap();
+            assert_close(&[moved.deviation(&there).unwrap()], &[known], 1e-4, 1e-3);
+        }
+    }
 }

@@ -243,4 +243,12 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn dead_zones_end_at_eighths_of_the_range_but_not_at_rest() {
+        let zones = |range| dead_zones(&BasisDesign { ts: 1.0, range, elements: None, frequencies: Vec::new() });
+        assert_eq!(zones((-4.0, 4.0)), [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0]);
+        // One that is 0 except for rounding; all that are small.
+        assert_eq!((zones((-0.3, 0.1)).len(), zones((0.0, 1e-3)).len()), (6, 7));
+    }
 }

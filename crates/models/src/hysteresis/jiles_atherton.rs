@@ -273,4 +273,13 @@ mod tests {
         assert_close(&[last(&[0.0, -30.0, 1e4])], &[last(&[0.0, 25.0, 1e4])], 1e-12, 0.0);
         assert!(last(&[0.0, 1e4]) > 0.99 * 30.0);
     }
+
+    #[test]
+    fn a_sample_takes_steps_of_at_most_an_eighth_of_a_and_of_k() {
+        for (a, k) in [(16.0, 24.0), (24.0, 16.0)] {
+            let last = |u: &[f64]| *run(JilesAtherton { a, k, coupling: 0.4 }, [0.0, 0.0, 1.0], u).last().unwrap();
+            // 9 are five steps of at most 2.
+            assert_close(&[last(&[9.0])], &[last(&[1.8, 3.6, 5.4, 7.2, 9.0])], 1e-13, 0.0);
+        }
+    }
 }

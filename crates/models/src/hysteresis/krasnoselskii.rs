@@ -230,4 +230,9 @@ mod tests {
             assert!(message.starts_with(at) && message.contains(&format!("must be above {below}:")), "{message}");
         }
     }
+
+    #[test]
+    fn the_narrowest_ridge_is_allowed() {
+        assert!(Krasnoselskii { levels: vec![-1.0, 0.0, 4.0], ridge: NARROWEST }.check().is_ok());
+    }
 }

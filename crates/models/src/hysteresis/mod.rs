@@ -645,4 +645,44 @@ mod tests {
         let known: Vec<_> = examples().filter_map(|o| Some((o.operator().name, o.frequencies()?))).collect();
         assert_eq!(known, [("rate-scheduled", (5.0, 80.0))]);
     }
+
+    #[test]
+    fn a_shape_parameter_is_refused_at_a_limit_that_no_operator_has() {
+        let loaded = |name: &str, parameter: &str, value: f64| {
+            let mut document = save(&*(Operator::find(name).unwrap().example)(5e-4).unwrap());
+            document[parameter] = json!(value);
+            load(&document, 5e-4).map_err(|error| error.to_string())
+        };
+        let refused = [
+            ("asymmetric-bouc-wen", "gamma_over_beta", -1.0),
+            ("asymmetric-bouc-wen", "loading_skew", -1.0),
+            ("asymmetric-bouc-wen", "loading_skew", 1.0),
+            ("asymmetric-bouc-wen", "unloading_skew", -1.0),
+            ("asymmetric-bouc-wen", "unloading_skew", 1.0),
+            ("bouc-wen-baber-noori", "gamma_over_beta", -1.0),
+            ("bouc-wen-baber-noori", "pinch", 1.0),
+            ("jiles-atherton", "coupling", 1.0),
+            ("maxwell-slip", "rise", -1.0),
+        ];
+        for (name, parameter, limit) in refused {
+            let message = loaded(name, parameter, limit).unwrap_err();
+            assert!(message.starts_with(&format!("{parameter} = {limit}: must be")), "{name}: {message}");
+            assert!(loaded(name, parameter, 0.999 * limit).is_ok(), "{name}: {parameter}");
+        }
+        let allowed = [
+            ("asymmetric-bouc-wen", "gamma_over_beta", 1.0),
+            ("bouc-wen", "gamma_over_beta", -10.0),
+            ("bouc-wen-baber-noori", "gamma_over_beta", 1.0),
+            ("bouc-wen-baber-noori", "strength_loss", 0.0),
+            ("rate-dependent-prandtl-ishlinskii", "growth", 0.0),
+        ];
+        for (name, parameter, limit) in allowed {
+            assert!(loaded(name, parameter, limit).is_ok(), "{name}: {parameter}");
+        }
+    }
+
+    #[test]
+    fn an_operator_is_printed_by_its_name() {
+        assert_eq!(format!("{:?}", Operator::find("PI").unwrap()), r#"Operator("prandtl-ishlinskii")"#);
+    }
 }

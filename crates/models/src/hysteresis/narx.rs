@@ -380,4 +380,17 @@ mod tests {
             assert!(message.contains("must"), "{message}");
         }
     }
+
+    #[test]
+    fn a_power_stands_once() {
+        let law = Narx { reversible: vec![1, 1], ..Narx::all(1, 0.05) };
+        let message = law.check().unwrap_err().to_string();
+        assert!(message.starts_with("reversible = [1, 1]: must be ascending powers from 1 to 9"), "{message}");
+    }
+
+    #[test]
+    fn a_program_has_no_powers_that_no_term_needs() {
+        let texts = [1, 2].map(|degree| Narx::all(degree, 0.05).text());
+        assert!(!texts[0].contains("let v = ") && texts[1].contains("let v = "), "{texts:?}");
+    }
 }

@@ -366,6 +366,7 @@ fn filled(rest: &[f64]) -> Lanes {
 #[cfg(test)]
 mod tests {
     use super::super::inverse::by_slopes;
+    use super::super::tests::check_program;
     use super::super::{Hysteresis, inverse};
     use super::*;
 
@@ -454,6 +455,55 @@ mod tests {
                     assert_eq!(found.to_bits(), block.invert(&x, z, (-25.0, 31.0)).u.to_bits(), "{block:?} at {t}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn a_closed_inverse_needs_a_state_that_an_input_leads_to() {
+        let (law, weights, e) = (Play { thresholds: vec![1.0, 2.0, 4.0] }, [0.5, 0.25, 0.125, 0.0625], f64::EPSILON);
+        let all = (-30.0, 30.0);
+        for way in [1.0, -1.0] {
+            // z rises by `more`; all signs may be reversed.
+            let closed = |w: [f64; 4], plays: [f64; 3], last: f64, more: f64, (low, high): (f64, f64)| {
+                let (plays, ends) = (plays.map(|p| way * p), if way > 0.0 { (low, high) } else { (-high, -low) });
+                let z = standing(&w, &plays, way * last) + way * more;
+                law.closed(&w, &plays, way * last, z, ends).map(|found| way * found.u)
+            };
+            let touching = |w, ends| closed(w, [9.0, 8.0, 6.0], 10.0, 0.5, ends);
+            for ends in [all, (10.0, 30.0)] {
+                assert_close(&[touching(weights, ends).unwrap()], &[10.0 + 8.0 / 15.0], 1e-14, 0.0);
+            }
+            assert_eq!(touching(weights, (-30.0, 10.0)), Some(10.0));
+            assert_eq!([(10.5, 30.0), (-30.0, 9.5)].map(|ends| touching(weights, ends)), [None; 2]);
+            assert_eq!([0.125, -0.125].map(|w| touching([0.5, -0.25, w, 0.0625], all)), [None; 2]);
+            // Two plays ahead of the input, and one; those that would have moved before another, two and one; behind.
+            let states = [[9.0, 13.0, 15.0], [9.0, 8.0, 15.0], [11.0, 8.0, 6.0], [11.0, 8.0, 8.0], [8.0, 8.0, 6.0]];
+            assert_eq!(states.map(|plays| closed(weights, plays, 10.0, 0.75, all)), [None; 5]);
+            // Rounding is no difference.
+            assert!(closed(weights, [1.0, 2.0, 4.0 + 8.0 * e], 0.0, 0.5, all).is_some());
+            let beyond = |units: f64| closed(weights, [11.0, 12.0, 14.0 + units * e], 10.0, 0.5, all).is_some();
+            assert_eq!([96.0, 200.0].map(beyond), [true, false]);
+        }
+    }
+
+    #[test]
+    fn a_difference_within_rounding_moves_no_play_where_z_is_flat() {
+        let law = Play { thresholds: vec![3.0] };
+        let from_10 = |w0: f64, p: f64, z: f64| law.closed(&[w0, 1.0], &[p], 10.0, z, (-30.0, 30.0)).unwrap().u;
+        let e = f64::EPSILON;
+        assert_eq!([8.0, 8.0 + 16.0 * e, 8.0 - 16.0 * e].map(|z| from_10(0.0, 8.0, z)), [10.0; 3]);
+        // From four units in the last place on it is a difference.
+        assert_close(&[from_10(0.0, 8.0, 8.0 + 40.0 * e), from_10(0.0, 8.0 - 32.0 * e, 8.0)], &[11.0; 2], 1e-13, 0.0);
+        assert!(from_10(0.5, 8.0, 13.0 + 8.0 * e) > 10.0);
+    }
+
+    #[test]
+    fn sums_of_few_plays_are_written_out_and_those_of_many_are_a_loop() {
+        let u: Vec<f64> = (0..200).map(wander).collect();
+        for (n, is_loop) in [(1, false), (32, false), (33, true), (40, true)] {
+            let block = plays(n, 0.5).2;
+            assert_eq!(block.block().unwrap().text.contains("sums[k % lanes]"), is_loop, "{n}");
+            check_program(&block, &u);
         }
     }
 }

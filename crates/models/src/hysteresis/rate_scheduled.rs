@@ -433,4 +433,17 @@ mod tests {
         assert!(RateScheduled::new(5e-4, vec![pair(5.0, 1.0), pair(5.0, 1.0)], HeldInput::Held).is_err());
         assert!(RateScheduled::new(5e-4, vec![], HeldInput::Held).is_err());
     }
+
+    #[test]
+    fn a_dip_of_a_fiftieth_of_the_range_is_no_reversal() {
+        let branch = || (vec![-20.0, 0.0, 30.0], vec![-20.0, 0.0, 30.0]);
+        let pairs = vec![Pair { frequency_hz: 5.0, branches: Branches::new(branch(), branch()).unwrap() }];
+        let block = RateScheduled::new(5e-4, pairs, HeldInput::Held).unwrap();
+        let trend = |u: [f64; 2]| {
+            let mut x = block.initial();
+            block.resume(&mut x, &u);
+            x[2]
+        };
+        assert_eq!([[10.0, 9.0], [10.0, 8.999], [-10.0, -9.0], [-10.0, -8.999]].map(trend), [1.0, -1.0, -1.0, 1.0]);
+    }
 }

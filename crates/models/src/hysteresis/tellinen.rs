@@ -369,8 +369,10 @@ impl Basis for TellinenBasis {
 
 #[cfg(test)]
 mod tests {
+    use super::super::inverse;
     use super::super::tests::path;
     use super::*;
+    use crate::program::{Machine, Program};
     use piezoid_testing::assert_close;
 
     fn block() -> Tellinen {
@@ -407,5 +409,37 @@ mod tests {
     fn a_reversal_leaves_the_branch_without_a_jump() {
         let z = bent(30.0, 2.0).simulate(&[-30.0, 0.0, -0.1]);
         assert!((z[1] + 2.0).abs() < 1e-9 && (z[2] - z[1]).abs() < 0.1, "{z:?}");
+    }
+
+    #[test]
+    fn the_slopes_by_the_shape_are_proportional_to_the_weight() {
+        let design = BasisDesign { ts: 1.0, range: (-10.0, 30.0), elements: Some(2), frequencies: Vec::new() };
+        let basis = TellinenBasis::even(&design).unwrap();
+        let u = path(&[0.0, 25.0, -5.0, 12.0], 20);
+        let slopes = |weight: f64| basis.slopes(&[weight], &u).concat();
+        let known: Vec<f64> = slopes(1.0).iter().map(|slope| 2.5 * slope).collect();
+        assert!(known.iter().any(|slope| *slope != 0.0));
+        assert_close(&slopes(2.5), &known, 1e-14, 0.0);
+    }
+
+    #[test]
+    fn beyond_ends_that_are_open_the_inverse_is_that_of_its_program() {
+        let branch = |z: f64| (vec![-10.0, 0.0, 10.0], vec![z - 12.0, z, z + 9.0]);
+        let block = Tellinen::new(1.0, Branches::new(branch(-1.0), branch(1.5)).unwrap()).unwrap();
+        let mut program = Program::new(vec![Block::elementary(), block.block().unwrap()]).unwrap();
+        inverse(&mut program).unwrap();
+        let mut machine = Machine::new(&program, "hysteresis", false);
+        let mut x = block.initial();
+        for t in 0..200 {
+            // About the upper end, then about the lower one.
+            let u = if t < 100 { 10.5 } else { -10.5 } + 2.5 * (1.1 * f64::from(t)).sin();
+            let z = block.step(&mut x.clone(), u);
+            let back = block.invert(&x, z, (-40.0, 40.0)).u;
+            let found = machine.call("hysteresis_inverse", &[z, -40.0, 40.0]).unwrap()[0];
+            assert_eq!(found.to_bits(), back.to_bits(), "{found}, not {back}, at {t}");
+            assert_close(&[back], &[u], 1e-9, 1e-9);
+            block.step(&mut x, u);
+            machine.call("hysteresis", &[u]).unwrap();
+        }
     }
 }

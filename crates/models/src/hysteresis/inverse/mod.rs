@@ -184,9 +184,14 @@ impl dyn Hysteresis + '_ {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::path;
     use super::super::{OPERATORS, Operator, load};
     use super::*;
+    use crate::program::{Block, Machine, Program};
+    use piezoid_numerics::system::System;
     use piezoid_testing::assert_close;
+    use serde_json::{Map, Value, json};
+    use std::sync::Mutex;
 
     /// An input that is not periodic.
     fn wander(t: u32) -> f64 {
@@ -329,5 +334,151 @@ mod tests {
             assert_eq!(between((4.0, -3.0), z, |u| u), Inverted { u, z: u });
             assert_eq!(between((-3.0, 4.0), -z, |u| -u), Inverted { u, z: -u });
         }
+    }
+
+    /// A program whose z is this curve of the input, with its slope. It adds up the inputs that it looks at, the last
+    /// one most.
+    fn curved(curve: &str) -> Program {
+        let text = format!(
+            "
+fn curve(u) {{
+    {curve}
+}}
+
+fn hysteresis(x: hysteresis, u) {{
+    let z, slope = curve(u);
+    x.last = u;
+    return z;
+}}
+
+fn hysteresis_ahead(x: hysteresis, u) {{
+    x.trace = 0.75 * x.trace + u;
+    let z, slope = curve(u);
+    return z, slope;
+}}
+"
+        );
+        let block = Block::new("hysteresis", "a curve").number("last", 0.0).number("trace", 0.0).text(&text);
+        let mut program = Program::new(vec![Block::elementary(), block]).unwrap();
+        inverse(&mut program).unwrap();
+        program
+    }
+
+    #[test]
+    fn a_program_searches_along_the_same_inputs() {
+        let curves = [
+            // Flat in the middle and at both ends.
+            "let z = clamp(u, -8.0, -3.0) + clamp(3.0 * u, 6.0, 12.0);
+             let slope = 0.0;
+             if u > -8.0 && u < -3.0 { slope = 1.0; }
+             if u > 2.0 && u < 4.0 { slope = 3.0; }
+             return z, slope;",
+            // Kinks, from which a step goes too far or not far enough.
+            "let z = u;
+             let slope = 1.0;
+             if u > 0.0 { z = 3.0 * u; slope = 3.0; }
+             return z, slope;",
+            "let z = u;
+             let slope = 1.0;
+             if u < 0.0 { z = 3.0 * u; slope = 3.0; }
+             if u < -10.0 { z = -30.0; slope = 0.0; }
+             return z, slope;",
+            // A jump, a step, a maximum.
+            "let z = u;
+             if u >= 2.0 { z = u + 6.0; }
+             return z, 1.0;",
+            "return 5.0 * way(u - 2.0), 0.0;",
+            "return u - 0.05 * u * u, 1.0 - 0.1 * u;",
+            // Smooth curves.
+            "let z = exponential(0.3 * u);
+             return z, 0.3 * z;",
+            "return 0.01 * u * u * u, 0.03 * u * u;",
+            // The teeth of a saw: the inputs on the way decide which solution is found.
+            "let k = whole(0.5 * (u + 30.0));
+             let t = 0.5 * (u + 30.0) - real(k);
+             return 8.0 * t + 0.3 * u - 4.0, 4.3;",
+        ];
+        for curve in curves {
+            let program = curved(curve);
+            let mut machine = Machine::new(&program, "hysteresis", false);
+            for (low, high) in [(-20.0, 25.0), (-12.0, 10.0), (4.0, 4.0), (-3.0, 2.0)] {
+                let at_ends = [low, high].map(|u| machine.call("hysteresis", &[u]).unwrap()[0]);
+                // Also within rounding of an end.
+                let near = at_ends.map(|z| [-3.0, -1.0, 0.0, 1.0, 3.0].map(|k| z * (1.0 + k * f64::EPSILON)));
+                for z in (-12..=12).map(f64::from).chain(near.concat()) {
+                    let known = between((low, high), z, |u| machine.call("hysteresis", &[u]).unwrap()[0]).u;
+                    let found = machine.call("hysteresis_by_trials", &[z, low, high]).unwrap()[0];
+                    assert_eq!(found.to_bits(), known.to_bits(), "{found}, not {known}: {z} of {curve}");
+                    for last in [-40.0, -12.0, -10.0, -1.0, 2.0, 7.0] {
+                        machine.state().copy_from_slice(&[last, 0.0]);
+                        let ahead = |u| {
+                            let found = machine.call("hysteresis_ahead", &[u]).unwrap();
+                            Dual { value: found[0], slope: found[1] }
+                        };
+                        let known = by_slopes(last, z, (low, high), ahead).map(|found| found.u);
+                        let trace = machine.state()[1];
+                        machine.state().copy_from_slice(&[last, 0.0]);
+                        let found = machine.call("hysteresis_by_slopes", &[z, low, high]).unwrap();
+                        assert_eq!(machine.state()[1], trace, "from {last} to {z} of {curve}");
+                        assert_eq!((found[1] == 1.0).then_some(found[0]), known, "from {last} to {z} of {curve}");
+                    }
+                }
+            }
+        }
+    }
+
+    /// A gain that keeps its inputs.
+    #[derive(Debug, Default)]
+    struct Watched(Mutex<Vec<f64>>);
+
+    impl System for Watched {
+        fn ts(&self) -> f64 {
+            1.0
+        }
+
+        fn order(&self) -> usize {
+            0
+        }
+
+        fn step(&self, _: &mut [f64], u: f64) -> f64 {
+            self.0.lock().unwrap().push(u);
+            u
+        }
+    }
+
+    impl Hysteresis for Watched {
+        fn operator(&self) -> &'static Operator {
+            OPERATORS[0]
+        }
+
+        fn params(&self) -> Map<String, Value> {
+            Map::new()
+        }
+    }
+
+    #[test]
+    fn an_operator_is_checked_along_a_major_loop_and_a_minor_loop_in_it() {
+        let watched = Watched::default();
+        assert_eq!((&watched as &dyn Hysteresis).falling_input(-10.0, 30.0), None);
+        let known = path(&[-10.0, 30.0, -10.0, 20.0, 0.0, 10.0, 0.0], 400);
+        // Before that it settles.
+        assert_close(&watched.0.into_inner().unwrap(), &[&[-10.0][..], &known].concat(), 1e-12, 1e-12);
+    }
+
+    #[test]
+    fn whether_an_operator_decreases_does_not_depend_on_its_unit() {
+        let block = |name: &str, weights: &[f64]| {
+            let document = json!({"operator": name, "range": [-20, 20], "thresholds": [3], "weights": weights});
+            load(&document, 1.0).unwrap()
+        };
+        let at = block("stop", &[1.0, 1.5]).falling_input(-20.0, 20.0);
+        assert!(at.is_some());
+        for unit in [1e-12, 1e12] {
+            assert_eq!(block("stop", &[unit, 1.5 * unit]).falling_input(-20.0, 20.0), at);
+            // A play stands still after each reversal.
+            assert_eq!(block("prandtl-ishlinskii", &[0.0, unit]).falling_input(-60.0, -20.0), None);
+        }
+        let nothing = load(&json!({"operator": "proportional", "gain": 0}), 1.0).unwrap();
+        assert_eq!(nothing.falling_input(-1.0, 1.0), None);
     }
 }

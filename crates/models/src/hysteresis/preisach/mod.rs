@@ -496,4 +496,35 @@ mod tests {
                 .starts_with("reversible = 1 numbers: must be 2 numbers")
         );
     }
+
+    #[test]
+    fn there_are_two_levels_or_more_but_not_above_two_hundred_rows() {
+        let levels = |n: u32| -> Vec<f64> { (0..n).map(f64::from).collect() };
+        assert!(check(&levels(2)).is_ok() && check(&levels(201)).is_ok());
+        for n in [1, 202] {
+            let message = check(&levels(n)).unwrap_err().to_string();
+            assert_eq!(message, format!("levels = {n} numbers: must be 2 to 201 numbers"));
+        }
+    }
+
+    #[test]
+    fn an_inverse_after_the_first_movement_returns_the_input() {
+        let example = (OPERATOR.example)(1e-3).unwrap();
+        for first in [10.0, -10.0] {
+            let mut x = example.initial();
+            example.step(&mut x, first);
+            for u in [1.5, 0.9, 0.3, -0.2, -0.5, -0.7, -0.9, -1.2, -2.0].map(|share| share * first) {
+                let z = example.step(&mut x.clone(), u);
+                assert_close(&[example.invert(&x, z, (-30.0, 30.0)).u], &[u], 1e-9, 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn an_input_that_is_no_number_wipes_out_nothing() {
+        let example = (OPERATOR.example)(1e-3).unwrap();
+        let mut x = example.initial();
+        example.resume(&mut x, &[10.0, -5.0, f64::NAN]);
+        assert_eq!(x[0], 1.0);
+    }
 }
