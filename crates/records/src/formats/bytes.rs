@@ -209,4 +209,31 @@ mod tests {
         let mut twice = Unpacking { left: 150_000 };
         assert!(twice.zlib(&packed).is_ok() && twice.zlib(&packed).is_err());
     }
+
+    #[test]
+    fn lengths_shapes_and_texts_have_limits() {
+        let number = |number: u64| length(&number.to_le_bytes(), 0, 8, false).ok();
+        assert_eq!((number(u64::MAX / 2), number(u64::MAX / 2 + 1)), (usize::try_from(u64::MAX / 2).ok(), None));
+        assert_eq!((stored(0x7fff_ff01).ok(), stored(1 << 31).ok()), (Some([1, 0xff, 0xff, 0x7f]), None));
+        let count = |dims: &[usize]| vector(dims).unwrap();
+        assert_eq!([count(&[]), count(&[1, 4, 1])], [Ok(1), Ok(4)]);
+        assert_eq!([count(&[0, 3]), count(&[2, 3])], [Err("empty".into()), Err("of shape 2 x 3".into())]);
+        assert!(size(&[usize::MAX, 2]).is_err());
+        assert_eq!([text(b"a\0b"), text(b"ab")], ["a", "ab"]);
+        assert_eq!(part(&[1, 2, 3], 1, 2).ok(), Some(&[2, 3][..]));
+        let beyond = part(&[1, 2, 3], 2, 2).unwrap_err().to_string();
+        assert!(beyond.ends_with("2 bytes are expected at byte 2, but the file has only 3 bytes"), "{beyond}");
+        // Infinity, and what is no number.
+        assert_eq!((half(0x7c00), half(0xfc00)), (f64::INFINITY, f64::NEG_INFINITY));
+        assert!(half(0x7c01).is_nan());
+        let whole = NumberFormat { kind: NumberKind::Signed, size: 4, big: false };
+        assert_eq!(whole.read(&(-3i32).to_le_bytes(), 4), Some(vec![-3.0]));
+    }
+
+    #[test]
+    fn a_file_is_unpacked_to_four_times_what_deflate_can_hold_or_two_gibibytes() {
+        assert_eq!([1000, 1 << 20].map(|len| Unpacking::of(&vec![0; len]).left()), [4_128_000, 1 << 31]);
+        let mut all = Unpacking { left: 10 };
+        assert!(all.count(10).is_ok() && all.count(1).is_err());
+    }
 }

@@ -410,4 +410,25 @@ mod tests {
         );
         assert!(record("version;t_s;u_V;y_um\n1.10;0;1,5;2\n1.10;1;2;3\n").is_ok(), "a column that is not read");
     }
+
+    #[test]
+    fn a_clock_that_goes_back_by_more_than_half_a_day_has_passed_midnight() {
+        let seconds = |cells: &[&str]| {
+            let mut column = Column::new("clock".into());
+            cells.iter().for_each(|cell| column.take(cell, 1));
+            column.samples
+        };
+        let times = seconds(&["08:00:02", "16:00:02", "00:00:02", "08:00:02", "16:00:02", "00:00:02"]);
+        assert_eq!(times, [28_802.0, 57_602.0, 86_402.0, 115_202.0, 144_002.0, 172_802.0]);
+        assert_eq!(seconds(&["12:00:00", "11:00:00", "00:00:00"]), [43_200.0, 39_600.0, 0.0]);
+        assert_eq!(seconds(&["12:00:00", "00:00:00"]), [43_200.0, 0.0], "half a day");
+    }
+
+    #[test]
+    fn a_file_with_more_columns_than_a_logger_has_is_refused() {
+        let rows = |width: usize| [vec!["1"; width].join(","), vec!["2"; width].join(",")].join("\n");
+        assert_eq!(Table::parse(rows(MAX_COLUMNS).as_bytes()).unwrap().names().count(), MAX_COLUMNS);
+        let refused = Table::parse(rows(MAX_COLUMNS + 1).as_bytes()).unwrap_err().to_string();
+        assert!(refused.starts_with("line 1: 10001 columns, but at most 10000 are read"), "{refused}");
+    }
 }

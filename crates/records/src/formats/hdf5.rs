@@ -243,3 +243,58 @@ fn numbers(kind: &Datatype) -> Result<NumberFormat, &'static str> {
         _ => Err("no numbers"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_layout_of_version_two_is_read_as_one_of_version_one() {
+        let file = |before: usize, [len, rank, class]: [u8; 3]| {
+            let message = [8, 0, len, 0, 7, 0, 0, 0, 2, rank, class, 0, 0, 0, 0, 0];
+            [&vec![0; before][..], &message, &[9; 8]].concat()
+        };
+        for (before, last) in [(8, [16, 33, 2]), (24, [40, 1, 0])] {
+            let mut expected = file(before, last);
+            expected[before + 8] = 1;
+            assert_eq!(older(&file(before, last)), Some(expected));
+        }
+        for (before, wrong) in [(4, [16, 33, 2]), (8, [15, 33, 2]), (8, [16, 34, 2]), (8, [16, 33, 3])] {
+            assert_eq!(older(&file(before, wrong)), None, "{before} {wrong:?}");
+        }
+    }
+
+    #[test]
+    fn a_file_has_so_many_groups_and_data_sets_at_most_and_so_deep() {
+        let bytes = include_bytes!("../../../testing/golden/formats/links.h5");
+        let mut reading = Reading { unpacking: Unpacking::of(bytes), objects: MAX_NODES - 1, failed: false };
+        assert!(reading.count().is_ok() && reading.count().is_err());
+        // A group stands in the first one.
+        let file = Hdf5File::from_bytes_with_options(bytes, OpenOptions::default()).unwrap();
+        let root = file.root_group().unwrap();
+        reading.objects = 0;
+        assert!(reading.group(&root, DEEPEST - 1).is_ok());
+        let error = reading.group(&root, DEEPEST).unwrap_err().to_string();
+        assert!(error.ends_with("groups 33 deep"), "{error}");
+    }
+
+    #[test]
+    fn an_attribute_states_a_period_by_its_name() {
+        let attribute = |name: &str, value: f64| Attribute {
+            name: name.into(),
+            datatype: Datatype::FloatingPoint { size: 8, byte_order: ByteOrder::LittleEndian },
+            shape: Vec::new(),
+            raw_data: value.to_le_bytes().into(),
+            decoded_strings: None,
+        };
+        let attributes = [attribute("gain", 3.0), attribute("fs", 2000.0), attribute("Ts_ms", 0.5)];
+        let found: Vec<_> = periods(&attributes).collect();
+        assert_eq!(found, [("fs", 2000.0, 5e-4), ("Ts_ms", 0.5, 5e-4)]);
+    }
+
+    #[test]
+    fn what_follows_a_file_is_not_read() {
+        let bytes = include_bytes!("../../../testing/golden/formats/fields.h5");
+        assert_eq!(read(&[&bytes[..], &[0; 8]].concat()), read(bytes));
+    }
+}

@@ -393,4 +393,109 @@ mod tests {
         let other = refusal("arr_0,piezo_hv,capsens\n", |k| [0, 2, 3].map(|c| cells(k)[c].clone()).join(","));
         assert!(other.ends_with("give `output_col` = \"capsens\", `time_col` = \"arr_0\""), "{other}");
     }
+
+    fn column(name: &str, unit: &str, samples: &[f64]) -> Column {
+        let unit = Some(unit.to_string()).filter(|unit| !unit.is_empty());
+        Column { unit, samples: samples.to_vec(), ..Column::new(name.into()) }
+    }
+
+    #[test]
+    fn a_channel_is_the_same_in_another_group_if_all_of_it_is() {
+        let gap = f64::NAN;
+        let one = column("a/drive", "V", &[1.0, 2.0, gap]);
+        for (other, expected) in [
+            (column("b/drive", "V", &[1.0, 2.0, gap]), true),
+            (column("a/drive", "V", &[1.0, 2.0, gap]), false),
+            (column("b/gate", "V", &[1.0, 2.0, gap]), false),
+            (column("b/drive", "mV", &[1.0, 2.0, gap]), false),
+            (column("b/drive", "V", &[1.0, 3.0, gap]), false),
+            (column("b/drive", "V", &[1.0, 2.0, 3.0]), false),
+            (column("b/drive", "V", &[1.0, 2.0]), false),
+        ] {
+            assert_eq!(Role::Input.is_same(&other, &one), expected, "{other:?}");
+            // Times are the same by their numbers.
+            let of_time = Role::Time.is_same(&other, &one);
+            assert_eq!(of_time, format!("{:?}", other.samples) == format!("{:?}", one.samples), "{other:?}");
+        }
+        let empty = ["a/drive", "b/drive"].map(|name| column(name, "V", &[gap; 3]));
+        assert!(!Role::Input.is_same(&empty[0], &empty[1]), "no numbers");
+    }
+
+    #[test]
+    fn a_signal_has_numbers_of_several_levels_that_do_not_count_up() {
+        let gap = f64::NAN;
+        let numbers = [&[1.0, gap][..], &[1.0, 2.0, 3.0, gap, gap], &[1.0, gap, gap], &[gap], &[]];
+        let has = numbers.map(|samples| column("", "", samples).has_numbers());
+        assert_eq!(has, [true, true, false, false, false]);
+        let signal = |unit: &str, n: u32, sample: fn(f64) -> f64| {
+            column("", unit, &(0..n).map(|k| sample(f64::from(k))).collect::<Vec<_>>()).is_signal()
+        };
+        assert_eq!([9, 10].map(|n| signal("", n, |k| k)), [true, false], "a few rows tell nothing");
+        assert!(!signal("", 10, |k| k % 2.0) && signal("", 10, |k| k % 3.0));
+        let units = ["V", "um", "counts", "A", "s"].map(|unit| signal(unit, 9, |k| k));
+        assert_eq!(units, [true, true, true, false, false]);
+    }
+
+    #[test]
+    fn times_increase_evenly_and_not_by_whole_numbers() {
+        for (samples, even, time) in [
+            (&[0.5, 1.0, 1.5][..], true, true),
+            (&[0.25, 1.25, 2.25], true, false),
+            (&[0.0, 100.0, 201.0], true, false),
+            (&[0.0, 100.0, 202.0], false, false),
+            (&[0.0, 0.5, 2.0], false, false),
+            (&[1.5, 1.0, 0.5], false, false),
+            (&[1.0, 1.0, 1.0], false, false),
+            (&[0.5], false, false),
+        ] {
+            assert_eq!((is_even(samples), column("", "", samples).is_uniform_time()), (even, time), "{samples:?}");
+        }
+    }
+
+    #[test]
+    fn a_name_of_another_meaning_does_not_stand_in_the_way() {
+        let y = |head: &str, row: &str| {
+            let table = Table::parse(format!("{head}\n0,{row}\n0.01,{row}\n0.02,{row}\n").as_bytes()).unwrap();
+            table.record(&ColumnSelection::default()).map(|record| record.y()[0]).map_err(|error| error.to_string())
+        };
+        assert_eq!(y("t_s,u_V,y_um,y_ref_um", "1,2,3"), Ok(2.0));
+        assert_eq!(y("time_of_drive,drive,sensor", "1,2"), Ok(2.0));
+        assert_eq!(y("t_s,u_V,Sensor [counts]", "1,2"), Ok(2.0));
+        assert_eq!(
+            y("t_s,u_V,Offset (um),Gain [counts],Sensor [counts]", "1,2,3,4").unwrap_err(),
+            "line 1: `Offset (um)`, `Sensor [counts]` could each be the output; choose one: give `output_col` = \
+             \"Offset (um)\""
+        );
+        let times = y("t (s),Zeit (s),u_V,y_um", "1,2,3").unwrap_err();
+        assert!(times.ends_with("could each be the time; choose one: give `time_col` = \"t (s)\""), "{times}");
+    }
+
+    #[test]
+    fn a_time_in_words_is_used_only_if_nothing_else_states_the_period() {
+        let read = |head: &str| {
+            let table = Table::parse(format!("{head}Time,u_V,y_um\nnoon,1,2\nnoon,2,3\n").as_bytes()).unwrap();
+            table.record(&ColumnSelection::default()).map(|record| record.ts()).map_err(|error| error.to_string())
+        };
+        assert_eq!(read("# dt: 0.01 s\n"), Ok(0.01));
+        assert_eq!(read(""), Err("line 2, column Time: `noon` is not a number".into()));
+    }
+
+    #[test]
+    fn what_is_proposed_is_neither_taken_nor_likely_for_another_role() {
+        let parsed = |text: &str| Table::parse(text.as_bytes()).unwrap();
+        let any = ColumnSelection::default();
+        let both = parsed("foo,bar\n0,1\n3,7\n4,2\n").record(&any).unwrap_err().to_string();
+        assert_eq!(
+            both,
+            "line 1: it cannot be decided which column is the input, and which the output, and which the time: `foo` \
+             and `bar` could be either; if this is their order, give `input_col` = \"foo\", `output_col` = \"bar\", \
+             `ts`"
+        );
+        let output = parsed("arr_0,piezo_hv,foo\n0,1,4\n3,7,4\n4,2,5\n").record(&any).unwrap_err().to_string();
+        assert!(output.contains("the output, and which the time among the columns `arr_0`"), "{output}");
+        assert!(!output.contains("if this is their order"), "{output}");
+        let sensors = parsed("t_s,Sensor 1 (um),Sensor 2 (um),piezo\n0,1,4,2\n1,7,4,1\n2,2,5,1\n");
+        let input = sensors.input(&any).unwrap_err().to_string();
+        assert!(input.ends_with("give `input_col` = \"piezo\""), "{input}");
+    }
 }

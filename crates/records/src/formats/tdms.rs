@@ -392,4 +392,122 @@ mod tests {
             assert_eq!((ticks(&bytes, false), ticks(&turned, true)), (expected, expected));
         }
     }
+
+    fn words(numbers: &[u32], big: bool) -> Vec<u8> {
+        numbers.iter().flat_map(|number| if big { number.to_be_bytes() } else { number.to_le_bytes() }).collect()
+    }
+
+    fn long(number: u64, big: bool) -> [u8; 8] {
+        if big { number.to_be_bytes() } else { number.to_le_bytes() }
+    }
+
+    /// A channel, the place of its data, and its property `wf_increment`.
+    fn channel(name: &str, place: &[u8], step: f64, big: bool) -> Vec<u8> {
+        let text = |text: &str| [words(&[text.len() as u32], big), text.into()].concat();
+        let property = [text("wf_increment"), words(&[10], big), long(step.to_bits(), big).into()].concat();
+        [text(&format!("/'log'/'{name}'")), place.into(), words(&[1], big), property].concat()
+    }
+
+    /// A place of so many values of a type; if they are text, of so many bytes.
+    fn place(kind: u32, count: u64, text: u64, big: bool) -> Vec<u8> {
+        let text = if u64::from(kind) == TEXT { long(text, big).to_vec() } else { Vec::new() };
+        [words(&[20, kind, 1], big), long(count, big).into(), text].concat()
+    }
+
+    fn segment(flags: u64, channels: &[Vec<u8>], data: &[u8], big: bool) -> Vec<u8> {
+        let flags = if big { flags | BIG } else { flags };
+        let count = if flags & METADATA > 0 { words(&[channels.len() as u32], big) } else { Vec::new() };
+        let metadata = [count, channels.concat()].concat();
+        let lens = [metadata.len() + data.len(), metadata.len()].map(|len| long(len as u64, big));
+        let head = [DATA, &(flags as u32).to_le_bytes(), &words(&[4713], big), &lens.concat()].concat();
+        [&head[..], &metadata, data].concat()
+    }
+
+    /// The numbers of all channels that were read, in the order of the channels.
+    fn stored(file: &[u8]) -> Vec<Vec<f64>> {
+        let (unpacking, objects, paths, list) = (Unpacking::of(file), Vec::new(), HashMap::new(), Vec::new());
+        let mut reading = Reading { bytes: file, unpacking, objects, paths, list };
+        let mut at = 0;
+        while at < file.len() {
+            at = reading.segment(at).unwrap();
+        }
+        reading.objects.into_iter().map(|object| object.stored.unwrap()).collect()
+    }
+
+    #[test]
+    fn every_whole_number_before_the_end_of_the_file_is_read() {
+        for (flags, order, big) in [(0, "uuyy", false), (0, "uuyy", true), (INTERLEAVED, "uyuy", false)] {
+            let channels = [("u", 2), ("y", 10)].map(|(name, kind)| channel(name, &place(kind, 2, 0, big), 0.5, big));
+            // Three chunks of two numbers of two bytes and two of eight, and the end of each number.
+            let (mut data, mut ends) = (Vec::new(), Vec::new());
+            for (k, name) in (0i16..).zip(order.repeat(3).chars()) {
+                let long = f64::from(-k).to_be_bytes();
+                let mut bytes = if name == 'u' { (-k).to_be_bytes().to_vec() } else { long.into() };
+                if !big {
+                    bytes.reverse();
+                }
+                data.extend(bytes);
+                ends.push((name, data.len(), f64::from(-k)));
+            }
+            for len in 0..=data.len() {
+                let expected = ['u', 'y'].map(|name| {
+                    let here = ends.iter().filter(|(own, end, _)| *own == name && *end <= len);
+                    here.map(|(.., number)| *number).collect::<Vec<f64>>()
+                });
+                let mut file = segment(METADATA | NEW_LIST | flags, &channels, &data[..len], big);
+                assert_eq!(stored(&file), expected, "{order} {big} {len}");
+                // As it is written while the file is open.
+                file[12..20].fill(0xff);
+                assert_eq!(stored(&file), expected, "{order} {big} {len}, not closed");
+            }
+        }
+    }
+
+    #[test]
+    fn a_segment_says_only_what_differs_from_the_one_before_it() {
+        let (before, none) = (words(&[0], false), words(&[NO_DATA as u32], false));
+        let part = |flags: u64, channels: &[(&str, &[u8], f64)], data: &[&[f64]]| {
+            let one = |(name, place, step): &(&str, &[u8], f64)| channel(name, place, *step, false);
+            let channels: Vec<_> = channels.iter().map(one).collect();
+            let data: Vec<u8> = data.concat().iter().flat_map(|number| number.to_le_bytes()).collect();
+            segment(flags, &channels, &data, false)
+        };
+        let two = place(10, 2, 0, false);
+        let file = [
+            part(METADATA | NEW_LIST, &[("u", &two, 0.0), ("data", &two, 0.5)], &[&[1.0, 2.0], &[11.0, 12.0]]),
+            // The same again, twice.
+            part(0, &[], &[&[3.0, 4.0], &[13.0, 14.0], &[5.0, 6.0], &[15.0, 16.0]]),
+            part(METADATA, &[("u", &before, 0.0), ("data", &none, 0.5)], &[&[7.0, 8.0]]),
+            part(METADATA | NEW_LIST, &[("data", &before, 0.5)], &[&[17.0, 18.0]]),
+            part(METADATA, &[("u", &before, 0.0)], &[&[19.0, 20.0], &[9.0, 10.0]]),
+        ];
+        let table = read(&file.concat()).unwrap();
+        let counted = |first: i32| (first..first + 10).map(f64::from).collect::<Vec<_>>();
+        let found: Vec<_> = table.columns.into_iter().map(|column| (column.name, column.samples, column.ts)).collect();
+        assert_eq!(found, [("u".to_string(), counted(1), None), ("data".to_string(), counted(11), Some(0.5))]);
+    }
+
+    #[test]
+    fn numbers_behind_text_are_read_and_those_beside_an_unknown_type_are_not() {
+        let numbers = |kind: u32, text: &[u8]| {
+            let channels = [("note", place(kind, 2, text.len() as u64, false)), ("u", place(2, 2, 0, false))];
+            let channels = channels.map(|(name, place)| channel(name, &place, 0.5, false));
+            read(&segment(METADATA | NEW_LIST, &channels, &[text, &[1, 0, 2, 0]].concat(), false)).unwrap()
+        };
+        // The ends of two texts, and the texts.
+        let table = numbers(TEXT as u32, b"\x04\0\0\0\x06\0\0\0bender");
+        assert_eq!((&table.columns[0].samples[..], &*table.left), (&[1.0, 2.0][..], "note (text)"));
+        let unknown = numbers(11, b"");
+        let left = "note (beside values of an unknown type), u (beside values of an unknown type)";
+        assert_eq!((unknown.columns.len(), &*unknown.left), (0, left));
+        let card = read(&segment(DAQMX, &[], &[], false)).unwrap_err().to_string();
+        assert!(card.contains("the layout of a DAQ card"), "{card}");
+    }
+
+    #[test]
+    fn a_type_has_its_size() {
+        assert_eq!([1, 2, 3, 4, 5, 6, 7, 8].map(size), [1, 2, 4, 8, 1, 2, 4, 8].map(Some));
+        assert_eq!([BOOLEAN, 9, 0x19, 10, 0x1a, INSTANT].map(size), [1, 4, 4, 8, 8, 16].map(Some));
+        assert_eq!([0, 11, TEXT].map(size), [None; 3]);
+    }
 }

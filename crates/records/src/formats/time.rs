@@ -318,4 +318,66 @@ mod tests {
         assert!(period(&[-f64::MAX, f64::MAX], "t_s", &below).is_ok_and(f64::is_infinite));
         assert!(period(&[0.0, 5e-324, 1e-323], "t_s", &below).is_ok());
     }
+
+    #[test]
+    fn a_step_that_is_off_by_exactly_one_percent_is_even() {
+        assert_eq!([99.0, 101.0, 98.5, 101.5].map(|step| off(step, 100.0)), [false, false, true, true]);
+        let are_even = |[first, second, third]: [f64; 3]| {
+            let mut stamps = EvenStamps::new(first, second);
+            stamps.add(third);
+            stamps.are_even()
+        };
+        assert_eq!([[0.0, 100.0, 201.0], [0.0, 100.0, 202.0], [1.0; 3]].map(are_even), [true, false, false]);
+    }
+
+    #[test]
+    fn a_gap_of_ten_rows_is_not_bridged() {
+        let after = |last: f64| refusal(&[0.0, 1.0, 2.0, 3.0, last]);
+        let bridged = "9 rows seem to be missing; cut the record or split the file here, or, to bridge the gap by a \
+                       straight line, use `prepare` with the option resample = 1";
+        assert!(after(13.0).ends_with(bridged));
+        assert!(after(14.0).ends_with("10 rows seem to be missing; cut the record or split the file here"));
+    }
+
+    #[test]
+    fn coarse_stamps_deviate_by_their_resolution_and_fine_ones_by_half_a_period() {
+        for (t, expected) in [
+            // Steps of 0.9 to 1.5 periods of 2: by 1 at most.
+            (&[0.0, 2.0, 4.8, 6.8][..], true),
+            (&[0.0, 2.0, 5.2, 7.2], false),
+            (&[10.0, 12.0, 15.0, 17.0], true),
+            // Others: by the least step.
+            (&[0.0, 1.8, 5.5], true),
+            (&[0.0, 2.7, 3.3], false),
+            (&[0.0, 0.0, 3.0], true),
+            (&[0.0, 0.0, 3.2], true),
+            (&[1.0, 1.0], false),
+        ] {
+            assert_eq!(rounds(t, 2.0), expected, "{t:?}");
+        }
+    }
+
+    #[test]
+    fn a_period_in_another_unit_is_the_nearest_number_to_the_decimal_product() {
+        // The products of the numbers are 2.4999999999999998e-6 and 7.000000000000001e-9.
+        assert_eq!([times(2.5, 1e-6), times(7.0, 1e-9), times(0.5, 1e-3)], [2.5e-6, 7e-9, 5e-4]);
+        assert_eq!([times(2.0, 60.0), times(0.5, 1e3), times(2.0, 0.05), times(3.0, 1.0)], [120.0, 500.0, 0.1, 3.0]);
+    }
+
+    #[test]
+    fn the_shortest_period_deviates_by_no_more_than_the_stamps() {
+        // Without jitter, the first and the last stamp are still rounded.
+        assert_eq!(shortest([12.345, 12.645], 3, 0.0), 0.1);
+        // 0.3 is off by 0.099 after three steps of 0.333.
+        assert_eq!([0.1, 0.05].map(|roughness| shortest([0.0, 0.999], 3, roughness)), [0.3, 0.33]);
+        assert!(is_multiple(0.3, 3, 0.1) && !is_multiple(0.3 + 1e-15, 3, 0.1));
+    }
+
+    #[test]
+    fn a_step_is_that_of_increasing_times_and_periods_agree_but_for_rounding() {
+        assert_eq!((step(&[1.0, 3.0, 4.0, 9.0]), mean(&[1.0, 2.0, 6.0])), (Some(2.0), 2.5));
+        assert_eq!([step(&[0.0, 1.0, 1.0]), step(&[0.0, 2.0, 1.0]), step(&[1.0]), step(&[])], [None; 4]);
+        assert!(mean(&[1.0]).is_nan());
+        assert_eq!((agreed([2.0, 2.001, 1.999]), agreed([2.0, 2.0, 2.1]), agreed([])), (Some(2.0), None, None));
+    }
 }

@@ -188,4 +188,43 @@ mod tests {
         let text = format!("{}{}", "# a picture, in letters\n".repeat(10_000), "0,1\n".repeat(40_000));
         assert_eq!(found(&text), (',', vec![true; 2]), "more above the rows than in them");
     }
+
+    #[test]
+    fn a_cell_is_that_of_most_rows() {
+        assert_eq!(found("0,x\n1,2\n").1, [true, false], "as many words as numbers");
+        assert_eq!(found("0,1,5\n1,nan,5\n2,,5\n3,x,5\n4,x,5\n").1, [true; 3], "more numbers and gaps than words");
+        assert_eq!(found("0,nan,1\n1,nan,2\n").1, [true, false, true], "no number");
+        let empty = |text: &str| Dialect::of(text).unwrap().empty;
+        assert_eq!(empty("0,,1\n1,,2\n2,5,3\n3,5,4\n"), [false; 3], "half of them");
+        assert_eq!(empty("0,,1\n1,5,2\n"), [false; 3]);
+        assert_eq!(empty("0,,1\n1,,2\n2,,3\n3,5,4\n"), [false, true, false]);
+    }
+
+    #[test]
+    fn commas_are_decimal_if_a_row_has_one_within_a_number() {
+        let commas = |text: &str| Dialect::of(text).unwrap().commas;
+        assert!(commas("t;u\n0,5;1\n1;2\n"));
+        assert!(!commas("t,u\n0,1\n1,2\n") && !commas("Gain;1,5;x\n0.5;1\n1.5;2\n"));
+    }
+
+    #[test]
+    fn a_row_has_half_of_the_numbers_and_nothing_where_nothing_belongs() {
+        let dialect = |numeric: &[bool], empty: &[bool]| Dialect {
+            separator: ',',
+            numeric: numeric.to_vec(),
+            empty: empty.to_vec(),
+            commas: false,
+        };
+        let six = dialect(&[true; 6], &[false; 6]);
+        for (line, expected) in [("1,,2,,,3", true), ("1,,2,nan", false), ("1,2,3,4,x", false), ("1", false)] {
+            assert_eq!(six.is_row(line), expected, "{line}");
+        }
+        let two = dialect(&[true, false], &[false, true]);
+        assert!(two.is_row("1,") && two.begins_like_a_row("1,"));
+        assert!(!two.is_row("1,note") && !two.begins_like_a_row("1,note") && !two.begins_like_a_row("x,"));
+        assert!(!dialect(&[false], &[false]).is_row("x"));
+        let numbered = |rows: [&str; 3]| two.is_numbered(rows.into_iter());
+        assert!(numbered(["0,5", "1,5", "2,5"]) && numbered(["1", "2", "3"]));
+        assert!(!numbered(["0", "2", "4"]) && !numbered(["5", "6", "7"]));
+    }
 }

@@ -402,4 +402,52 @@ mod tests {
         assert_eq!(quantity("2,000 Hz", "", true), None, "2 or 2000");
         assert_eq!(head(&format!("# sample rate: high\nt,u,y\n{ROWS}")).ts, None);
     }
+
+    #[test]
+    fn what_is_no_line_of_names_or_units_is_a_remark() {
+        for (above, expected) in [
+            ("t,u,y,Comment\n", &["t", "u", "y", "Comment"][..]),
+            ("Channel names,t,u,y\n", &["t", "u", "y"]),
+            ("t,u,y\n# gain = 10\n", &["t", "u", "y"]),
+            // A unit that is a number is still a unit; units twice are names of units.
+            ("t,u,y\n[s],[V],[1]\n", &["t", "u", "y"]),
+            ("s,V,um\ns,V,um\n", &["s", "V", "um"]),
+            ("s,u,y\n", &["s", "u", "y"]),
+            // Above another remark stand no names, and channels have numbers only above their units, from 1.
+            ("t,u,y\nModel,MSO\n", &[]),
+            ("t,1,2\n", &[]),
+            ("1,2,3\ns,V,um\n", &[]),
+            ("x-axis,0,1\nsecond,Volt,Volt\n", &[]),
+            ("# NAME10000 = x y z\n", &[]),
+        ] {
+            assert_eq!(names(&format!("{above}{ROWS}")), expected, "{above}");
+        }
+        assert_eq!(head(&format!("t,u,y\n[s],[V],[1]\n{ROWS}")).units, ["s", "V", "1"]);
+        assert_eq!(names("unit\n1\n2\n3\n"), ["unit"]);
+        let halves = "t,u,y\n0,0,1,5,2,5\n0,1,1,6,2,6\n0,2,1,7,2,7\n";
+        assert_eq!(names(halves), ["t", "u", "y"], "decimal commas between commas");
+    }
+
+    #[test]
+    fn the_line_of_the_names_is_the_lowest_that_has_some() {
+        let line = |above: &str| head(&format!("{above}{ROWS}")).line;
+        assert_eq!(line("descr,export\nname,u,y\nunit,V,um\n"), 2);
+        assert_eq!(line("Label,u,y\nTIME,CH1,CH2\n"), 2);
+    }
+
+    #[test]
+    fn a_period_is_positive_and_mega_is_not_milli() {
+        for (text, rate, expected) in [
+            ("2 MHz", true, Some(5e-7)),
+            ("2 mHz", true, None),
+            ("2,5 Hz", true, Some(0.4)),
+            ("0 Hz", true, None),
+            ("0 s", false, None),
+            ("-5 ms", false, None),
+        ] {
+            assert_eq!(quantity(text, "", rate), expected, "{text}");
+        }
+        let ts = head("Rate: 2.5 Hz\nt;u;y\n0;1,5;2\n1;2,5;3\n2;2,7;3\n").ts;
+        assert_eq!(ts, Some(0.4), "one digit after a point among decimal commas");
+    }
 }

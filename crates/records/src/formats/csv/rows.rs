@@ -234,4 +234,14 @@ mod tests {
         while pieces.read().unwrap() {}
         assert_eq!(pieces.end().unwrap().count, 2);
     }
+
+    #[test]
+    fn fewer_rows_than_the_head_states_are_a_file_that_was_cut() {
+        let file = |rows: usize| format!("# NDATA = {rows}\nt_s,u_V\n0,1\n1,2\n");
+        assert_eq!(
+            read(file(3).as_bytes()).unwrap_err().to_string(),
+            "the head states 3 rows, but 2 follow: the file was cut; to use what is there, set NDATA to 2"
+        );
+        assert!([1, 2].iter().all(|rows| read(file(*rows).as_bytes()).is_ok_and(|table| table.count == 2)));
+    }
 }

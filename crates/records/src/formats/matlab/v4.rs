@@ -72,3 +72,52 @@ pub(super) fn variables(file: &[u8]) -> Result<Vec<(String, Node)>, Error> {
     }
     Ok(channels)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A matrix whose data take eight bytes a number.
+    fn matrix(code: u32, dims: [u32; 2], complex: u32, name: &[u8], data: &[f64]) -> Vec<u8> {
+        let head = [code, dims[0], dims[1], complex, name.len() as u32].map(u32::to_le_bytes).concat();
+        let data: Vec<u8> = data.iter().flat_map(|number| number.to_le_bytes()).collect();
+        [&head[..], name, &data].concat()
+    }
+
+    #[test]
+    fn a_file_begins_with_a_matrix_only_if_each_number_of_its_head_fits() {
+        let begins = |code, complex, name: &[u8]| begins(&matrix(code, [2, 1], complex, name, &[1.0, 2.0]));
+        let longest = [&[b'u'; 1023][..], &[0]].concat();
+        assert!(begins(0, 0, b"u\0") && begins(2, 1, &longest));
+        // Another machine, a digit that is 0, an unknown type, an unknown kind.
+        assert!([1000, 100, 60, 3].iter().all(|code| !begins(*code, 0, b"u\0")));
+        assert!(!begins(0, 2, b"u\0") && !begins(0, 0, b"u") && !begins(0, 0, b""));
+        assert!(!begins(0, 0, &[&b"u"[..], &longest].concat()));
+        let formats = [0, 10, 20, 30, 40, 50].map(|code| {
+            let NumberFormat { kind, size, big } = head(&matrix(code, [0, 0], 0, b"u\0", &[]), 0).unwrap().numbers;
+            (kind, size, big)
+        });
+        let [float, signed, unsigned] = [NumberKind::Float, NumberKind::Signed, NumberKind::Unsigned];
+        let expected = [(float, 8), (float, 4), (signed, 4), (signed, 2), (unsigned, 2), (unsigned, 1)];
+        assert_eq!(formats, expected.map(|(kind, size)| (kind, size, false)));
+    }
+
+    #[test]
+    fn matrices_follow_each_other_whatever_they_hold() {
+        let file = [
+            matrix(0, [2, 1], 1, b"u\0", &[1.0, 2.0, 3.0, 4.0]),
+            matrix(51, [1, 8], 0, b"remark\0", &[0.0]),
+            matrix(51, [2, 4], 0, b"lines\0", &[0.0]),
+            matrix(2, [1, 1], 0, b"sparse\0", &[0.0]),
+            matrix(0, [2, 1], 0, b"y\0", &[5.0, 6.0]),
+        ];
+        let named = |name: &str, node| (name.to_string(), node);
+        let expected = [
+            named("u", Node::other("complex numbers")),
+            named("lines", Node::other("text")),
+            named("sparse", Node::other("a sparse matrix")),
+            named("y", Node::series(Ok(vec![5.0, 6.0]), None)),
+        ];
+        assert_eq!(variables(&file.concat()).unwrap(), expected);
+    }
+}

@@ -185,3 +185,86 @@ impl<'a> Elements<'a> {
         Ok(NumberFormat { kind: number, size, big: self.big }.read(bytes, size).unwrap_or_default())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn element(kind: u32, data: &[u8]) -> Vec<u8> {
+        let mut bytes = [kind.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+        bytes.extend(data);
+        bytes.resize(bytes.len().next_multiple_of(8), 0);
+        bytes
+    }
+
+    fn words(numbers: [u32; 2]) -> Vec<u8> {
+        numbers.map(u32::to_le_bytes).concat()
+    }
+
+    /// An array of a class, and what stands in it.
+    fn matrix(class: u32, dims: [u32; 2], content: &[u8]) -> Vec<u8> {
+        let head = [element(6, &words([class, 0])), element(5, &words(dims)), element(1, b"named")].concat();
+        element(14, &[&head[..], content].concat())
+    }
+
+    fn numbers(values: &[f64]) -> Vec<u8> {
+        let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        matrix(6, [1, values.len() as u32], &element(9, &bytes))
+    }
+
+    fn structure(value: &[u8]) -> Vec<u8> {
+        let names = [element(5, &8u32.to_le_bytes()), element(1, b"u\0\0\0\0\0\0\0")].concat();
+        matrix(2, [1, 1], &[&names[..], value].concat())
+    }
+
+    fn read(bytes: &[u8], depth: usize) -> Result<Node, Error> {
+        array(Elements { bytes, at: 0, big: false }.next()?, false, depth).map(|(name, value)| {
+            assert_eq!(name, "named");
+            value
+        })
+    }
+
+    fn series(values: &[f64]) -> Node {
+        Node::series(Ok(values.to_vec()), None)
+    }
+
+    #[test]
+    fn cells_are_their_content_or_numbers_or_structures_and_not_a_mixture() {
+        let fields = |value: f64| Node::Fields(vec![("u".into(), series(&[value]))]);
+        let cells = |content: &[Vec<u8>]| read(&matrix(1, [1, content.len() as u32], &content.concat()), 0).unwrap();
+        let [one, two] = [1.0, 2.0].map(|value| numbers(&[value]));
+        let [first, second] = [&one, &two].map(|value| structure(value));
+        assert_eq!(cells(&[numbers(&[1.0, 2.0, 3.0])]), series(&[1.0, 2.0, 3.0]));
+        assert_eq!(cells(&[one.clone(), two.clone()]), series(&[1.0, 2.0]));
+        assert_eq!(cells(&[first.clone(), second.clone()]), Node::Items(vec![fields(1.0), fields(2.0)]));
+        for mixed in [[first, two.clone()], [one, second], [two, numbers(&[1.0, 2.0])]] {
+            assert_eq!(cells(&mixed), Node::other("cells, 1 x 2"));
+        }
+    }
+
+    #[test]
+    fn arrays_are_nested_only_so_deep() {
+        let one = numbers(&[1.0]);
+        assert!(read(&one, DEEPEST).is_ok() && read(&one, DEEPEST + 1).is_err());
+        for outer in [matrix(1, [1, 1], &one), structure(&one)] {
+            assert!(read(&outer, DEEPEST - 1).is_ok() && read(&outer, DEEPEST).is_err());
+        }
+        let error = read(&element(9, &[0; 8]), 0).unwrap_err().to_string();
+        assert!(error.ends_with("an element of type 9, 0 deep, where an array should stand"), "{error}");
+    }
+
+    #[test]
+    fn objects_are_left_out_and_text_is_read_in_each_encoding() {
+        // It has no dimensions.
+        let opaque = element(14, &[element(6, &words([17, 0])), element(1, b"named")].concat());
+        assert_eq!(read(&opaque, 0), Ok(Node::other("an object of class 17")));
+        assert_eq!(read(&matrix(4, [0, 0], &element(16, b"")), 0), Ok(Node::Text(String::new())));
+        let letters = |bytes: &[u8], big| Elements { bytes, at: 0, big }.letters().unwrap();
+        assert_eq!(letters(&element(16, "bender, \u{b5}m".as_bytes()), false), "bender, \u{b5}m");
+        for kind in [4u8, 17] {
+            let little = [&[kind, 0, 0, 0, 4, 0, 0, 0][..], &[0xb5, 0, b'm', 0]].concat();
+            let big = [&[0, 0, 0, kind, 0, 0, 0, 4][..], &[0, 0xb5, 0, b'm']].concat();
+            assert_eq!([letters(&little, false), letters(&big, true)], ["\u{b5}m", "\u{b5}m"], "{kind}");
+        }
+    }
+}

@@ -235,6 +235,7 @@ fn between(t: &[f64], unit: f64, selection: &ColumnSelection) -> Result<Range<us
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::formats::Channel;
 
     /// Rows 1 ms apart; these rows have this in place of one column.
     fn table(gaps: &[(usize, &str)], column: usize) -> Table {
@@ -299,5 +300,69 @@ mod tests {
     fn a_cut_beyond_the_end_of_uneven_times_is_refused_with_the_end() {
         let refused = table(GAPS, 0).record(&cut(Some(3.0), None)).unwrap_err().to_string();
         assert_eq!(refused, "no sample lies from 3 s on: the data span 0 s to 0.099 s");
+    }
+
+    #[test]
+    fn a_stated_period_tells_the_unit_of_stamps_and_what_they_round() {
+        let read = |text: &str| Table::parse(text.as_bytes()).unwrap().record(&cut(None, None));
+        let rows = |times: &[f64]| times.iter().map(|t| format!("{t},1,2\n")).collect::<String>();
+        let ts = |head: &str, times: &[f64]| read(&format!("{head},u_V,y_um\n{}", rows(times))).map(|r| r.ts());
+        // Of milliseconds, or of nothing.
+        assert_eq!(ts("# dt: 0.5 ms\nTime", &[0.0, 0.5, 1.0]), Ok(5e-4));
+        assert!(ts("# dt: 0.51 ms\nTime", &[0.0, 0.5, 1.0]).is_err());
+        assert_eq!(ts("# dt: 0.5 ms\nt (ms)", &[0.0, 0.0, 1.0, 1.0, 2.0, 2.0]), Ok(5e-4));
+        let gap = ts("# dt: 0.5 ms\nt_s", &[0.0, 0.0005, 0.001, 0.0015, 0.003]).unwrap_err().to_string();
+        assert!(gap.contains("2 rows seem to be missing"), "{gap}");
+        let printed: Vec<f64> = (0..1000).map(|k| (f64::from(k) / 3e-3).round() * 1e-6).collect();
+        assert_eq!(ts("# rate: 3000 Hz\nt_s", &printed), Ok(1.0 / 3000.0));
+        assert_eq!(ts("# rate: 2001 Hz\nt_s", &[0.0, 0.0005, 0.001]), Ok(5e-4), "another period");
+    }
+
+    #[test]
+    fn times_in_milliseconds_are_told_and_interpolated_in_seconds() {
+        let table = |rows: &str| Table::parse(format!("t (ms),u_V,y_um\n{rows}").as_bytes()).unwrap();
+        let back = table("0,0,0\n1,1,1\n2,2,2\n1,3,3\n").record(&cut(None, None)).unwrap_err().to_string();
+        assert!(back.starts_with("line 5, column t (ms): time goes back from 0.002 s to 0.001 s"), "{back}");
+        let uneven = table("0,0,0\n1200,12,24\n2000,20,40\n3200,32,64\n4000,40,80\n");
+        let record = uneven.resampled(&cut(None, None), Some(1.0)).unwrap();
+        assert_eq!(record.ts(), 1.0);
+        piezoid_testing::assert_close(record.u(), &[0.0, 10.0, 20.0, 30.0, 40.0], 1e-12, 1e-12);
+    }
+
+    #[test]
+    fn what_is_wrong_within_a_cut_is_told_with_its_place_in_the_file() {
+        let refused = table(&[(80, "0.0")], 0).record(&cut(Some(0.02), None)).unwrap_err().to_string();
+        assert!(refused.starts_with("line 82, column t_s: time goes back from 0.079 s to 0 s"), "{refused}");
+        assert_eq!(
+            table(GAPS, 2).record(&cut(Some(0.05), None)).unwrap_err().to_string(),
+            "line 62, column y_um: the cell holds no number; 3 rows have no number here: lines 62 to 64: repair them \
+             in the file, or cut the record to the longer part without them: give `from` = 0.063"
+        );
+        let counted: Vec<f64> = (0..10).map(f64::from).collect();
+        let mut gaps = counted.clone();
+        gaps[3..5].fill(f64::NAN);
+        let channels = [("t_s", counted.clone()), ("u_V", gaps), ("y_um", counted)];
+        let table = Table::of(channels.map(|(name, samples)| Channel::new(name, samples)));
+        let refused = table.record(&cut(None, None)).unwrap_err().to_string();
+        let expected = "row 3, u_V: the sample is NaN; 2 rows have no number here: rows 3 to 4: repair them";
+        assert!(refused.starts_with(expected), "{refused}");
+    }
+
+    #[test]
+    fn a_cut_takes_the_rows_whose_stamps_are_within_a_millionth_of_a_step() {
+        // Half seconds, from 10 on.
+        let whole = [10.0, 12.0, 14.0, 16.0, 18.0];
+        let rows = |from, to| between(&whole, 0.5, &cut(from, to)).ok();
+        assert_eq!((rows(Some(1.0), Some(3.0)), rows(None, Some(2.0))), (Some(1..3), Some(0..2)));
+        assert_eq!((rows(Some(1.000_000_4), None), rows(Some(1.000_002), None)), (Some(1..5), Some(2..5)));
+        assert_eq!([rows(Some(3.0), Some(3.0)), rows(Some(-1.0), None), rows(Some(4.5), None)], [None, None, None]);
+        // Rows without a time.
+        let none = f64::NAN;
+        let to = |t: &[f64], to| between(t, 1.0, &cut(None, to)).ok();
+        assert_eq!(to(&[0.0, 1.0, none, 3.0, 4.0], Some(2.5)), Some(0..2));
+        assert_eq!((to(&[0.0, 1.0, 2.0, none], None), to(&[none, none, 2.0, 3.0], Some(1.0))), (Some(0..4), None));
+        let gaps = [none, 12.0, none, 16.0];
+        assert_eq!([0, 1, 2, 3, 9].map(|row| elapsed(&gaps, 0.5, row)), [0.0, 1.0, 2.0, 3.0, 9.0]);
+        assert_eq!(elapsed(&[none, 5.0, none], 1.0, 2), 0.0, "a single time");
     }
 }
