@@ -294,4 +294,31 @@ mod tests {
         assert!(of_gain.fit.is_none() && of_gain.reason.contains("no clear improvement"), "{}", of_gain.reason);
         assert!(part(share / 0.78).fit.is_some());
     }
+
+    #[test]
+    fn too_few_frequencies_for_an_order_give_the_highest_order_that_they_determine() {
+        let part = linear_from_large_signal(&[record(&[5.0, 60.0, 120.0], &beam())], 4).unwrap();
+        assert_eq!(part.arx.a().len(), 2);
+        piezoid_testing::assert_close(&[part.arx.poles()[0].hz], &[146.73], 1e-3, 0.0);
+        let (own, requested) = part.reason.split_once("; for order 4 the result is a pure gain: ").unwrap();
+        assert!(own.starts_with("order 2 with a delay of ") && own.contains("(3 frequencies up to 120 Hz)"), "{own}");
+        assert!(requested.starts_with("the input has 3 frequencies, but a block of order 4 needs 5"), "{requested}");
+    }
+
+    #[test]
+    fn a_pole_far_above_all_frequencies_of_the_input_is_not_believed() {
+        let part = linear_from_large_signal(&[record(&[5.0, 40.0, 60.0, 80.0], &beam())], 2).unwrap();
+        let says = "for order 2 the result is a pure gain: the fit has a pole at 146.7 Hz, but the input has no power \
+                    above 80.0 Hz";
+        assert!(part.arx.a().len() == 1 && part.reason.contains(says), "{}", part.reason);
+    }
+
+    /// The lines of 32 neighbouring sines without gaps, by numpy: 36 bins, of which nine count as one line.
+    #[test]
+    fn neighbouring_lines_count_by_their_width() {
+        let wave = |k: f64, t: f64| (TAU * 0.25 * (200.0 + k) * 5e-4 * t + 0.1 * k * k).sin();
+        let u: Vec<f64> = (0..8000).map(|t| (0..32).map(|k| wave(f64::from(k), f64::from(t))).sum()).collect();
+        let found = excited(&Record::new(5e-4, u.clone(), u).unwrap());
+        piezoid_testing::assert_close(&found, &[50.1625, 53.2435, 54.5414, 57.4812], 1e-5, 0.0);
+    }
 }

@@ -94,3 +94,25 @@ fn notes_on_creep(model: &Model) -> impl Iterator<Item = String> {
         )
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_models::creep::{Creep, Lag};
+    use piezoid_models::hysteresis::Operator;
+    use piezoid_models::linear::Arx;
+
+    #[test]
+    fn values_that_the_records_do_not_determine_and_creep_that_is_none_are_noted() {
+        let law = (Operator::find("stop").unwrap().example)(1e-3).unwrap();
+        let lags = vec![Lag { tau_s: 0.5, gain: MAX_CREEP_GAIN }, Lag { tau_s: 5.0, gain: 0.05 }];
+        let model = Model::new(law, Arx::gain(1e-3, 2.0).unwrap(), 0.0).unwrap();
+        let model = model.with_creep(Creep::new(1e-3, lags).unwrap()).unwrap();
+        let parameter = |name: &str, error: f64| FittedParameter { name: name.into(), value: 2.0, error };
+        let notes = notes_on_values(&model, &[parameter("a [s]", 1.5), parameter("b", 0.5), parameter("c", 3.0)]);
+        let unknown = "these records do not determine a [s] = 2.000 (standard error 1.500), c = 2.000 (standard error \
+                       3.000): ignore these values, or add records";
+        let creep = "creep of 0.5000 s adds 10.00 %, more than creep of ceramics: ";
+        assert!(notes.len() == 2 && notes[0] == unknown && notes[1].starts_with(creep), "{notes:?}");
+    }
+}

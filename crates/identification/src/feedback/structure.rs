@@ -237,6 +237,10 @@ fn held_out_percent(model: &Model, records: &[Record]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use piezoid_models::hysteresis::Proportional;
+    use piezoid_models::linear::Arx;
+    use piezoid_testing::assert_close;
+    use std::sync::Arc;
 
     #[test]
     fn a_search_that_ends_early_states_what_its_last_steps_lowered() {
@@ -244,5 +248,23 @@ mod tests {
         let note = note_on_end(&minimum(Reason::Iterations)).unwrap();
         assert!(note.ends_with("its last 2 steps lowered the sum of squared errors by 75.00 %"), "{note}");
         assert_eq!(note_on_end(&minimum(Reason::Converged)), None);
+    }
+
+    #[test]
+    fn the_held_out_error_is_about_the_offset_of_the_rest_over_the_height_of_each_record() {
+        const TS: f64 = 1e-3;
+        let gain = Arc::new(Proportional::new(TS, 1.0).unwrap());
+        let model = Model::new(gain, Arx::gain(TS, 2.0).unwrap(), 0.0).unwrap();
+        let record = |n: usize, height: f64, offset: f64, error: f64| {
+            // Two levels in turn, whose heights the errors do not change.
+            let u: Vec<f64> = (0..n).map(|t| if t % 4 < 2 { 0.0 } else { 0.5 * height }).collect();
+            let y = |(t, u): (usize, &f64)| 2.0 * u + offset + if [2, 5].contains(&(8 * t / n)) { error } else { 0.0 };
+            let y = u.iter().enumerate().map(y).collect();
+            Record::new(TS, u, y).unwrap()
+        };
+        // A quarter of the samples is held out: 200 with 3 of 23, and 100 with 1 of 11.
+        let records = [record(800, 20.0, 5.0, 3.0), record(400, 10.0, -7.0, 1.0)];
+        let expected = 100.0 * ((200.0 * (3.0f64 / 23.0).powi(2) + 100.0 * (1.0f64 / 11.0).powi(2)) / 300.0).sqrt();
+        assert_close(&[held_out_percent(&model, &records)], &[expected], 1e-9, 0.0);
     }
 }

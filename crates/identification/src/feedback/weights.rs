@@ -126,3 +126,16 @@ fn products(columns: &DMatrix<f32>) -> DMatrix<f64> {
     }
     all
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn products_of_more_columns_and_rows_than_a_block_are_those_of_all() {
+        let columns = DMatrix::from_fn(ROWS + 12, BLOCK + 14, |t, k| ((7 * t + 13 * k + t * k) % 11) as f32 - 5.0);
+        let all = columns.map(f64::from);
+        // Whole numbers: the order of sums does not matter.
+        assert_eq!(products(&columns), all.tr_mul(&all));
+    }
+}

@@ -160,7 +160,9 @@ pub(crate) fn equations(
 mod tests {
     use super::super::testing::{estimate, segment};
     use super::*;
+    use piezoid_models::creep::Lag;
     use piezoid_testing::assert_close;
+    use std::f64::consts::LN_2;
 
     #[test]
     fn elimination_gives_the_solution_of_all_equations() {
@@ -203,5 +205,26 @@ mod tests {
         let (selected, _) = equations(&estimate, &[one.clone(), other], |part| part.fold == Some(0), &[]);
         let (alone, _) = equations(&estimate, &[one], |_| true, &[]);
         assert_eq!((selected.h, selected.g, selected.samples), (alone.h, alone.g, alone.samples));
+    }
+
+    #[test]
+    fn own_coefficients_are_drawn_to_zero_by_what_is_expected_of_them() {
+        let of = |a: f64, samples: f64, drifts: bool| {
+            let lags = vec![Lag { tau_s: 0.02, gain: 0.0 }];
+            let linear = Arx::new(5e-4, vec![a], vec![1.0]).unwrap();
+            let estimate = Estimate { lags, ..estimate("prandtl-ishlinskii", 3).with_linear(linear) };
+            // Creep, the state of G, the constant and the trend.
+            let own = DMatrix::from_diagonal(&DVector::from_row_slice(&[5.0, 3.0, 8.0, 2.0]));
+            expected(&estimate, &ColumnLayout::of(&estimate), &own, samples, drifts)
+        };
+        // A static gain of 2, ten independent errors, and 0.008 for the constant of a sample.
+        let found = of(0.5, 1000.0, false);
+        assert_close(found.as_slice(), &[0.0288, 0.3 * LN_2, 8e-10, 7.2e-3], 1e-5, 0.0);
+        assert_close(&[of(0.5, 1000.0, true)[3]], &[7.2e-7 + 2e-10], 1e-5, 0.0);
+        // A record of less than one independent error has one.
+        let found = of(0.5, 50.0, false);
+        assert_close(found.as_slice(), &[0.0576, 0.03 * LN_2, 8e-10, 0.0144], 1e-5, 0.0);
+        // A state rings at most as long as the record.
+        assert_close(&[of(0.9999, 1000.0, false)[1]], &[3e-4], 1e-5, 0.0);
     }
 }

@@ -208,4 +208,9 @@ mod tests {
             }
         }
     }
+
+    #[test]
+    fn known_products_end_with_a_panel_of_every_machine() {
+        assert_eq!([0, 7, 8, 21, 64].map(Rows::whole), [0, 0, 8, 16, 64]);
+    }
 }

@@ -307,6 +307,7 @@ mod tests {
     use super::*;
     use piezoid_numerics::system::System;
     use piezoid_records::record::Record;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn a_start_without_damping_is_fitted_too() {
@@ -355,5 +356,28 @@ mod tests {
         let end = refine_to_minimum(&fit, &mut runs, &mut |_| Ok(())).unwrap();
         assert!(end.cost() < 0.9 * fit.cost(), "{:e} {:e}", end.cost(), fit.cost());
         assert_eq!(optimality(&end, &runs).left_percent, None);
+    }
+
+    #[test]
+    fn small_signal_records_weigh_by_the_ratio_of_the_residuals_within_limits() {
+        let u: Vec<f64> = (0..900).map(|t| 28.0 * (0.01 * f64::from(t)).sin() * (0.13 * f64::from(t)).sin()).collect();
+        let records = [0.1, 0.9, 1.0].map(|k| {
+            let u: Vec<f64> = u.iter().map(|u| k * u).collect();
+            Record::new(5e-4, u.clone(), u).unwrap()
+        });
+        let mut runs = training_records(&records[..1], &records[1..], &mut Vec::new()).unwrap();
+        // The mean of the large-signal records decides; a record without a residual does not count.
+        for (residuals, factor, heavier) in [
+            ([1e-6, 4e-6, 14e-6], 3.0, 3.0),
+            ([1e-6, 4e-6, 28e-6], 4.0 / 3.0, 4.0),
+            ([1e-6, f64::NAN, 4e-6], 0.5, 2.0),
+            ([1e-12, 1e-6, 1e-6], 15.0, 30.0),
+            ([f64::NAN, 1e-6, 1e-6], 1.0, 30.0),
+            ([1.0, 1e-6, 1e-6], 1.0 / 30.0, 1.0),
+        ] {
+            let found = weigh(&mut runs, &residuals);
+            assert_close(&[found, runs[0].heavier], &[factor, heavier], 1e-12, 0.0);
+            assert_eq!([runs[1].heavier, runs[2].heavier], [1.0; 2]);
+        }
     }
 }

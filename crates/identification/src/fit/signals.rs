@@ -320,4 +320,80 @@ mod tests {
         block.differences(1, 3, |order, values| found.push((order, values.to_vec())));
         assert_eq!(found, [(0, vec![1.0, 0.5]), (1, vec![1.0, -0.5]), (2, vec![1.0, -1.5])]);
     }
+
+    #[test]
+    fn filters_have_lanes_for_all_signals_and_few_more() {
+        for (signals, lanes) in [(1, 8), (8, 8), (9, 16), (32, 32), (33, 40), (64, 64), (73, 80)] {
+            assert_eq!(Filters::new(signals, &[], &[0.5], &[1.0]).len(), lanes);
+        }
+    }
+
+    #[test]
+    fn all_pole_blocks_of_every_order_are_those_of_the_difference_equation() {
+        let u: Vec<f64> = (0..100).map(|t| (0.7 * f64::from(t)).sin()).collect();
+        for order in 1..=10 {
+            let a: Vec<f64> = (0..order).map(|k| 0.4 * (-0.6f64).powi(k)).collect();
+            let b = [0.0, 1.0, 0.5];
+            let mut block = AllPole::new(&a, b.len());
+            let mut y = Vec::new();
+            for inputs in u.chunks(7) {
+                block.pass(inputs);
+                let mut part = vec![0.0; inputs.len()];
+                block.add_to(&mut part, &b);
+                y.extend(part);
+            }
+            let expected = Arx::new(1e-3, a, b.to_vec()).unwrap().simulate(&u);
+            assert_close(&y, &expected, 1e-12, 1e-12);
+        }
+    }
+
+    #[test]
+    fn lags_beyond_eight_creep_and_decay_each_on_its_own() {
+        let lags: Vec<(f64, f64)> = (1..=11).map(|k| (0.3 / f64::from(k), 0.1 + 0.02 * f64::from(k))).collect();
+        let initial: Vec<f64> = (1..=11).map(|k| 0.7 - 0.2 * f64::from(k)).collect();
+        let mut creep = CreepStates::new(&lags, &initial);
+        // Three other columns, the lags, the decaying ones, and another column.
+        let (width, from) = (26, 3);
+        let mut rows = vec![7.0; 40 * width];
+        assert_eq!(creep.pass(&[0.0; 5], &mut rows[..5 * width], width, from), [0.0; 5]);
+        assert_eq!(rows[from..from + 22], [0.0; 22], "nothing decays before the record begins");
+        creep.begin();
+        let mut crept = Vec::new();
+        for rows in rows.chunks_mut(16 * width) {
+            crept.extend(creep.pass(&vec![2.0; rows.len() / width], rows, width, from));
+        }
+        for (t, row) in (1..).zip(rows.chunks(width)) {
+            let decaying: Vec<f64> = lags.iter().map(|lag| (1.0 - lag.0).powi(t)).collect();
+            let lagging: Vec<f64> = decaying.iter().map(|d| 2.0 * (1.0 - d)).collect();
+            let each = lags.iter().zip(&initial).zip(lagging.iter().zip(&decaying));
+            let sum = 2.0 + each.map(|(((_, gain), initial), (x, d))| gain * x + initial * d).sum::<f64>();
+            assert_close(&row[from..from + 22], &[lagging, decaying].concat(), 1e-12, 1e-14);
+            assert_close(&[crept[t as usize - 1]], &[sum], 1e-12, 1e-12);
+            assert_eq!([&row[..from], &row[from + 22..]].concat(), [7.0; 4]);
+        }
+        assert_eq!(crept.len(), 40);
+    }
+
+    #[test]
+    fn what_has_decayed_is_zero() {
+        // Each halves its signal in a sample: 2^-600 is 2e-181.
+        let mut filters = Filters::new(1, &[(0.5, 1.0)], &[0.5], &[1.0]);
+        let (mut creep, mut block) = (CreepStates::new(&[(0.5, 1.0)], &[1.0]), AllPole::new(&[0.5], 1));
+        creep.begin();
+        for k in 0..10 {
+            let mut signal = [0.0; 64];
+            signal[0] = if k == 0 { 1.0 } else { 0.0 };
+            let mut rows = vec![0.0; 64 * NARROW];
+            rows[0] = signal[0];
+            filters.pass(&mut rows, NARROW, 0);
+            let mut lags = vec![0.0; 64 * 2];
+            let crept = creep.pass(&signal, &mut lags, 2, 0);
+            block.pass(&signal);
+            let mut y = [0.0; 64];
+            block.add_to(&mut y, &[1.0]);
+            let largest = [&rows[..], &lags, &crept, &y].map(|x| x.iter().fold(0.0f64, |most, x| most.max(x.abs())));
+            // Each block takes up the last state of the one before.
+            assert!(largest.iter().all(|largest| (*largest > 0.0) == (k < 6)), "{k}: {largest:?}");
+        }
+    }
 }

@@ -313,8 +313,12 @@ pub(crate) fn roughness(basis: &dyn Basis) -> DMatrix<f64> {
 #[cfg(test)]
 mod tests {
     use super::super::equations::equations;
-    use super::super::testing::{estimate, segment};
+    use super::super::estimate::CreepOrder;
+    use super::super::testing::{estimate, full_estimate, segment};
     use super::*;
+    use piezoid_models::creep::Lag;
+    use piezoid_models::hysteresis::Operator;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn the_weights_satisfy_the_optimality_conditions() {
@@ -376,5 +380,106 @@ mod tests {
         let steps = &x - prior.current();
         let moved = steps.rows_range(layout.a.start..layout.b.end).amax();
         assert!(moved > 1e-9 && prior.gain.dot(&steps).abs() < 1e-9 * moved.max(1.0), "{steps}");
+    }
+
+    const ONE_ORDER: Option<CreepOrder> = Some(CreepOrder { value: 0.5, error: 0.0 });
+
+    /// Lags with these gains, each four times as slow as the one before: their gains have the ratio 2 in [`ONE_ORDER`].
+    fn lags(gains: [f64; 3]) -> Vec<Lag> {
+        [0.01, 0.04, 0.16].into_iter().zip(gains).map(|(tau_s, gain)| Lag { tau_s, gain }).collect()
+    }
+
+    #[test]
+    fn roughness_and_unlike_gains_are_penalised() {
+        for (gains, creep_order, weight, unlike) in [
+            // Each gain is drawn to the next faster one, and to the usual one where that is larger.
+            ([0.01, 0.02, 0.03], None, 0.03, 0.01f64.powi(2) + 0.015f64.powi(2)),
+            ([0.02, 0.01, 0.03], None, 0.03, 2.0 * 0.005f64.powi(2) + 0.02f64.powi(2)),
+            ([0.01, 0.03, 0.05], ONE_ORDER, 1e6, 2.0 * 0.01f64.powi(2)),
+        ] {
+            let weights = vec![5.0, 1.0, 3.0, 2.0, 2.0];
+            let estimate = Estimate { weights, lags: lags(gains), creep_order, ..estimate("prandtl-ishlinskii", 4) };
+            // The columns of weights and gains have the mean sizes 0.6 and 0.2 per sample.
+            let sizes = [2.0, 4.0, 6.0, 8.0, 10.0, 1.0, 2.0, 3.0, 50.0, 50.0];
+            let h = DMatrix::from_diagonal(&DVector::from_row_slice(&sizes));
+            let normal = ReducedEquations { h, g: DVector::zeros(10), yy: 0.0, samples: 10.0 };
+            let prior = Prior::of(&estimate, Scales::of(&estimate, &normal));
+            let penalty = |lambda: f64| prior.penalty(&normal, lambda, prior.current());
+            let [smooth, rough] = [0.0, 0.5].map(penalty);
+            // The weights of plays bend by -3 and 1: 0.6 x 10 x 0.5 x (9 + 1).
+            assert_close(&[smooth, rough - smooth], &[weight * 0.2 * 10.0 * unlike, 30.0], 1e-9, 0.0);
+        }
+    }
+
+    #[test]
+    fn a_step_is_best_for_squares_penalties_and_damping_together() {
+        let kinds = [FreeParameters::Weights, FreeParameters::Creep, FreeParameters::Shape, FreeParameters::All];
+        for (free, creep_order) in kinds.into_iter().flat_map(|free| [(free, None), (free, ONE_ORDER)]) {
+            let row = Operator::find("generalised-prandtl-ishlinskii").unwrap();
+            let estimate = Estimate { lags: lags([0.01, 0.02, 0.04]), creep_order, ..full_estimate(row, None) };
+            let layout = ColumnLayout::of(&estimate);
+            let (normal, _) = equations(&estimate, &[segment(&layout, 0, None, 9)], |_| true, &[]);
+            let prior = Prior::of(&estimate, Scales::of(&estimate, &normal));
+            // The best parameters are near the present ones, within all limits.
+            let near = prior.steps(&prior.current().map(|value| value + 1e-3));
+            let normal = ReducedEquations { g: &normal.h * near, yy: 1e4, ..normal };
+            let (lambda, damping) = (1e-3, 0.3);
+            let mut positive = vec![true; layout.parameters()];
+            let x = prior.solve(&normal, lambda, damping, free, &mut positive).unwrap();
+            let cost = |x: &DVector<f64>| {
+                let others = layout.weights.end..x.len();
+                let damped = others.map(|k| normal.h[(k, k)] * (x[k] - prior.current()[k]).powi(2)).sum::<f64>();
+                normal.residual(&prior.steps(x)) + prior.penalty(&normal, lambda, x) + damping * damped
+            };
+            let slope = |k: usize| {
+                let at = |by: f64| {
+                    let mut x = x.clone();
+                    x[k] += by;
+                    cost(&x)
+                };
+                (at(1e-4) - at(-1e-4)) / 2e-4
+            };
+            let (end, first_b) = match free {
+                FreeParameters::Weights => (layout.weights.end, None),
+                FreeParameters::Creep => (layout.gains.end, None),
+                FreeParameters::Shape => (layout.shape.end, None),
+                FreeParameters::All => (layout.parameters(), Some(layout.b.start)),
+            };
+            // With a fixed static gain, the slope is along its own.
+            let along_gain = first_b.map_or(0.0, |k| slope(k) / prior.gain[k]);
+            for k in 0..end {
+                let off = slope(k) - along_gain * prior.gain[k];
+                assert!(off.abs() < 1e-5 * normal.g.amax(), "{free:?} {creep_order:?}: {off:e} of parameter {k}");
+            }
+            assert_eq!(x.rows_range(end..), prior.current().rows_range(end..));
+            let steps = &x - prior.current();
+            let static_gain = |share: f64| {
+                let moved = prior.current() + &steps * share;
+                estimate.moved(moved.as_slice()).unwrap().linear.dc_gain()
+            };
+            assert!((static_gain(0.1) / static_gain(-0.1) - 1.0).abs() < 1e-8, "{free:?}: {steps}");
+        }
+    }
+
+    #[test]
+    fn a_weight_without_data_keeps_its_value() {
+        let weights = vec![5.0, 1.0, 3.0, 2.0, 2.0];
+        let estimate = Estimate { weights, ..estimate("prandtl-ishlinskii", 4) };
+        let h = DMatrix::from_diagonal(&DVector::from_row_slice(&[2.0, 4.0, 0.0, 8.0, 10.0, 1.0, 1.0]));
+        let g = DVector::from_row_slice(&[2.0, 8.0, 0.0, 8.0, 5.0, 0.0, 0.0]);
+        let normal = ReducedEquations { h, g, yy: 0.0, samples: 10.0 };
+        let prior = Prior::of(&estimate, Scales::of(&estimate, &normal));
+        let x = prior.solve(&normal, 0.0, 1e-7, FreeParameters::Weights, &mut [true; 7]).unwrap();
+        assert_close(x.as_slice(), &[1.0, 2.0, 3.0, 1.0, 0.5, 0.6, 1.3], 1e-9, 0.0);
+    }
+
+    #[test]
+    fn all_parameters_are_guessed_positive_until_a_weight_is_known() {
+        let of = |weights: [f64; 5]| {
+            let estimate = Estimate { weights: weights.into(), ..estimate("prandtl-ishlinskii", 4) };
+            Prior::of(&estimate, Scales::default()).positive()
+        };
+        assert_eq!(of([0.0; 5]), [true; 7]);
+        assert_eq!(of([0.0, 1.0, 0.0, 2.0, -1.0]), [false, true, false, true, false, true, true]);
     }
 }

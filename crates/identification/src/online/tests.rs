@@ -6,12 +6,13 @@ use crate::{JointOptions, identify_joint};
 use piezoid_models::creep::{Creep, Lag};
 use piezoid_models::driver::DriverModel;
 use piezoid_models::hammerstein::Domain;
-use piezoid_models::hysteresis::{OPERATORS, Operator};
+use piezoid_models::hysteresis::{BasisDesign, OPERATORS, Operator};
 use piezoid_models::linear::Arx;
 use piezoid_models::program::Machine;
 use piezoid_numerics::progress::Stage;
 use piezoid_records::excitation::Prbs;
 use piezoid_records::record::Record;
+use piezoid_testing::assert_close;
 use piezoid_twins::Plant;
 
 const TS: f64 = 5e-4;
@@ -264,4 +265,126 @@ fn what_cannot_move_is_an_error_and_states_why() {
         let message = refused(&high, settings);
         assert!(message.starts_with(why), "{message}");
     }
+}
+
+#[test]
+fn errors_up_to_the_dead_zone_move_nothing() {
+    let online = Online::new(&model("stop"), &OnlineSettings { dead_zone: 0.5, ..OnlineSettings::default() }).unwrap();
+    // At rest, 2 is expected, and only the offset moves: by a 500th of the error.
+    for (y, offset) in [(2.5, 2.0), (1.5, 2.0), (2.75, 2.0015), (1.25, 1.9985)] {
+        let mut x = online.initial();
+        assert_eq!(online.step(&mut x, 0.0, y), 2.0);
+        assert_close(&[online.parameters(&x).offset], &[offset], 1e-12, 0.0);
+    }
+}
+
+#[test]
+fn without_a_moving_gain_no_scale_doubles_or_halves() {
+    let model = model("prandtl-ishlinskii");
+    let u: Vec<f64> = (0..3000).map(drive).collect();
+    let y = model.simulate(&u);
+    for (names, ratio) in [("weights", 4.0), ("weights", 0.1), ("linear", 4.0), ("linear", 0.1)] {
+        let settings = OnlineSettings { moves: Moves::of(names).unwrap(), memory: 30.0, ..OnlineSettings::default() };
+        let online = Online::new(&model, &settings).unwrap();
+        let (mut x, mut least, mut most) = (online.initial(), 1.0f64, 1.0f64);
+        for (u, y) in u.iter().zip(&y) {
+            online.step(&mut x, *u, 2.0 + ratio * (y - 2.0));
+            let OnlineParameters { factors, a, b, .. } = online.parameters(&x);
+            let of_weights: f64 = factors.iter().zip(&online.scales.share).map(|(factor, share)| factor * share).sum();
+            let of_linear = b.iter().sum::<f64>() / (1.0 - a.iter().sum::<f64>()) / model.linear().dc_gain();
+            let scale = if names == "weights" { of_weights } else { of_linear };
+            (least, most) = (least.min(scale), most.max(scale));
+        }
+        assert!(least > 0.4999 && most < 2.0001, "{names} {ratio}: {least} {most}");
+        assert!(most / least > 1.2, "{names} {ratio}: {least} {most}");
+    }
+}
+
+#[test]
+fn a_settled_state_stands_still_with_the_response_of_the_settled_model() {
+    for operator in ["prandtl-ishlinskii", "preisach"] {
+        let model = model(operator);
+        let online = Online::new(&model, &OnlineSettings::default()).unwrap();
+        let start = online.settled(12.0);
+        assert_eq!((online.ts(), online.order()), (TS, start.len()));
+        let mut x = start.clone();
+        let response = model.step(&mut model.settled(12.0), 12.0);
+        for _ in 0..5 {
+            // A reading that is no number moves no parameter.
+            assert_close(&[online.step(&mut x, 12.0, f64::NAN)], &[response], 1e-9, 0.0);
+        }
+        let signals = start.len() - online.layout.fits.iter().sum::<usize>();
+        assert_close(&x[..signals], &start[..signals], 1e-9, 1e-9);
+        assert_eq!(online.settled(1e9), online.settled(online.scales.inputs.1));
+    }
+}
+
+#[test]
+fn the_model_of_the_start_is_the_model() {
+    for operator in ["prandtl-ishlinskii", "preisach"] {
+        let model = model(operator);
+        let online = Online::new(&model, &OnlineSettings::default()).unwrap();
+        assert_eq!(online.model(&online.initial()).unwrap(), model);
+    }
+}
+
+#[test]
+fn settings_at_the_ends_of_their_ranges_are_taken_and_beyond_them_refused() {
+    let (model, usual) = (model("stop"), OnlineSettings::default());
+    let least = OnlineSettings { gain_memory: 10.0, memory: 10.0, groups: 2, excitation: 1.0, ..usual };
+    assert!(Online::new(&model, &least).is_ok());
+    for (settings, why) in [
+        (OnlineSettings { gain_memory: 9.5, ..usual }, "gain_memory = 9.5: must be at least 10 samples"),
+        (OnlineSettings { groups: 1, ..usual }, "groups = 1: must be from 2 to 4"),
+        (OnlineSettings { excitation: 1.5, ..usual }, "excitation = 1.5: must be at most 1, half the stroke"),
+        (OnlineSettings { excitation: -0.5, ..usual }, "excitation = -0.5: must be 0 or a positive number"),
+        (OnlineSettings { dead_zone: f64::INFINITY, ..usual }, "dead_zone = inf: must be 0 or a positive number"),
+    ] {
+        let message = Online::new(&model, &settings).unwrap_err().to_string();
+        assert!(message.starts_with(why), "{message}");
+    }
+}
+
+/// A model of plays with this number of weights, and this linear block.
+fn of_plays(weights: usize, a: Vec<f64>, b: Vec<f64>) -> Model {
+    let elements = Some(weights - 1);
+    let design = BasisDesign { ts: TS, range: (-30.0, 30.0), elements, frequencies: Vec::new() };
+    let basis = (Operator::find("prandtl-ishlinskii").unwrap().basis)(&design).unwrap();
+    let model = Model::new(basis.operator(&vec![1.0; weights]).unwrap(), Arx::new(TS, a, b).unwrap(), 0.0).unwrap();
+    model.with_identified(Domain::of_input(&[-30.0, 30.0], TS))
+}
+
+#[test]
+fn what_cannot_move_is_remarked_unless_names_leave_it_out() {
+    let remarks = |model: &Model, names: &str| {
+        let settings = OnlineSettings { moves: Moves::of(names).unwrap(), ..OnlineSettings::default() };
+        let online = Online::new(model, &settings).unwrap();
+        let Moves { weights, linear, .. } = online.moves();
+        (weights, linear, online.remarks().join("; "))
+    };
+    let (still, at_rest) = ("the weights keep their proportions: ", "the linear block keeps its coefficients: ");
+    assert_eq!(remarks(&of_plays(64, vec![0.5], vec![1.0]), "auto"), (true, true, String::new()));
+    let many = of_plays(65, vec![], vec![0.0, 2.0]);
+    let why = format!("{still}prandtl-ishlinskii has 65 of them, and at most 64 move; {at_rest}it is a gain");
+    assert_eq!(remarks(&many, "auto"), (false, false, why));
+    assert_eq!(remarks(&many, "gain"), (false, false, String::new()));
+    let near = of_plays(3, vec![0.999_999_5], vec![1.0]);
+    let why = format!("{at_rest}a pole is too near the unit circle at this sampling rate");
+    assert_eq!(remarks(&near, "auto"), (true, false, why));
+    let longest = of_plays(3, vec![0.1; 4], vec![0.0, 0.5, 0.2, 0.1]);
+    assert_eq!(remarks(&longest, "auto"), (true, true, String::new()));
+    let driver = DriverModel::new(1e-4, None).unwrap();
+    let law = (Operator::find("prandtl-ishlinskii").unwrap().example)(TS / DriverModel::SUBSTEPS as f64).unwrap();
+    let driven = Model::from_blocks(Some(driver), law, Arx::new(TS, vec![0.5], vec![1.0]).unwrap(), 0.0).unwrap();
+    let driven = driven.with_identified(Domain::of_input(&[-30.0, 30.0], TS));
+    assert_eq!(remarks(&driven, "auto"), (false, true, format!("{still}the driver moves the input within a sample")));
+}
+
+#[test]
+fn groups_are_the_input_and_equal_parts_of_the_thresholds() {
+    let groups = |weights: usize| {
+        Online::new(&of_plays(weights, vec![0.5], vec![1.0]), &OnlineSettings::default()).unwrap().groups
+    };
+    assert_eq!(groups(9), [0..1, 1..3, 3..6, 6..9]);
+    assert_eq!(groups(3), [0..1, 1..2, 2..3]);
 }

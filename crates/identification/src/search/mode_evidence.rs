@@ -95,6 +95,7 @@ impl ModeEvidence {
 mod tests {
     use super::super::fit::pair;
     use super::*;
+    use std::f64::consts::TAU;
 
     #[test]
     fn a_mode_at_the_least_damping_is_at_a_limit_unless_a_free_decay_shows_it() {
@@ -105,5 +106,64 @@ mod tests {
         assert!(evidence.is_at_limit(&block(0.0021)) && !evidence.is_at_limit(&block(0.003)));
         evidence.free_decays = block(0.0021).poles();
         assert!(!evidence.is_at_limit(&block(0.0021)));
+    }
+
+    #[test]
+    fn a_mode_shows_between_the_frequencies_of_the_inputs_above_them_or_in_a_free_decay() {
+        let few = || {
+            let (free_decays, lowest, above) = (Vec::new(), 50.0, 200.0);
+            ModeEvidence {
+                free_decays,
+                lowest,
+                above,
+                one_frequency: false,
+                is_broad: false,
+                is_order_specified: false,
+            }
+        };
+        let block = |hz: f64| pair(5e-4, hz, 0.05);
+        let shown = |evidence: &ModeEvidence| [40.0, 60.0, 150.0, 250.0].map(|hz| evidence.shows(&block(hz)));
+        assert_eq!(shown(&few()), [false, true, true, true]);
+        assert_eq!(shown(&ModeEvidence { lowest: 200.0, ..few() }), [false, false, false, true]);
+        assert_eq!(shown(&ModeEvidence { one_frequency: true, ..few() }), [false; 4]);
+        assert_eq!(shown(&ModeEvidence { is_order_specified: true, ..few() }), [true; 4]);
+        assert!(few().shows(&pair(5e-4, 40.0, 0.6)), "it does not ring");
+        let decays = ModeEvidence { free_decays: block(40.0).poles(), ..few() };
+        assert_eq!([33.0, 48.0, 49.5].map(|hz| decays.shows(&block(hz))), [true, true, false]);
+
+        // Few frequencies show one mode, not two.
+        let (one, other) = (block(100.0).denominator(), block(300.0).denominator());
+        let mut both = [0.0; 5];
+        (0..9).for_each(|k| both[k / 3 + k % 3] += one[k / 3] * other[k % 3]);
+        let two = Arx::new(5e-4, both[1..].iter().map(|c| -c).collect(), vec![0.1]).unwrap();
+        assert!(!few().shows(&two) && ModeEvidence { is_broad: true, ..few() }.shows(&two));
+
+        // An error of less than three tenths needs no evidence, unless the inputs have one frequency.
+        assert_eq!([0.29, 0.31].map(|error| few().allows(&block(40.0), error, 1.0)), [true, false]);
+        assert!(!ModeEvidence { one_frequency: true, ..few() }.allows(&block(40.0), 0.29, 1.0));
+        assert!(few().allows(&block(100.0), 5.0, 1.0));
+    }
+
+    #[test]
+    fn the_frequencies_of_the_inputs_are_the_evidence() {
+        let sum = |lines: &[f64]| {
+            let wave = |t: i32| lines.iter().map(|hz| (TAU * hz * 1e-3 * f64::from(t)).sin()).sum::<f64>();
+            let u: Vec<f64> = (0..2000).map(wave).collect();
+            Record::new(1e-3, u.clone(), u).unwrap()
+        };
+        let of = |inputs: &[&[f64]], is_order_specified: bool| {
+            let records: Vec<Record> = inputs.iter().map(|lines| sum(lines)).collect();
+            let found = ModeEvidence::of(&records, is_order_specified);
+            (found.lowest.round(), found.one_frequency, found.is_broad)
+        };
+        let lines = [10.0, 12.0, 14.0, 16.0, 18.0, 19.0];
+        assert_eq!(of(&[&lines[..1]], false), (20.0, true, false));
+        assert_eq!(of(&[&[10.0], &[19.0]], false), (38.0, true, false));
+        assert_eq!(of(&[&[10.0], &[21.0]], false), (42.0, false, false));
+        assert_eq!(of(&[&[10.0], &[21.0]], true), (0.0, false, false));
+        let each: Vec<&[f64]> = lines.chunks(1).collect();
+        assert_eq!(of(&each[..5], false), (36.0, true, false));
+        assert_eq!(of(&each, false), (10.0, true, true));
+        assert_eq!(of(&[&[10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0]], false), (10.0, false, true));
     }
 }

@@ -302,4 +302,68 @@ mod tests {
         let none = OPERATORS.iter().filter(|o| o.rate_independent).fold("auto".to_string(), |s, o| s + ",-" + o.name);
         assert!(tried(&none).unwrap_err().contains("leaves out every operator that suits the records"));
     }
+
+    #[test]
+    fn the_reason_states_what_the_selected_operator_has_before_the_others() {
+        let trial = |name: &str, error: f64, as_good: bool, verdict: &'static str| OperatorTrial {
+            held_out_percent: error,
+            free_run_percent: error,
+            error_percent: error,
+            as_good,
+            verdict,
+            refused: (verdict == "refused").then(String::new),
+            ..OperatorTrial::refused(Operator::find(name).unwrap(), String::new())
+        };
+        let best = trial("preisach", 2.5, true, SELECTED);
+        assert_eq!(reason_for_operator(std::slice::from_ref(&best)), None);
+        let (stop, dahl) = (trial("stop", 2.9, false, ""), trial("dahl", 3.5, false, ""));
+        // One that is refused, and one that has a smaller error but is not as good, are not the next.
+        let others = [trial("bouc-wen", 2.6, false, "refused"), trial("duhem", 2.4, false, "")];
+        let (alone, next) = ("preisach predicts best: 2.500 % rms/pp, held out or in free run", "; the next is stop");
+        let trials = [&[best.clone(), dahl, stop][..], &others].concat();
+        assert_eq!(reason_for_operator(&trials), Some(format!("{alone}{next} with 2.900 %")));
+        let simpler = trial("preisach", 2.6, true, SELECTED);
+        let found = reason_for_operator(&[simpler, trial("stop", 2.5, true, "as good")]);
+        let equal = "preisach has an error of 2.600 % rms/pp, held out or in free run, equal to the 2.500 % of stop \
+                     within uncertainty, and is simpler";
+        assert_eq!(found.as_deref(), Some(equal));
+        let found = reason_for_operator(&[best, trial("stop", 2.52, true, "as good")]);
+        assert_eq!(found, Some(format!("{alone}; it is the simplest of those that are as good")));
+    }
+
+    #[test]
+    fn auto_tries_fewer_operators_without_minor_loops_and_notes_how_few_there_are() {
+        let through = |levels: &[f64]| -> Record {
+            let line = |w: &[f64]| {
+                let (from, to) = (w[0], w[1]);
+                (0..50).map(move |t| from + (to - from) * f64::from(t) / 50.0)
+            };
+            let u: Vec<f64> = levels.windows(2).flat_map(line).chain(levels.last().copied()).collect();
+            Record::new(5e-4, u.clone(), u).unwrap()
+        };
+        let tried = |small: &[Record], levels: &[f64]| {
+            let mut notes = Vec::new();
+            let records = Records::of(small, &[through(levels)]).unwrap();
+            let operators = suitable_operators("auto", &records, &mut notes).unwrap();
+            (operators, notes.join(""))
+        };
+        // Reversals within a tenth of the range from its ends start no minor loop.
+        let inner = [10.0, -10.0, 10.0, -10.0, 10.0, -10.0, 10.0, -10.0];
+        for (levels, times) in [
+            (vec![0.0, 30.0, -30.0, 27.0, -27.0, 30.0, -30.0], "turn back inside"),
+            (vec![0.0, 30.0, -30.0, 10.0, -27.0, 30.0], "turn back only once inside"),
+            (vec![0.0, 30.0, -30.0, 27.0, -10.0, 30.0], "turn back only once inside"),
+            ([&[0.0, 30.0, -30.0][..], &inner[..7], &[-30.0]].concat(), "turn back only 7 times inside"),
+        ] {
+            let (operators, note) = tried(&[], &levels);
+            assert!(note.contains(times), "{times}: {note}");
+            assert!(operators.iter().all(|o| o.minor_loops && o.wipes_out && !o.needs_minor_loops));
+        }
+        let levels = [&[0.0, 30.0, -30.0][..], &inner, &[30.0]].concat();
+        let (alone, note) = tried(&[], &levels);
+        assert!(note.is_empty() && alone.iter().all(|o| o.rate_independent), "{note}");
+        assert!(alone.iter().any(|o| o.needs_minor_loops) && alone.iter().any(|o| !o.wipes_out));
+        let (beside, _) = tried(&[through(&[0.0, 1.0, -1.0])], &levels);
+        assert!(beside.iter().any(|o| !o.rate_independent) && beside.len() > alone.len());
+    }
 }
