@@ -113,7 +113,10 @@ fn input(whiteness: &Whiteness) -> Option<(f64, isize)> {
 
 #[cfg(test)]
 mod tests {
-    use crate::{Offset, Validate, ValidateOptions, Validation};
+    use super::Residual;
+    use crate::drift::Drift;
+    use crate::facts::Shape;
+    use crate::{Floor, Metrics, Offset, Validate, ValidateOptions, Validation};
     use piezoid_models::hammerstein::{Domain, Model};
     use piezoid_models::hysteresis::Proportional;
     use piezoid_models::linear::Arx;
@@ -186,5 +189,62 @@ mod tests {
         let model = Model::new(gain, Arx::gain(TS, 10.0).unwrap(), 0.0).unwrap();
         let of = |offset| model.validate_with(&record, &ValidateOptions { offset, skip: 0.0 }).unwrap().advice;
         assert!(of(Offset::Kept).is_some() && of(Offset::Free).is_none());
+    }
+
+    /// The advice on a mean square, with a mean, a drift of this rms, a gain for a free run of this size, and noise.
+    fn advised(mse: f64, (mean, drift): (f64, f64), is_named: bool, gain: (f64, f64), noise: f64) -> Option<String> {
+        let metrics = Metrics { n: 4, mse, peak_to_peak: 100.0, ..Metrics::of(&[0.0, 1.0], &[0.0, 1.0]) };
+        let simulated = [-gain.1, gain.1, -gain.1, gain.1];
+        let floor = Floor {
+            source: "spectrum",
+            period: None,
+            periods: None,
+            hum_hz: None,
+            rms: noise,
+            rms_pp_percent: 0.0,
+            nrmse_percent: 0.0,
+            error_over_floor: 0.0,
+            reducible_nrmse_percent: 0.0,
+        };
+        let residual = Residual {
+            metrics: &metrics,
+            drift: &Drift { mean, slope: 0.0, rms: drift, is_named },
+            shape: &Shape::of(&simulated.map(|s| gain.0 * s), &simulated),
+            whiteness: None,
+            floor: Some(&floor),
+            comparison: None,
+            unit: "um",
+        };
+        residual.advice()
+    }
+
+    #[test]
+    fn the_largest_part_of_the_error_is_named_if_it_is_neither_tiny_nor_noise() {
+        let (still, same) = ((0.0, 0.0), (1.0, 10.0));
+        // A fifth of a percent of 100, and three halves of the noise.
+        for nothing in [
+            advised(0.199f64.powi(2), still, false, same, 0.01),
+            advised(1.0, still, false, same, 0.67),
+            advised(1.0, (0.0, 0.75), true, same, 0.01),
+            advised(f64::INFINITY, still, false, same, 0.01),
+        ] {
+            assert_eq!(nothing, None);
+        }
+        for (advice, says) in [
+            (advised(0.201f64.powi(2), still, false, same, 0.01), "0.2 of the 0.2 um rms error is neither"),
+            (advised(1.0, still, false, same, 0.66), "0.75 of the 1 um rms error is neither"),
+            (advised(1.0, (0.0, 0.75), false, same, 0.01), "1 of the 1 um rms error is neither"),
+            (advised(1.0, (0.6, 0.0), false, same, 0.01), "0.8 of the 1 um rms error is neither"),
+            (advised(1.0, (-0.6, 0.0), false, same, 0.6), "0.6 of the 1 um rms error is a constant"),
+            // A constant of less than a fifth of a percent of the stroke does not count.
+            (advised(1.0, (0.15, 0.0), false, same, 0.01), "0.99 of the 0.99 um rms error is neither"),
+            (advised(1.0, (0.25, 0.0), false, same, 0.01), "0.97 of the 1 um rms error is neither"),
+            (advised(1.0, still, false, (1.05, 16.0), 0.01), "0.8 of the 1 um rms error is a gain that is 1.05 times"),
+            (advised(1.0, still, false, (0.95, 16.0), 0.01), "0.8 of the 1 um rms error is a gain that is 0.95 times"),
+            (advised(1.0, still, false, (1.05, 13.0), 0.01), "0.76 of the 1 um rms error is neither"),
+        ] {
+            let advice = advice.unwrap();
+            assert!(advice.starts_with(says), "{says}: {advice}");
+        }
     }
 }

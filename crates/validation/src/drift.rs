@@ -157,6 +157,34 @@ mod tests {
     }
 
     #[test]
+    fn the_slope_beside_a_response_is_that_of_the_regression() {
+        let mut sums = Sums::default();
+        let (mut alone, run) = (Sums::default(), noise(2, 50));
+        for (t, s) in run.iter().enumerate() {
+            let t = t as f64 - 10.0;
+            sums.add(t, *s, 2.0 + 0.3 * t + 0.7 * s);
+            alone.add(t, 5.0, 2.0 + 0.3 * t);
+        }
+        assert_close(&[sums.beside(), alone.beside()], &[0.3, 0.3], 1e-9, 0.0);
+    }
+
+    #[test]
+    fn of_errors_without_their_mean_or_line_a_drift_remains_or_not() {
+        let mut sums = DriftSums::new(N);
+        (0..N).map(|t| t as f64 * TS).for_each(|t| sums.add(0.5 + 0.04 * t, sine(t)));
+        let (with_mean, without) = (sums.remaining(false, TS), sums.remaining(true, TS));
+        assert!(!sums.drift(TS).is_named && with_mean.is_named, "{with_mean:?}");
+        assert_eq!((with_mean.mean, with_mean.slope), (0.0, sums.drift(TS).slope));
+        assert_eq!(without, Drift { mean: 0.0, slope: 0.0, rms: 0.0, is_named: false });
+        assert_close(
+            &[sums.mean_simulated()],
+            &[(0..N).map(|t| sine(t as f64 * TS)).sum::<f64>() / N as f64],
+            1e-9,
+            0.0,
+        );
+    }
+
+    #[test]
     fn a_wrong_gain_missing_creep_and_what_is_too_fast_for_a_sensor_are_not_named_drift() {
         let scan = |t: f64| 10.0 * t + sine(t);
         assert!(!of(|t| 0.01 * (scan(t) - 20.0), scan).is_named, "the gain of a slow scan");

@@ -187,4 +187,13 @@ mod tests {
         let half: Vec<f64> = full.iter().map(|u| 0.5 * u).collect();
         assert_eq!(inner_reversals(&half, -1.0, 1.0), 12);
     }
+
+    #[test]
+    fn reversals_of_more_than_the_margin_count_if_they_are_off_the_ends_by_more() {
+        // A twentieth of the range is 0.2.
+        let count = |u: &[f64]| inner_reversals(u, -1.0, 3.0);
+        assert_eq!([2.7, 2.9, -0.7, -0.9].map(|turn| count(&[1.0, turn, 1.0])), [1, 0, 1, 0]);
+        assert_eq!([0.35, 0.25].map(|turn| count(&[0.0, 0.5, turn, 0.6])), [0, 2]);
+        assert_eq!(count(&[0.0, 0.5, 0.6, 0.3, 0.2, 0.1, 0.4]), 2, "from the extreme on");
+    }
 }

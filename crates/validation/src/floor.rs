@@ -358,4 +358,75 @@ mod tests {
         assert_eq!((floor.source, floor.period), ("spectrum", None));
         assert_close(&[floor.rms], &[0.01], 0.2, 0.0);
     }
+
+    #[test]
+    fn the_mean_period_and_the_scatter_about_it_are_without_drift() {
+        let pattern = [3.0, -1.0, 4.0, 1.0, -5.0, -2.0, 6.0, -6.0];
+        let u: Vec<f64> = (0..35).map(f64::from).collect();
+        // Three samples and four periods, on a line.
+        let mut y: Vec<f64> = (0..35).map(|t| pattern[(t + 5) % 8] + 0.25 * t as f64 + 7.0).collect();
+        let two = Repeated::of(&u[..19], &y[..19], 8).unwrap();
+        assert_eq!((two.period, two.periods, &two.u[..]), (8, 2, &u[11..19]));
+        assert_close(&two.y, &pattern, 1e-12, 1e-12);
+        assert_close(&[two.noise], &[0.0], 0.0, 1e-12);
+        // A transient in the first period, and errors whose mean is zero in each period and each phase.
+        y[5] += 100.0;
+        for (t, error) in [(13, 0.6), (16, -0.6), (29, -0.6), (32, 0.6)] {
+            y[t] += error;
+        }
+        let four = Repeated::of(&u, &y, 8).unwrap();
+        assert_eq!((four.period, four.periods, &four.u[..]), (8, 3, &u[27..]));
+        assert_close(&four.y, &pattern, 1e-12, 1e-12);
+        // The root of 4 x 0.36 over 8 samples and 3 - 1 periods.
+        assert_close(&[four.noise], &[0.3], 1e-12, 0.0);
+        assert!(Repeated::of(&u, &y, 7).is_none());
+    }
+
+    #[test]
+    fn the_step_of_an_output_is_its_smallest_difference_beyond_rounding() {
+        assert_eq!(step(&[1.0, 0.0, 1.5, 1.0, 0.5, 1.5 + 1e-12]), 0.5);
+        assert_eq!(step(&[2.0; 3]), 0.0);
+    }
+
+    #[test]
+    fn sections_of_unlike_noise_have_both_sources_no_period_and_the_smaller_step() {
+        let one = SectionNoise {
+            source: "periods",
+            period: Some(9),
+            periods: Some(3),
+            hum_hz: None,
+            n: 1,
+            rms: 1.0,
+            step: 0.2,
+        };
+        let other = SectionNoise { source: "spectrum", period: None, periods: None, step: 0.1, ..one };
+        let both = one.and(other);
+        assert_eq!((both.source, both.period, both.periods, both.step), ("both", None, None, 0.1));
+        let still = SectionNoise { step: 0.0, ..one };
+        assert_eq!([one.and(still).step, still.and(one).step], [0.2; 2]);
+        let faster = one.and(SectionNoise { period: Some(8), ..one });
+        assert_eq!((faster.source, faster.period, faster.periods), ("periods", None, None));
+    }
+
+    #[test]
+    fn small_parts_of_an_error_are_not_named() {
+        let m = Metrics::of(&[0.0, 20.0], &[0.0, 20.0]);
+        let text = |drift: f64, reducible: f64| {
+            let floor = Floor {
+                reducible_nrmse_percent: reducible,
+                nrmse_percent: 1.0,
+                ..Floor::new("spectrum", 1.0, 0.0, &m)
+            };
+            let all = (1.0 + drift * drift + reducible * reducible).sqrt();
+            summary(&Metrics { nrmse_percent: all, ..m }, Some(&floor), None).unwrap()
+        };
+        assert_eq!(text(0.0, 0.29), "1 % NRMSE, of which noise 1 %: no model could be clearly better");
+        assert_eq!(text(0.0, 0.31), "1 % NRMSE, of which noise 1 %: a better model could gain up to 0.31 %");
+        assert_eq!(text(0.09, 0.0), "1 % NRMSE, of which noise 1 %: no model could be clearly better");
+        let drifts =
+            "1 % NRMSE, of which drift 0.12 % and noise 1 %: besides the drift, no model could be clearly better";
+        assert_eq!(text(0.12, 0.0), drifts);
+        assert_eq!(summary(&m, None, None).as_deref(), Some("0 % NRMSE: the model reproduces every sample"));
+        assert_eq!(summary(&Metrics { nrmse_percent: f64::NAN, ..m }, None, None), None);
+    }
 }

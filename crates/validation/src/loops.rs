@@ -205,6 +205,33 @@ mod tests {
     }
 
     #[test]
+    fn the_figures_of_an_open_polygon_are_those_of_its_corners() {
+        let u = [0.0, 0.5, 1.0, 4.0, 8.0, 7.5, 7.0, 4.0, 1.0];
+        let y = [0.0, 1.0, 1.5, 5.0, 10.0, 9.5, 9.0, 6.0, 3.0];
+        let found = of(&u, &y, &Cycle::of(&u, [0, 4, 8], TS));
+        // At 4.5, halfway between the maximum and the higher minimum: 5.625 and 6.5.
+        assert_close(&[found.width_percent, found.closure_percent], &[8.75, 30.0], 1e-12, 0.0);
+        assert_close(&[found.area, found.slope], &[6.375, 884.25 / 742.5], 1e-12, 0.0);
+        assert_close(&[found.slope_after_reversal.unwrap()], &[0.5 * (1.5 + 1.0)], 1e-12, 0.0);
+        let coarse = Cycle::of(&u, [2, 4, 7], TS);
+        assert_eq!(of(&u, &y, &coarse).slope_after_reversal, None, "no three points after the minimum");
+    }
+
+    #[test]
+    fn loops_of_like_cycles_are_averaged_and_listed_by_frequency_and_amplitude() {
+        let u = [0.0, 1.0, 2.0, 1.0, 0.0];
+        let mut sums = LoopSums::default();
+        for (hz, amplitude, height) in [(10.0, 1.0, 1.0), (5.0, 2.0, 1.0), (5.0, 1.0, 2.0), (5.02, 1.02, 4.0)] {
+            let y = u.map(|u| height * u);
+            sums.add(&u, &y, &u, &Cycle { samples: 0..5, peak: 2, amplitude, hz });
+        }
+        let found = sums.loops();
+        let listed: Vec<_> = found.iter().map(|l| (l.cycles, l.amplitude, l.measured.slope, l.model.slope)).collect();
+        assert_eq!(listed, [(2, 1.01, 3.0, 1.0), (1, 2.0, 1.0, 1.0), (1, 1.0, 1.0, 1.0)]);
+        assert_close(&[found[0].hz], &[5.01], 1e-12, 0.0);
+    }
+
+    #[test]
     fn drift_opens_loops_and_ringing_adds_reversals() {
         let u: Vec<f64> = (0..4000).map(|t| 10.0 * (TAU * 5.0 * f64::from(t) * TS).sin()).collect();
         let drifting: Vec<f64> = u.iter().enumerate().map(|(t, u)| u + 1e-3 * t as f64).collect();

@@ -233,10 +233,22 @@ mod tests {
 
     /// The names of the rows that remark on a record: of `u`, and of the output of the model for it, changed by `y`.
     fn remarked(rows: &[&Remark], model: &Model, u: Vec<f64>, y: Change) -> Vec<&'static str> {
+        made(rows, model, u, y, &|_| {}).into_iter().map(|(name, _)| name).collect()
+    }
+
+    /// The same with the remarks, if facts are changed too.
+    fn made(
+        rows: &[&Remark],
+        model: &Model,
+        u: Vec<f64>,
+        y: Change,
+        change: &dyn Fn(&mut Facts),
+    ) -> Vec<(&'static str, String)> {
         let simulated = model.simulate(&u);
         let y = simulated.iter().enumerate().map(|(t, s)| y(t, *s)).collect();
         let record = Record::new(TS, u, y).unwrap();
-        let facts = Facts::of(model, &record);
+        let mut facts = Facts::of(model, &record);
+        change(&mut facts);
         let metrics = Metrics::of(record.y(), &simulated);
         let drift = Drift::of(&errors(record.y(), &simulated), &simulated, TS);
         let loops = loops(&record, &simulated, &cycles(record.u(), TS));
@@ -251,7 +263,7 @@ mod tests {
             inner_reversals: facts::inner_reversals_of(model, record.u()),
             shape: &Shape::of(record.y(), &simulated),
         };
-        rows.iter().filter(|row| (row.text)(&comparison).is_some()).map(|row| row.name).collect()
+        rows.iter().filter_map(|row| Some((row.name, (row.text)(&comparison)?))).collect()
     }
 
     #[test]
@@ -298,5 +310,65 @@ mod tests {
             let table: String = rows.iter().map(|row| format!("| {} | {} |\n", row.name, row.when)).collect();
             assert!(page.contains(&format!("| {title} | if |\n|---|---|\n{table}\n")), "\n{table}");
         }
+    }
+
+    #[test]
+    fn an_input_may_leave_the_identified_data_by_the_margins() {
+        let (model, u) = stock("prandtl-ishlinskii");
+        let known = Domain { u: [-20.0, 20.0], hz: Some([10.0, 100.0]), slew: 1e4, mean: [-1.0, 2.0] };
+        let model = model.with_identified(known);
+        let with = |domain: Domain| {
+            let change = |facts: &mut Facts| (facts.domain, facts.duration) = (domain, 2.0);
+            let made = made(REMARKS, &model, u.clone(), |_, y| y, &change);
+            made.into_iter().map(|(name, _)| name).collect::<Vec<_>>()
+        };
+        let hz = |hz| Domain { hz: Some(hz), ..known };
+        let mean = |mean| Domain { mean, ..known };
+        // The frequencies have the resolution of 2 s, the range is that of the operator, and 1 % more counts as within.
+        for within in [
+            known,
+            hz([10.0, 125.4]),
+            hz([7.1, 100.0]),
+            mean([9.9; 2]),
+            mean([-8.9; 2]),
+            Domain { slew: 1.09e4, ..known },
+            Domain { u: [-30.5, 30.5], ..known },
+        ] {
+            assert_eq!(with(within), [""; 0], "{within:?}");
+        }
+        for (beyond, name) in [
+            (hz([10.0, 125.6]), "band"),
+            (hz([6.9, 100.0]), "band"),
+            (mean([10.1; 2]), "bias"),
+            (mean([-9.1; 2]), "bias"),
+            (Domain { slew: 1.11e4, ..known }, "rate"),
+            (Domain { u: [-30.7, 30.0], ..known }, "range"),
+            (Domain { u: [-30.0, 30.7], ..known }, "range"),
+        ] {
+            assert_eq!(with(beyond), [name], "{beyond:?}");
+        }
+    }
+
+    #[test]
+    fn cycles_may_leave_the_frequencies_of_the_hysteresis_by_a_tenth() {
+        let (model, u) = stock("rate-scheduled");
+        let (slowest, fastest) = model.hysteresis().frequencies().unwrap();
+        let remarked = |hz: f64| {
+            let change = |facts: &mut Facts| facts.cycle_rates = vec![slowest, hz];
+            made(&[&extrapolation::FREQUENCY], &model, u.clone(), |_, y| y, &change).len()
+        };
+        assert_eq!([0.91 * slowest, 1.09 * fastest].map(remarked), [0; 2]);
+        assert_eq!([0.89 * slowest, 1.11 * fastest].map(remarked), [1; 2]);
+    }
+
+    #[test]
+    fn a_range_of_more_than_a_hundred_identified_ones_has_a_likely_cause() {
+        let (model, u) = stock("proportional");
+        let remark = |most: f64| {
+            let change = |facts: &mut Facts| facts.domain.u = [-20.0, most];
+            made(&[&extrapolation::RANGE], &model, u.clone(), |_, y| y, &change).remove(0).1
+        };
+        let says = |most: f64| remark(most).contains("; at 101.0 times the range, ");
+        assert!(says(4020.0) && !remark(3940.0).contains(" times the range"), "{}", remark(4020.0));
     }
 }

@@ -401,4 +401,85 @@ mod tests {
             assert!(linearity.is_linear == Some(false) && linearity.verdict.contains("not linear"), "{linearity:?}");
         }
     }
+
+    #[test]
+    fn the_gain_over_the_level_is_that_of_a_cubic_through_the_free_run() {
+        let level: Vec<f64> = (-10..=10).map(|k| 0.1 * f64::from(k)).collect();
+        let simulated: Vec<f64> = level.iter().map(|s| 4.0 * s + 50.0).collect();
+        let y: Vec<f64> = level.iter().map(|s| 2.0 + 3.0 * s + 0.5 * s * s + 0.2 * s * s * s).collect();
+        let (across, outward) = gain_over_level(&simulated, &y);
+        assert_close(&[across, outward], &[200.0 / 3.0, 20.0], 1e-9, 0.0);
+    }
+
+    #[test]
+    fn lines_that_the_input_does_not_excite_are_measured_without_noise_if_there_are_three() {
+        let sine = |line: usize, n: usize, t: usize| (std::f64::consts::TAU * (line * t) as f64 / n as f64).sin();
+        let u: Vec<f64> = (0..64).map(|t| sine(3, 64, t)).collect();
+        let y = (0..64).map(|t| u[t] + 0.2 * sine(4, 64, t) + 0.3 * sine(5, 64, t)).collect();
+        let repeated = Repeated { period: 64, periods: 3, u, y, noise: 0.33 };
+        // Each of 33 lines has 0.33^2 / 3 / 33 of noise: 16 even ones, 15 odd ones beside the third.
+        let expected = [(0.02f64 - 16.0 * 0.0011).sqrt(), (0.045f64 - 15.0 * 0.0011).sqrt()];
+        assert_close(&unexcited_lines(&repeated).map(Option::unwrap), &expected, 1e-9, 0.0);
+        let u: Vec<f64> = (0..12).map(|t| sine(1, 12, t)).collect();
+        let [even, odd] = unexcited_lines(&Repeated { period: 12, periods: 3, y: u.clone(), u, noise: 0.0 });
+        assert!(even.is_some_and(|even| even < 1e-9) && odd.is_none(), "{even:?} {odd:?}");
+    }
+
+    #[test]
+    fn the_words_state_the_result_and_what_shows_it() {
+        let plain = Linearity {
+            residual_percent: None,
+            noise_percent: None,
+            detection_limit_percent: None,
+            distortion_percent: 0.5,
+            gain_across_percent: None,
+            gain_outward_percent: None,
+            gain_by_amplitude: Vec::new(),
+            even_percent: None,
+            odd_percent: None,
+            is_linear: Some(true),
+            verdict: String::new(),
+        };
+        let of = |distortion_percent: f64, limit: Option<f64>, is_linear: Option<bool>| {
+            let noise_percent = Some(50.0);
+            let detection_limit_percent = limit;
+            Linearity { distortion_percent, noise_percent, detection_limit_percent, is_linear, ..plain.clone() }
+        };
+        for (linearity, says) in [
+            (of(0.5, Some(0.6), Some(true)), "the record is linear: distortion is below 0.6000 % of the output's rms"),
+            (of(0.6, Some(0.5), Some(true)), "the record is linear: 0.6000 % of the output's rms is distortion"),
+            (of(2.9, None, Some(false)), "the record is nearly linear: 2.900 % of the output's rms is distortion"),
+            (of(3.1, None, Some(false)), "the record is not linear: 3.100 % of the output's rms is distortion"),
+            (
+                of(0.5, Some(4.0), None),
+                "cannot tell whether the record is linear: noise is 50.00 % of the output's rms",
+            ),
+        ] {
+            let words = linearity.words("V", false);
+            assert!(words.starts_with(says), "{words}");
+        }
+        let found = Linearity { residual_percent: Some(2.0), noise_percent: Some(1.0), ..plain.clone() };
+        let block = " (residual of the best linear block: 2.000 %";
+        let start = "the record is linear: 0.5000 % of the output's rms is distortion";
+        let average = format!("{start}{block} rms of the averaged period; noise: 1.000 % per sample)");
+        assert_eq!(found.words("V", true), average);
+        assert_eq!(found.words("V", false), format!("{start}{block}, uncorrelated with the input)"));
+        let unknown = Linearity { noise_percent: None, ..found };
+        assert!(unknown.words("V", true).starts_with(&format!("{start}, including noise, because")));
+        let gains = |across: f64, outward: f64, amplitudes: [f64; 2]| {
+            let (gain_across_percent, gain_outward_percent) = (Some(across), Some(outward));
+            let gain_by_amplitude = vec![[amplitudes[0], 10.0], [5.0, 1.0], [amplitudes[1], 11.0]];
+            let shown = Linearity { gain_across_percent, gain_outward_percent, gain_by_amplitude, ..plain.clone() }
+                .words("V", false);
+            shown.strip_prefix(start).unwrap().to_string()
+        };
+        assert_eq!(gains(0.9, -0.9, [1.7, 2.0]), "");
+        let levels = "; the gain changes by 0.5000 % from one end of the range to the other, and by -1.100 % from the \
+                      middle to the ends";
+        assert_eq!(gains(0.5, -1.1, [1.7, 2.0]), levels);
+        let amplitudes = "; the gain at 2.000 V amplitude differs by 10.00 % from that at 1.500 V";
+        assert_eq!(gains(0.5, 0.9, [1.5, 2.0]), amplitudes);
+        let lines = Linearity { even_percent: Some(0.1), odd_percent: Some(0.2), ..plain };
+        assert!(lines.words("V", false).ends_with("; harmonics not in the input: 0.1000 % even, 0.2000 % odd"));
+    }
 }

@@ -317,4 +317,97 @@ mod tests {
         let slow = low_passed(&low_passed(&noise(5, N), 0.002), 0.002);
         assert_eq!(found(u, &slow, &model), None);
     }
+
+    /// Powers in `n` bins, without a free run.
+    fn background(n: usize, error: impl Fn(usize) -> f64) -> Background {
+        Background { error: (0..n).map(error).collect(), with_driver: vec![0.0; n] }
+    }
+
+    #[test]
+    fn what_is_linear_in_the_free_run_block_by_block_is_no_background() {
+        // Blocks of 36, 32 and 32 bins, each with its own response, and errors with no part along the free run.
+        let s = vec![Complex::new(0.5, 1.0); 100];
+        let response = |k: usize| Complex::new(2.0, [-1.0, 3.0, 0.5][k.saturating_sub(4) / 32]);
+        let beside = |k: usize| (1.0 + (k / 2) as f64) * if k.is_multiple_of(2) { 1.0 } else { -1.0 };
+        let other: Vec<_> = (0..100).map(|k| Complex::from(beside(k))).collect();
+        let error: Vec<_> = (0..100).map(|k| response(k) * s[k] + other[k]).collect();
+        // What a response takes of 18 or 16 independent bins is given back.
+        let given = |k: usize| if k < 36 { 18.0 / 17.0 } else { 16.0 / 15.0 };
+        let expected: Vec<f64> = (0..100).map(|k| given(k) * beside(k).powi(2)).collect();
+        let found = Background::of(&error, &s);
+        assert_close(&found.error, &expected, 1e-9, 1e-9);
+        assert_close(&found.with_driver, &[1.25; 100], 1e-12, 0.0);
+        assert_close(&Background::of(&other, &[Complex::ZERO; 100]).error, &expected, 1e-12, 0.0);
+    }
+
+    #[test]
+    fn the_highest_flat_octave_that_is_not_driven_shows_the_level() {
+        // Its halves may differ by 1.5 and two standard deviations of 2.9 %.
+        let step = |ratio: f64| background(40_000, |k| if k < 28_284 { ratio } else { 1.0 }).flat_octave();
+        assert_eq!([step(1.55), step(1.0 / 1.55)], [Some((20_000, 40_000)); 2]);
+        assert_eq!([step(1.65), step(1.0 / 1.65)], [Some((10_000, 20_000)); 2]);
+        let mut passed = background(4000, |k| if k < 2000 { 1.0 } else { 2.0 - k as f64 / 2001.0 });
+        assert_eq!(passed.flat_octave(), Some((1000, 2000)));
+        passed.with_driver[500..1000].fill(0.02);
+        passed.with_driver[1000..2000].fill(0.05);
+        assert_eq!(passed.flat_octave(), Some((500, 1000)));
+        passed.with_driver[500..1000].fill(0.05);
+        assert_eq!(passed.flat_octave(), None);
+        let driven = Background { with_driver: vec![10.0; 4000], ..background(4000, |_| 1.0) };
+        assert_eq!(driven.flat_octave(), Some((2000, 4000)));
+        assert_eq!([115, 114].map(|n| background(n, |_| 1.0).flat_octave()), [Some((57, 115)), None]);
+    }
+
+    /// By weighted least squares in a script.
+    #[test]
+    fn noise_as_1_over_f_is_found_where_the_levels_show_it_clearly() {
+        let coloured = |slope: f64, higher: f64| {
+            let level = |k: usize| LN_2 * (1.0 + slope * 4000.0 / (k as f64 + 0.5));
+            // One of the eight windows is higher.
+            background(4000, |k| level(k) * if (2000..2378).contains(&k) { higher } else { 1.0 }).coloured()
+        };
+        let found = |(white, slope): (f64, f64)| [white, slope];
+        assert_close(&found(coloured(0.42, 1.0).unwrap()), &[1.0, 0.42], 1e-4, 0.0);
+        assert_eq!(coloured(0.35, 1.0), None);
+        assert_close(&found(coloured(1.0, 1.3).unwrap()), &[0.966_934_4, 1.080_127_7], 1e-6, 0.0);
+        assert!(coloured(1.0, 1.5).is_some() && coloured(1.0, 1.6).is_none());
+    }
+
+    #[test]
+    fn the_mean_square_is_that_of_the_level_in_all_bins() {
+        assert_close(&[background(4000, |_| LN_2).square().unwrap()], &[1.0], 1e-12, 0.0);
+        // Behind a low pass, the bins above have their own levels: 26 blocks of 0.5, then 0.1.
+        let passed = background(4000, |k| LN_2 * [1.0, 0.5, 0.1][usize::from(k >= 2000) + usize::from(k >= 2828)]);
+        assert_close(&[passed.square().unwrap()], &[(2000.0 + 832.0 * 0.5 + 1168.0 * 0.1) / 4000.0], 1e-9, 0.0);
+        // 1 + 1 / f by the middles of 125 blocks.
+        let pink = background(4000, |k| LN_2 * (1.0 + 4000.0 / (k as f64 + 0.5)));
+        let expected = 1.0 + (0..125).map(|block| 1.0 / (f64::from(block) + 0.5)).sum::<f64>();
+        assert_close(&[pink.square().unwrap()], &[expected], 1e-3, 0.0);
+    }
+
+    #[test]
+    fn hum_is_the_power_of_clear_lines_of_the_mains_that_the_input_does_not_explain() {
+        // Bins of 0.25 Hz with a power of 1, and lines at 60, 120 and 180 Hz, of which the last is not clear.
+        let with = |lines: &[(usize, f64)], floor: f64| {
+            let mut bins = vec![Complex::from(floor); 1000];
+            lines.iter().for_each(|(bin, power)| bins[*bin] = Complex::from(power.sqrt()));
+            bins
+        };
+        let lines = [(240, 2000.0), (480, 200.0), (720, 60.0)];
+        let (e, quiet) = (with(&lines, 1.0), with(&[], 1e-3));
+        let expected = ((2000.0 - 1.0) + (200.0 - 1.0)) / 1000.0;
+        for drive in [None, Some(2.5), Some(6.2), Some(200.0)] {
+            let (power, hz) = hum(&e, &quiet, 0.25, drive).unwrap();
+            assert_close(&[power, hz], &[expected, 60.0], 1e-9, 0.0);
+        }
+        // A multiple of the input up to the twentieth, within half the width of a line.
+        for drive in [3.0, 6.1] {
+            assert_eq!(hum(&e, &quiet, 0.25, Some(drive)), None, "{drive}");
+        }
+        let driven = with(&[(240, 1.0)], 1e-3);
+        assert_eq!(hum(&e, &driven, 0.25, None), None, "a line of the free run");
+        let beside = with(&[(240, 2000.0), (270, 300.0)], 1.0);
+        assert_eq!(hum(&beside, &quiet, 0.25, None), None, "one of several lines");
+        assert_eq!(hum(&with(&[(240, 1000.0)], 1.0), &quiet, 0.25, None), None, "a line that is not clear");
+    }
 }

@@ -244,6 +244,44 @@ mod tests {
     }
 
     #[test]
+    fn correlations_and_statistics_are_those_of_their_definitions() {
+        const N: usize = 300;
+        let coloured = |seed: u64, level: f64| -> Vec<f64> {
+            noise(seed, N + 1).windows(2).map(|w| level + w[1] + 0.6 * w[0]).collect()
+        };
+        let (u, e) = (coloured(1, 3.0), coloured(2, -2.0));
+        let found = Whiteness::of(&u, &e).unwrap();
+        let [u, e] = [u, e].map(|x| x.iter().map(|v| v - mean(&x)).collect::<Vec<_>>());
+        let sum = |x: &[f64], y: &[f64], lag: isize| -> f64 {
+            let pairs = (0..N as isize).filter(|t| (0..N as isize).contains(&(t - lag)));
+            pairs.map(|t| x[t as usize] * y[(t - lag) as usize]).sum()
+        };
+        let (r, s) = (|k| sum(&e, &e, k) / sum(&e, &e, 0), |k| sum(&u, &u, k) / sum(&u, &u, 0));
+        let (lags, n) = (LAG_COUNT as isize, N as f64);
+        let autocorrelation: Vec<f64> = (1..=lags).map(r).collect();
+        assert_close(&found.autocorrelation, &autocorrelation, 1e-12, 1e-12);
+        let cross: Vec<f64> = (-lags..=lags).map(|k| sum(&e, &u, k)).collect();
+        let scale = (sum(&e, &e, 0) * sum(&u, &u, 0)).sqrt();
+        assert_close(&found.cross_correlation, &cross.iter().map(|c| c / scale).collect::<Vec<_>>(), 1e-12, 1e-12);
+        let q = n * (n + 2.0) * (1..=lags).map(|k| r(k).powi(2) / (n - k as f64)).sum::<f64>();
+        assert_close(&[found.ljung_box, found.p_value], &[q, chi_squared_tail(q, LAG_COUNT)], 1e-9, 0.0);
+        let p: f64 = (-lags..=lags).map(|k| r(k) * s(k)).sum();
+        assert!(p > 1.2, "{p}");
+        let bounds = [BOUND_DEVIATIONS / n.sqrt(), BOUND_DEVIATIONS * (p / n).sqrt()];
+        assert_close(&[found.autocorrelation_bound, found.cross_correlation_bound], &bounds, 1e-12, 0.0);
+    }
+
+    #[test]
+    fn an_error_before_the_input_is_noted_with_its_lead() {
+        let (u, w) = (prbs(4000), noise(4, 4000));
+        let e: Vec<f64> = (0..3997).map(|t| w[t] - 0.3 * u[t + 3]).collect();
+        let whiteness = Whiteness::of(&u[..3997], &e).unwrap();
+        let (largest, lag) = whiteness.largest_correlation();
+        assert!(largest < 0.0 && lag == -3, "{largest} {lag}");
+        assert!(whiteness.verdict[1].contains("precedes the input by 3 samples"), "{:?}", whiteness.verdict);
+    }
+
+    #[test]
     fn noise_passes_in_99_of_100_records() {
         let u = prbs(2000);
         let all: Vec<Whiteness> = (0..300).map(|seed| Whiteness::of(&u, &noise(seed, 2000)).unwrap()).collect();
