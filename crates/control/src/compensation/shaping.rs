@@ -90,7 +90,7 @@ impl Fir {
         positive("smooth", seconds, "seconds")?;
         // An odd length has a middle.
         let half = (0.5 * seconds / ts).round();
-        if half > LONGEST {
+        if 2.0 * half >= LONGEST {
             return Err(Error::parameter("smooth", seconds, format!("must be at most {LONGEST} samples of {ts} s")));
         }
         let half = half as usize;
@@ -253,5 +253,42 @@ mod tests {
             assert!(message.starts_with(name) && message.contains("needs a model with a resonance"), "{message}");
         }
         assert_eq!(Shaping { smooth: Some(0.02), ..Shaping::default() }.of(&stiff, r.clone()).unwrap(), smooth);
+    }
+
+    #[test]
+    fn a_notch_is_as_wide_as_requested_between_its_points_of_minus_3_db() {
+        for (hz, width) in [(160.0, 20.0), (160.0, 300.0), (400.0, 700.0)] {
+            let notch = notch(TS, hz, width).unwrap();
+            // The bilinear transform moves the middle of the two points, not their distance.
+            let middle = ((TAU * hz * TS).cos() * (PI * width * TS).cos()).acos() / (TAU * TS);
+            let at = [middle - 0.5 * width, middle + 0.5 * width].map(|hz| notch.response(hz).gain);
+            assert_close(&at, &[0.5f64.sqrt(); 2], 1e-9, 0.0);
+        }
+        assert!(notch(TS, 160.0, 2000.0).unwrap().is_stable());
+    }
+
+    #[test]
+    fn the_notch_of_a_reference_is_a_fifth_of_the_resonance_wide() {
+        let model = Model::new(Arc::new(Proportional::new(TS, 1.0).unwrap()), oscillator(160.0, 0.02), 0.0).unwrap();
+        let resonance = model.linear().resonance().unwrap();
+        let notch = notch(TS, resonance.hz, 0.2 * resonance.hz).unwrap();
+        let r = [[5.0; 50], [9.0; 50]].concat();
+        let shaped = Shaping { notch: true, ..Shaping::default() }.of(&model, r.clone()).unwrap();
+        assert_close(&shaped, &notch.resume(&mut notch.settled(5.0), &r), 1e-12, 0.0);
+    }
+
+    #[test]
+    fn shapers_in_the_middle_of_a_record_are_known_half_their_length_ahead() {
+        // s (1 - s) at 1/4, 1/2 and 3/4 is 3, 4 and 3 sixteenths; squared.
+        let smooth = Fir::smooth(1.0, 2.0).unwrap();
+        assert_close(&smooth.taps, &[9.0 / 34.0, 16.0 / 34.0, 9.0 / 34.0], 1e-12, 0.0);
+        // Half a period of 6.4 samples, and twice as much.
+        let (zv, zvd) = (Fir::zv(TS, 156.7, 0.006).unwrap(), Fir::zvd(TS, 156.7, 0.006).unwrap());
+        assert_eq!([zv.taps.len(), zv.ahead(), zvd.taps.len(), zvd.ahead()], [8, 3, 15, 6]);
+        assert_eq!(Fir::smooth(1.0, 99_998.0).unwrap().taps.len(), 99_999);
+        let long = Fir::smooth(1.0, 100_000.0).unwrap_err().to_string();
+        assert!(long.contains("must be at most 100000 samples of 1 s"), "{long}");
+        let slow = Fir::zv(TS, 0.005, 0.1).unwrap_err().to_string();
+        assert!(slow.starts_with("hz = 0.005: must have a half period of at most"), "{slow}");
     }
 }
