@@ -244,3 +244,62 @@ fn lines(x: &[f64]) -> Vec<Complex<f64>> {
     lines.truncate(x.len() / 2 + 1);
     lines
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use piezoid_testing::assert_close;
+
+    /// Two harmonics with z of 4 and 1, F of 2, k of a half; Q is 1 and a half.
+    fn harmonics() -> Harmonics {
+        let z = [4.0, 1.0].map(Complex::from).to_vec();
+        Harmonics {
+            n: 2,
+            inverse: vec![Complex::from(2.0); 2],
+            answer: vec![Complex::from(1.0); 2],
+            kept: vec![1.0, 0.5],
+            first: z.clone(),
+            z,
+            growing: vec![Vec::new(); 2],
+            best: Default::default(),
+            since: 0,
+            gain: 0.5,
+        }
+    }
+
+    /// Asserts z and the response of both harmonics after a trial with these errors.
+    #[track_caller]
+    fn assert_corrected(harmonics: &mut Harmonics, [a, b]: [f64; 2], z: [f64; 2], answer: [f64; 2]) {
+        harmonics.correct(&[0.5 * (a + b), 0.5 * (a - b)]);
+        let real = |lines: &[Complex<f64>]| lines.iter().map(|line| line.re).collect::<Vec<_>>();
+        assert_close(&real(&harmonics.z), &z, 1e-12, 0.0);
+        assert_close(&real(&harmonics.answer), &answer, 1e-12, 0.0);
+    }
+
+    #[test]
+    fn after_three_trials_without_gain_a_growing_error_is_corrected_by_the_measured_response() {
+        let mut harmonics = harmonics();
+        let h = &mut harmonics;
+        assert_corrected(h, [2.0, 0.05], [6.0, 1.025], [1.0; 2]);
+        assert_corrected(h, [3.0, 0.06], [9.0, 1.0425], [1.0; 2]);
+        assert_corrected(h, [3.5, 0.07], [12.5, 1.05625], [1.0; 2]);
+        // z has grown by 8.5 and the error by 1.9. The second harmonic is too small to count.
+        let measured = 0.5 * 8.5 / -1.9;
+        assert_corrected(h, [3.9, 0.08], [12.5 + 3.9 * measured, 1.068125], [measured, 1.0]);
+        // More than twice the error of the first trial, which is taken up again.
+        let again = 0.5 * (8.5 + 3.9 * measured) / -2.2;
+        assert_corrected(h, [4.2, 0.09], [4.0 + 2.0 * again, 1.025], [again, 1.0]);
+    }
+
+    #[test]
+    fn an_error_that_falls_once_begins_to_grow_anew_and_measured_responses_have_a_limit() {
+        let mut harmonics = harmonics();
+        let h = &mut harmonics;
+        assert_corrected(h, [2.0, 0.05], [6.0, 1.025], [1.0; 2]);
+        assert_corrected(h, [3.0, 0.055], [9.0, 1.04], [1.0; 2]);
+        assert_corrected(h, [2.5, 0.06], [11.5, 1.05], [1.0; 2]);
+        assert_corrected(h, [2.6, 0.065], [14.1, 1.0575], [1.0; 2]);
+        // z has grown by 5.1 and the error by 0.2, which is a response of -12.75: three times that of the model counts.
+        assert_corrected(h, [2.7, 0.07], [14.1 - 3.0 * 2.7, 1.06375], [-3.0, 1.0]);
+    }
+}

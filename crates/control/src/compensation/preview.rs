@@ -330,4 +330,10 @@ mod tests {
         let none = FirDesign { taps: 3, ahead: 3 };
         assert!(Preview::new(&beam(), none).unwrap_err().to_string().starts_with("taps = 3: must be from 4"));
     }
+
+    #[test]
+    fn the_longest_delay_takes_the_most_taps() {
+        assert_eq!(FirDesign::delayed(0), FirDesign { ahead: 0, taps: 48 });
+        assert_eq!(FirDesign::delayed(488), FirDesign { ahead: 488, taps: MAX_TAPS });
+    }
 }

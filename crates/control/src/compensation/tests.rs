@@ -416,3 +416,105 @@ fn settings_take_the_limits_of_a_driver_and_its_options() {
     let none = FeedForwardSettings::within(&LimitOptions::default(), false).unwrap();
     assert_eq!(none, FeedForwardSettings::default());
 }
+
+#[test]
+fn the_ends_of_the_reach_are_held_and_a_reference_beyond_them_from_its_start_is_clipped() {
+    let model = model(PLAYS, None);
+    let (low, high) = inverse_of(&model).reach();
+    for r in [low, high] {
+        let result = inverse_of(&model).whole(&[r; 50]).unwrap();
+        assert_eq!(result.clipped, 0);
+        assert_close(&result.reached, &[r; 50], 1e-8, 0.0);
+    }
+    let inverse = inverse_with(&model, FeedForwardSettings { clip: true, ..Default::default() });
+    for (r, end) in [(-1e6, inverse.ends.0), (1e6, inverse.ends.1)] {
+        let far = inverse.whole(&[r; 50]).unwrap();
+        assert_eq!((far.u, far.clipped), (vec![end; 50], 50));
+    }
+}
+
+#[test]
+fn corrections_are_taken_while_they_keep_the_limits_and_reduce_the_error_by_more_than_a_fiftieth() {
+    let limits = Limits { low: Some(-30.0), high: Some(30.0), ..Default::default() };
+    let inverses = [false, true]
+        .map(|clip| inverse_with(&model(PLAYS, None), FeedForwardSettings { limits, clip, ..Default::default() }));
+    // The errors of the runs, and of all but the first the voltage and the sample that is limited.
+    let ended = |clip: bool, errors: &[f64], u: f64, missed: Option<usize>| {
+        let runs = std::cell::Cell::new(0);
+        let invert = |_: &[f64]| {
+            let run = runs.replace(runs.get() + 1);
+            let (u, missed) = if run > 0 { (u, missed) } else { (0.0, None) };
+            InverseRun { u: vec![u], reached: vec![errors[run]], missed, ..Default::default() }
+        };
+        let most = errors.len() - 1;
+        let ended = inverses[usize::from(clip)].corrected(&[0.0], vec![0.0], most, invert, <[f64]>::to_vec);
+        ended.map(|(best, corrections, first)| (best.rms, corrections, first)).unwrap()
+    };
+    assert_eq!(ended(false, &[1.0, 0.5, 0.2], 0.0, None), (0.2, 2, 1.0));
+    assert_eq!(ended(false, &[1.0, 0.97, 0.96], 0.0, None), (0.97, 1, 1.0));
+    assert_eq!(ended(false, &[1.0, 0.98], 0.0, None), (1.0, 0, 1.0));
+    for (u, missed) in [(0.0, Some(0)), (40.0, None)] {
+        assert_eq!(ended(false, &[1.0, 0.5], u, missed), (1.0, 0, 1.0));
+        assert_eq!(ended(true, &[1.0, 0.5], u, missed), (0.5, 1, 1.0));
+    }
+}
+
+#[test]
+fn the_error_for_a_reference_out_of_reach_states_what_helps() {
+    let limits = Limits { low: Some(-10.0), high: Some(10.0), ..Default::default() };
+    let rises = Arc::new(piezoid_models::hysteresis::Proportional::new(TS, 1.0).unwrap());
+    let plain = Model::new(rises, Arx::gain(TS, 2.0).unwrap(), 0.0).unwrap();
+    let inverse = inverse_with(&plain, FeedForwardSettings { limits, ..Default::default() });
+    let message = |r: &[f64], sample| inverse.unreachable(r, sample).to_string();
+    for (r, helps) in [
+        ([-100.0, 200.0], "this is 7.500 times the stroke: check the unit"),
+        ([-100.0, 100.0], "reduce its amplitude"),
+        ([-20.0, 30.0], "reduce its amplitude"),
+        ([0.0, 40.0], "shift it into this range"),
+        ([-40.0, 0.0], "shift it into this range"),
+    ] {
+        let message = message(&r, 0);
+        assert!(message.contains(helps) && message.contains("only -20 to 20 um can be held"), "{message}");
+    }
+    // The preview of a whole reference is 64 samples.
+    let (early, late) = (message(&[5.0; 70], 63), message(&[5.0; 70], 64));
+    assert!(early.contains("5 um at sample 63 (0.0315 s)") && early.contains("begin the reference"), "{early}");
+    assert!(late.contains("5 um at sample 64 (0.032 s)") && late.contains("changes too fast there"), "{late}");
+}
+
+#[test]
+fn learning_refuses_a_first_voltage_beyond_the_limits_and_states_where() {
+    let model = model(PLAYS, None);
+    let learnt = |inverse: &FeedForward, r: &[f64]| {
+        Learning::default().run(&mut |u| u.to_vec(), inverse, r).unwrap_err().to_string()
+    };
+    let wave = |height: f64| (0..100).map(|t| height * (TAU * f64::from(t) / 100.0).sin()).collect::<Vec<f64>>();
+    let far = learnt(&inverse_of(&model), &wave(3000.0));
+    assert!(far.contains("reduce its amplitude"), "{far}");
+    let limits = Limits { slew: Some(100.0), ..Default::default() };
+    let slow = learnt(&inverse_with(&model, FeedForwardSettings { limits, ..Default::default() }), &wave(300.0));
+    assert!(slow.contains("limit 100 V/s"), "{slow}");
+    // A jump in the middle of the period, long after the one before.
+    let jumps = learnt(&inverse_of(&model), &[[0.0; 100], [600.0; 100], [0.0; 100]].concat());
+    let sample = jumps.split("at sample ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap();
+    assert!((60..=105).contains(&sample.parse().unwrap()), "{jumps}");
+}
+
+#[test]
+fn the_longest_delay_is_allowed_and_each_delay_marks_the_fingerprint_of_the_model_alike() {
+    let limits = Limits { low: Some(-10.0), high: Some(10.0), ..Default::default() };
+    let of = |gain: f64, delay| {
+        let rises = Arc::new(piezoid_models::hysteresis::Proportional::new(TS, 1.0).unwrap());
+        let plain = Model::new(rises, Arx::gain(TS, gain).unwrap(), 0.0).unwrap();
+        Causal::new(&plain, FeedForwardSettings { limits, ..Default::default() }, delay)
+    };
+    assert_eq!(of(2.0, 488).unwrap().delay_samples(), 488);
+    assert!(of(2.0, 489).unwrap_err().to_string().starts_with("delay_samples = 489: must be at most 488"));
+    let mark = |gain, delay| {
+        let causal = of(gain, delay).unwrap();
+        causal.fingerprint() ^ causal.inverse.model().fingerprint()
+    };
+    let marks = [0, 1, 2].map(|delay| mark(2.0, delay));
+    assert_eq!([0, 1, 2].map(|delay| mark(5.0, delay)), marks);
+    assert!(marks.iter().all(|mark| *mark != 0) && marks[0] != marks[1] && marks[1] != marks[2]);
+}

@@ -307,4 +307,21 @@ mod tests {
         assert_eq!(error, Error::Cancelled { what: "schemes".into(), done: 1, total: 2 });
         assert_eq!(stages, [(0, 2), (1, 2)]);
     }
+
+    #[test]
+    fn only_a_scheme_that_can_follow_is_tried_on_other_plants() {
+        let actuator: SimulatedActuator = Preset::find("pl140").unwrap().spec().into();
+        let tolerance = Tolerance { draws: 2, ..Tolerance::default() };
+        let schemes = vec![tuned("feed-forward", TS, "um"), tuned("gain", TS, "um")];
+        let references = vec![NamedReference::new("far", TS, sine(2000.0, 400))];
+        let (named, stage) = (("pl140", &actuator), &mut Stage::ignore);
+        let found = Comparison::run(named, schemes, references, 3, Some(&tolerance), stage).unwrap();
+        let draws = |result: &SchemeResult| result.spread.as_ref().map(|spread| spread.trials.len());
+        assert_eq!(found.results.iter().map(draws).collect::<Vec<_>>(), [None, Some(2)]);
+        let document = found.to_json();
+        let [refused, run] = [0, 1].map(|k| &document["schemes"][k]);
+        assert!(refused["tracking"][0]["refused"].as_str().unwrap().contains("reduce its amplitude"), "{refused}");
+        assert!(refused["tolerance"].is_null() && run["tolerance"]["unstable"].is_null(), "{document}");
+        assert_eq!(run["tolerance"]["draws"], 2);
+    }
 }

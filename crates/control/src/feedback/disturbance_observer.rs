@@ -122,6 +122,7 @@ mod tests {
     use super::*;
     use crate::feedback::ClosedLoop;
     use crate::feedback::tests::assert_follows_its_law;
+    use piezoid_models::program::{Machine, Program};
     use piezoid_testing::assert_close;
 
     fn path() -> ControlLoop {
@@ -140,5 +141,20 @@ mod tests {
         // The feed-forward has an error of 0.3 V.
         let y = ClosedLoop::new(&[1.0; 4000], &[0.7; 4000], path.limits).run(path.linear(), &c).unwrap().y;
         assert_close(&y[3999..], &[1.0], 0.0, 1e-6);
+    }
+
+    #[test]
+    fn for_a_plant_without_dynamics_the_program_is_bit_identical_too() {
+        let path = path_of(Arx::gain(5e-4, 1.0).unwrap(), (30.0, 40.0));
+        let c = DisturbanceObserver::new(&path, 20.0, 0.8).unwrap();
+        assert_eq!(c.inverse.order(), 0);
+        let program = Program::new([vec![Block::elementary()], c.blocks().unwrap()].concat()).unwrap();
+        let (mut machine, mut x) = (Machine::new(&program, "control_state", false), c.initial());
+        for t in 0..100 {
+            let (r, y) = (900.0 * (0.03 * f64::from(t)).sin(), f64::from(t % 11));
+            let u = c.step(&mut x, &ControllerInput { y, r, ..Default::default() });
+            let found = machine.call("control_step", &[r, y, 0.0]).unwrap()[0];
+            assert_eq!(found.to_bits(), u.to_bits(), "at {t}");
+        }
     }
 }

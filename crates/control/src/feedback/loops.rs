@@ -197,6 +197,7 @@ mod tests {
     use super::*;
     use crate::feedback::pi::Pi;
     use piezoid_models::linear::Arx;
+    use piezoid_testing::assert_close;
 
     #[test]
     fn an_exact_feed_forward_is_left_unchanged() {
@@ -262,5 +263,33 @@ mod tests {
         let t = done.tracking(1, 50.0);
         assert_eq!((t.max, t.effort, t.percent_of_stroke), (2.0, 2.0, 2.0 * t.rms));
         assert!((t.rms * t.rms - 2.5).abs() < 1e-12);
+    }
+
+    #[test]
+    fn samples_at_a_limit_or_clipped_are_counted() {
+        let plant = Arx::gain(1e-3, 1.0).unwrap();
+        // Without gains, its voltage is the feed-forward.
+        let pi = Pi::new(1e-3, 0.0, 0.0, (-10.0, 30.0)).unwrap();
+        let run = |feed_forward: &[f64], slew: f64| {
+            let r = vec![0.0; feed_forward.len()];
+            let closed_loop = ClosedLoop { slew, ..ClosedLoop::new(&r, feed_forward, (-10.0, 30.0)) };
+            let done = closed_loop.run(&plant, &pi).unwrap();
+            (done.u, done.limited)
+        };
+        // Near a limit within 40e-6 V, a millionth of their distance.
+        let near = [29.99997, 29.99995, -9.99997, -9.99995, 12.0];
+        assert_eq!(run(&near, f64::INFINITY), (near.to_vec(), 2));
+        assert_eq!(run(&[0.5, 3.0, 3.0, 3.0, 1.5], 1e3), (vec![0.5, 1.5, 2.5, 3.0, 2.0], 3));
+    }
+
+    #[test]
+    fn a_plant_in_other_units_has_another_scale_and_the_same_states() {
+        let system = Arx::new(1e-3, vec![0.9], vec![0.0, 0.1]).unwrap();
+        let scaled = Scaled { system: system.clone(), factor: 4.0 };
+        let (u, four_times) = ([1.0, -2.0, 5.0, 0.0, 3.0], |y: Vec<f64>| y.iter().map(|y| 4.0 * y).collect::<Vec<_>>());
+        assert_eq!((scaled.ts(), scaled.order()), (system.ts(), system.order()));
+        let settled = |system: &dyn System| system.resume(&mut system.settled(7.0), &u);
+        assert_close(&scaled.simulate(&u), &four_times(system.simulate(&u)), 1e-12, 0.0);
+        assert_close(&settled(&scaled), &four_times(settled(&system)), 1e-12, 0.0);
     }
 }

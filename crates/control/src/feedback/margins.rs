@@ -261,6 +261,9 @@ pub(super) mod tests {
     use super::super::{filters, pi::Pi};
     use super::*;
     use piezoid_models::creep::Lag;
+    use piezoid_models::driver::DriverModel;
+    use piezoid_models::hammerstein::Domain;
+    use piezoid_models::hysteresis::Proportional;
     use piezoid_testing::assert_close;
     use std::f64::consts::TAU;
 
@@ -268,7 +271,7 @@ pub(super) mod tests {
 
     /// A loop of +-30 V with these slopes; the slope of its model is their mean.
     pub(in super::super) fn path_of(linear: Arx, slope: (f64, f64)) -> ControlLoop {
-        let rises = piezoid_models::hysteresis::Proportional::new(linear.ts(), 0.5 * (slope.0 + slope.1)).unwrap();
+        let rises = Proportional::new(linear.ts(), 0.5 * (slope.0 + slope.1)).unwrap();
         let model = Model::new(std::sync::Arc::new(rises), linear, 0.0).unwrap();
         ControlLoop { model, slope, limits: (-30.0, 30.0), slew: f64::INFINITY, delay_samples: 0 }
     }
@@ -358,5 +361,83 @@ pub(super) mod tests {
         let message = ControlLoop::of(&inverted, (-30.0, 30.0)).unwrap().check_positive_gain().unwrap_err().to_string();
         assert!(message.contains("change the sign"), "{message}");
         assert!(ControlLoop::of(&inverted, (30.0, -30.0)).is_err());
+    }
+
+    #[test]
+    fn a_loop_without_a_positive_gain_is_refused() {
+        let checked = |b: Vec<f64>, slope: f64| {
+            let path = path_of(Arx::new(TS, vec![0.5], b).unwrap(), (0.0, slope));
+            path.check_positive_gain().map_err(|error| error.to_string())
+        };
+        assert_eq!(checked(vec![1.0, 1.0], 2.0), Ok(()));
+        for refused in [checked(vec![1.0, 1.0], 0.0), checked(vec![1.0, -1.0], 2.0)] {
+            let message = refused.unwrap_err();
+            assert!(message.contains("must be positive") && message.contains("cover -30 to 30 V"), "{message}");
+        }
+    }
+
+    #[test]
+    fn a_model_is_known_at_all_frequencies_from_a_share_of_the_sampling_rate_on() {
+        let slow = path(Arx::gain(TS, 1.0).unwrap());
+        let known = |hz: f64| {
+            let domain = Domain { u: [-30.0, 30.0], hz: Some([1.0, hz]), slew: 1e3, mean: [0.0, 0.0] };
+            ControlLoop { model: slow.model.clone().with_identified(domain), ..slow.clone() }.known_hz()
+        };
+        let share = FULL_BAND_RATE_SHARE / TS;
+        assert_eq!([known(0.99 * share), known(share)], [Some(0.99 * share), None]);
+    }
+
+    #[test]
+    fn the_delay_of_a_loop_is_that_of_its_sample_the_sensor_and_the_driver() {
+        let rises = Proportional::new(TS / DriverModel::SUBSTEPS as f64, 1.0).unwrap();
+        let driver = DriverModel::new(1e-4, None).unwrap();
+        let linear = Arx::gain(TS, 1.0).unwrap();
+        let model = Model::from_blocks(Some(driver), std::sync::Arc::new(rises), linear.clone(), 0.0).unwrap();
+        let path = ControlLoop { model, delay_samples: 2, ..path(linear) };
+        assert_close(&[path.delay_s()], &[3.0 * TS + 1e-4], 1e-12, 0.0);
+    }
+
+    #[test]
+    fn the_grid_is_finer_around_a_mode_and_for_a_delay_and_ends_at_half_the_sampling_rate() {
+        let of = |block: &Arx, delay_samples| grid(&[block], delay_samples);
+        let (plain, mode) = (Arx::new(TS, vec![0.5], vec![0.5]).unwrap(), filters::lag(TS, 160.0, 0.03).unwrap());
+        let (alone, around, delayed) = (of(&plain, 0), of(&mode, 0), of(&plain, 2));
+        assert_eq!([alone.len(), around.len(), delayed.len()], [501, 501 + 121, 501 + 63]);
+        assert_close(&[around[0], around[621]], &[1e-3, 1e3], 1e-12, 0.0);
+        // 160 (1 +- 0.03 sinh(4.5) / 4), and the mode itself.
+        for hz in [105.99639, 160.0, 214.00361] {
+            assert!(around.iter().any(|found| (found - hz).abs() < 1e-4), "{hz}");
+        }
+        let widest = |grid: &[f64]| grid.windows(2).fold(0.0, |most: f64, w| most.max(w[1] - w[0]));
+        assert!(widest(&alone) > 25.0 && widest(&delayed) < 1000.0 / 64.0 + 1e-9);
+        // A wide mode at high frequencies.
+        let wide = of(&filters::lag(TS, 900.0, 0.9).unwrap(), 1);
+        assert!(wide.windows(2).all(|w| 0.0 < w[0] && w[0] <= w[1] && w[1] <= 1000.0));
+    }
+
+    #[test]
+    fn crossings_are_found_on_lines_between_points_and_in_points() {
+        let l = [(-2.0, -1.0), (-4.0, 3.0), (-1.0, 0.0), (-0.5, -2.0), (0.5, 0.0)].map(|(re, im)| Complex::new(re, im));
+        // At -2.5, a quarter of the way, and in the third point; the curve ends to the right.
+        assert_eq!(growths(&l).collect::<Vec<_>>(), [0.4, 1.0]);
+        assert_eq!(growths(&[Complex::new(-0.25, -1.0)]).collect::<Vec<_>>(), [4.0]);
+        assert_eq!(growths(&[Complex::new(0.0, -1.0)]).count(), 0);
+
+        let down = [2.0, 1.0, 0.5].map(|modulus| Complex::new(0.0, -modulus));
+        let up = [0.5, 1.0, 2.0].map(|modulus| Complex::new(0.0, -modulus));
+        let at = |modulus: f64, degrees: f64| polar(modulus, degrees.to_radians());
+        let (turned, across) = ([at(4.0, -90.0), at(0.5, -150.0)], [at(2.0, 170.0), at(0.5, -170.0)]);
+        // |L| falls from 4 to 1 in two thirds of the way, by 40 degrees.
+        let found = [phase(&down), phase(&up), phase(&turned), phase(&across)];
+        assert_close(&found, &[90.0, 90.0, 50.0, 0.0], 0.0, 1e-9);
+        assert_eq!([phase(&down[..2]), phase(&up[..1])], [f64::INFINITY; 2]);
+    }
+
+    #[test]
+    fn the_bandwidth_is_where_s_reaches_minus_3_db_between_the_points() {
+        // |S| rises from a quarter to 1, 12 dB on logarithmic scales, by 9 dB.
+        let of = |l: [f64; 2]| bandwidth(&[1.0, 10.0], &l.map(Complex::from));
+        assert_close(&[of([3.0, 0.0])], &[10f64.powf(0.75)], 1e-12, 0.0);
+        assert_eq!([of([0.1, 3.0]), of([3.0, 3.0])], [0.0, 10.0]);
     }
 }

@@ -307,4 +307,16 @@ mod tests {
             assert!((0..50).all(|t| c.step(&mut x, &exact(t)) == exact(t).feed_forward));
         }
     }
+
+    #[test]
+    fn an_integral_changes_by_no_more_than_the_limits_are_apart_and_not_further_beyond_one() {
+        let after = |w: f64, gain: f64| {
+            let mut integral = 1.0;
+            let u = integrating((-30.0, 10.0), &ControllerInput::default(), w, &mut integral, gain);
+            [u, integral]
+        };
+        assert_eq!([after(5.0, 1e6), after(10.0, -1e6), after(5.0, 3.0)], [[5.0, 41.0], [10.0, -39.0], [5.0, 4.0]]);
+        let beyond = [after(20.0, 2.0), after(20.0, -2.0), after(-40.0, 2.0), after(-40.0, -2.0)];
+        assert_eq!(beyond, [[10.0, 1.0], [10.0, -1.0], [-30.0, 3.0], [-30.0, 1.0]]);
+    }
 }

@@ -125,4 +125,27 @@ mod tests {
             assert_eq!(Reference::find(kind.name).unwrap().summary, kind.summary);
         }
     }
+
+    #[test]
+    fn the_staircase_rests_on_nine_levels() {
+        let r = Reference::find("staircase").unwrap().samples(5e-4, 800, 800.0, 5.0).unwrap();
+        let resting = r.windows(3).filter(|w| (w[0] - w[1]).abs() < 1e-9 && (w[1] - w[2]).abs() < 1e-9);
+        let levels: std::collections::BTreeSet<i64> = resting.map(|w| w[1].round() as i64).collect();
+        assert_eq!(levels.into_iter().collect::<Vec<_>>(), (-4..=4).map(|k| 200 * k).collect::<Vec<i64>>());
+        // Five periods a second.
+        for kind in ["staircase", "triangle", "sine"] {
+            let r = Reference::find(kind).unwrap().samples(5e-4, 800, 800.0, 5.0).unwrap();
+            assert!((r[100] - 800.0).abs() < 1e-6 && (r[700] + 800.0).abs() < 1e-6, "{kind}: {} {}", r[100], r[700]);
+        }
+    }
+
+    #[test]
+    fn the_random_one_repeats_after_twenty_periods_of_a_low_frequency() {
+        let r = Reference::find("random").unwrap().samples(5e-3, 16_000, 800.0, 0.5).unwrap();
+        // 40 s later, beyond its rise of 4 s.
+        for t in [1000, 4321, 7999] {
+            assert!((r[t] - r[t + 8000]).abs() < 1e-9, "{t}: {} {}", r[t], r[t + 8000]);
+        }
+        assert!((1000..3999).any(|t| (r[t] - r[t + 4000]).abs() > 1.0), "it repeats sooner");
+    }
 }

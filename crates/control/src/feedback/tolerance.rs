@@ -198,4 +198,19 @@ mod tests {
         let (low, high) = ends(lags);
         assert!(low >= 0.8 && high <= 1.2 && low < 0.82 && high > 1.18, "{low} {high}");
     }
+
+    #[test]
+    fn a_loop_is_stable_if_it_rests_at_the_end_of_its_reference() {
+        let spec: SimulatedActuator = Preset::find("pl140").unwrap().spec().into();
+        let risen = |height: f64| {
+            let r: Vec<f64> = (0..2500).map(|t| height * (f64::from(t) / 400.0).min(1.0)).collect();
+            let tolerance = Tolerance { draws: 2, share: 0.05, seed: 0 };
+            tolerance.trials(&spec, &drive::<1>(), &r, 0, &mut Stage::ignore).unwrap()
+        };
+        let (near, far) = (risen(400.0), risen(2000.0));
+        // About half of the higher one is out of reach: it rests far below.
+        assert_eq!([near.unstable(), far.unstable()], [0, 2]);
+        let Tracking { rms, percent_of_stroke, .. } = near.trials[0].tracking;
+        assert_eq!(percent_of_stroke, 100.0 * rms / 400.0);
+    }
 }

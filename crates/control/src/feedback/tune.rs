@@ -175,6 +175,7 @@ pub(super) fn modes(block: &Arx) -> Vec<(f64, f64)> {
 #[cfg(test)]
 mod tests {
     use super::super::margins::tests::path_of;
+    use super::super::pi::Pi;
     use super::super::{CONTROLLERS, ClosedLoop, ControllerKind};
     use super::*;
     use piezoid_models::hammerstein::Domain;
@@ -290,5 +291,46 @@ mod tests {
         );
         let steep = MarginTarget { phase_deg: 179.0, ..Default::default() };
         assert!(pi(&bender(), &steep).unwrap_err().to_string().contains("no gain meets the margins"));
+    }
+
+    #[test]
+    fn the_integral_gain_is_that_of_the_integral() {
+        let law = Pi::new(TS, 0.2, 30.0, (-1.0, 1.0)).unwrap().law().unwrap();
+        assert_close(&[integral_gain(&law)], &[30.0], 1e-5, 0.0);
+    }
+
+    #[test]
+    fn only_lightly_damped_modes_are_detuned_and_only_below_half_the_sampling_rate() {
+        let modes_of = [(160.0, 0.05), (300.0, 0.5), (900.0, 0.02)].map(|(hz, damping)| filters::pair(TS, hz, damping));
+        let p = modes_of.iter().fold(vec![1.0, -0.9], |p, pair| filters::times(&p, pair));
+        let block = filters::ratio(TS, &[1.0], &p).unwrap();
+        let found: Vec<f64> = modes(&block).into_iter().flat_map(|(hz, damping)| [hz, damping]).collect();
+        assert_close(&found, &[900.0, 0.02, 160.0, 0.05], 1e-6, 0.0);
+        let hz = |block: &Arx, share| detuned(block, share).unwrap().poles().iter().map(|p| p.hz).collect::<Vec<_>>();
+        // The real pole stays; the last mode would come to 1098 Hz.
+        let real = (1.0f64 / 0.9).ln() / (TAU * TS);
+        assert_close(&hz(&block, 1.22), &[real, 195.2, 300.0, 980.0], 1e-6, 0.0);
+        assert_close(&hz(&filters::lag(TS, 990.0, 0.02).unwrap(), 1.1), &[990.0], 1e-6, 0.0);
+    }
+
+    #[test]
+    fn above_the_frequencies_of_the_data_the_gain_leaves_the_margin_to_an_unknown_mode() {
+        let slow = path_of(Arx::gain(TS, 0.9).unwrap(), (30.0, 40.0));
+        let known = Domain { u: [-30.0, 30.0], hz: Some([5.0, 5.0]), slew: 1e3, mean: [0.0, 0.0] };
+        let observed = ControlLoop { model: slow.model.clone().with_identified(known), ..slow };
+        let pi = super::super::ControllerKind::find("pi").unwrap().tune;
+        let law = pi(&observed, &MarginTarget::default()).unwrap().law().unwrap();
+        // 20 times the slope 40 and the gain 0.9, at -6 dB at the first frequency above 5 Hz, up to 3 % higher.
+        assert_close(&[20.0 * 40.0 * 0.9 * law.response(5.0).gain], &[10f64.powf(-0.3)], 0.03, 0.0);
+    }
+
+    #[test]
+    fn without_a_mode_the_resonator_lies_about_a_twentieth_of_the_sampling_rate() {
+        let tune = super::super::ControllerKind::find("positive-position").unwrap().tune;
+        let path = path_of(Arx::gain(TS, 0.9).unwrap(), (30.0, 40.0));
+        let law = tune(&path, &MarginTarget::default()).unwrap().law().unwrap();
+        // From 0.4 to 2 times 100 Hz, besides the integral.
+        let poles: Vec<f64> = law.poles().iter().map(|pole| pole.hz).filter(|hz| *hz > 1e-3).collect();
+        assert!(!poles.is_empty() && poles.iter().all(|hz| (39.9..200.1).contains(hz)), "{poles:?}");
     }
 }

@@ -1,12 +1,16 @@
+use super::super::sample::Law;
 use super::super::{Causal, FeedForward, FeedForwardSettings};
-use piezoid_models::feedback::FeedbackDynamics;
+use piezoid_models::creep::Lag;
+use piezoid_models::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel};
 use piezoid_models::hammerstein::Model;
+use piezoid_models::hysteresis::Proportional;
 use piezoid_models::program::Machine;
 use piezoid_numerics::error::Error;
 use piezoid_numerics::system::System;
 use piezoid_records::excitation::Limits;
 use piezoid_testing::in_feedback;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 const TS: f64 = 5e-4;
 
@@ -99,28 +103,31 @@ fn a_whole_reference_is_corrected_by_iterations() {
     }
 }
 
+#[track_caller]
+fn assert_program_is_bit_identical(name: &str, model: &Model, limits: Limits, more: usize) {
+    let causal = causal(model, FeedForwardSettings { limits, ..FeedForwardSettings::default() }, more);
+    let mut program = model.program().unwrap();
+    causal.extend(&mut program).unwrap();
+    let (mut machine, mut x) = (Machine::new(&program, "ff_state", false), causal.initial());
+    assert_eq!(machine.state(), x, "{name}");
+    for t in 0..300 {
+        let r = match t {
+            50 => f64::NAN,
+            250 => 1e200,
+            _ => 12.0 * (0.05 * f64::from(t)).sin() + 6.0 * (0.4 * f64::from(t)).sin() + f64::from(t % 90) / 9.0,
+        };
+        let (u, found) = (causal.step(&mut x, r), machine.call("ff_step", &[r]).unwrap()[0]);
+        assert_eq!(found.to_bits(), u.to_bits(), "{name}, {more}, {limits:?}, at {t}: {found} for {u}");
+    }
+    assert_eq!(machine.state(), x, "{name}");
+}
+
 #[test]
 fn the_program_is_bit_identical_to_the_steps() {
     let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() };
     for (name, model) in models() {
         for (limits, more) in [(limits, 0), (limits, 3), (Limits { slew: Some(2e4), ..limits }, 0)] {
-            let causal = causal(&model, FeedForwardSettings { limits, ..FeedForwardSettings::default() }, more);
-            let mut program = model.program().unwrap();
-            causal.extend(&mut program).unwrap();
-            let (mut machine, mut x) = (Machine::new(&program, "ff_state", false), causal.initial());
-            assert_eq!(machine.state(), x, "{name}");
-            for t in 0..300 {
-                let r = match t {
-                    50 => f64::NAN,
-                    250 => 1e200,
-                    _ => {
-                        12.0 * (0.05 * f64::from(t)).sin() + 6.0 * (0.4 * f64::from(t)).sin() + f64::from(t % 90) / 9.0
-                    }
-                };
-                let (u, found) = (causal.step(&mut x, r), machine.call("ff_step", &[r]).unwrap()[0]);
-                assert_eq!(found.to_bits(), u.to_bits(), "{name}, {more}, {limits:?}, at {t}: {found} for {u}");
-            }
-            assert_eq!(machine.state(), x, "{name}");
+            assert_program_is_bit_identical(name, &model, limits, more);
         }
     }
 }
@@ -204,4 +211,71 @@ fn delays_out_of_reach_name_the_option_and_models_without_an_inverse_say_why() {
             );
         }
     }
+}
+
+/// Two modes that the input moves and z bends; z creeps, and adds to the displacement.
+fn guided() -> Model {
+    let (_, model) = models().find(|(name, _)| *name == "guided").unwrap();
+    changed(&model, |dynamics| {
+        let second = FeedbackMode { hz: 700.0, input: 0.1, hysteretic: -0.03, sensed: 0.8, ..dynamics.modes[0] };
+        dynamics.modes.push(second);
+        dynamics.direct[1] = 0.1;
+        dynamics.creep.push(Lag { tau_s: 0.02, gain: 0.1 });
+    })
+}
+
+/// The same model about an operator without a state.
+fn without_memory(model: &Model) -> Model {
+    let line = Arc::new(Proportional::new(TS, 0.9).unwrap());
+    model.clone().with_feedback(FeedbackModel::new(TS, dynamics(model), line).unwrap()).unwrap()
+}
+
+#[test]
+fn z_that_creeps_and_adds_to_the_displacement_is_inverted() {
+    let (model, settings) = (guided(), FeedForwardSettings::default());
+    let r = path(0.0, 20.0, 2000);
+    let error = missed(&model, &causal(&model, settings, 0), &r);
+    assert!(error < 0.01 * most(&vec![0.0; r.len()], &r), "{error}");
+    let causal = causal(&model, settings, 2);
+    let mut x = causal.settled(7.0);
+    let before = x[0];
+    let u = causal.resume(&mut x, &[7.0; 40]);
+    assert!(u.iter().all(|u| (u - before).abs() < 1e-9), "{u:?} for {before}");
+    let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() };
+    assert_program_is_bit_identical("with z in the displacement", &model, limits, 1);
+}
+
+#[test]
+fn an_operator_without_a_state_has_a_bit_identical_program() {
+    let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() };
+    for (name, model) in models() {
+        assert_program_is_bit_identical(name, &without_memory(&model), limits, 0);
+    }
+}
+
+#[test]
+fn a_state_has_no_parts_for_what_is_not_there() {
+    // The last input, 5 q, 6 p and 4 held; then what is known with p, the voltage behind a driver, and creep.
+    let expected = [("guided", 3), ("bender", 4 + 1 + 2), ("loaded", 4 + 2), ("stiffened", 0), ("filtered", 0)];
+    for ((name, model), (expected_name, parts)) in models().zip(expected) {
+        let of_hysteresis = model.feedback().unwrap().hysteresis().order();
+        let order = |more| causal(&model, FeedForwardSettings::default(), more).order();
+        assert_eq!((name, order(0)), (expected_name, 16 + parts + of_hysteresis));
+        assert_eq!(order(3), order(0) + 3, "{name}");
+    }
+}
+
+#[test]
+fn what_a_stiff_mode_moves_besides_itself_is_taken_into_account() {
+    let (_, stiff) = models().find(|(name, _)| *name == "stiffened").unwrap();
+    let stiff = changed(&stiff, |dynamics| (dynamics.modes[0].softening, dynamics.direct[1]) = (-0.02, 0.3));
+    let whole = causal(&stiff, FeedForwardSettings::default(), 0);
+    let mut without = whole.clone();
+    if let Law::Feedback(flat) = &mut without.law {
+        flat.bends = 0.0;
+    }
+    // Near the resonance.
+    let r = path(dynamics(&stiff).offset, 120.0, 2000);
+    let errors = [&whole, &without].map(|causal| missed(&stiff, causal, &r));
+    assert!(errors[0] < 0.7 * errors[1], "{errors:?}");
 }

@@ -64,3 +64,33 @@ fn smooth(x: &[f64]) -> Vec<f64> {
     };
     (0..=last).map(of).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensation::FeedForwardSettings;
+    use piezoid_models::hammerstein::Model;
+    use piezoid_testing::{assert_close, in_feedback};
+
+    #[test]
+    fn a_record_goes_on_turned_about_its_last_value_and_then_rests() {
+        for (_, document) in in_feedback() {
+            let model = Model::from_json(&document.to_string()).unwrap();
+            let flat = FeedForward::new(&model, FeedForwardSettings::default()).unwrap().flat().unwrap();
+            let offset = model.feedback().unwrap().dynamics().offset;
+            let along = |r: &[f64]| flat.whole(&r.iter().map(|r| offset + r).collect::<Vec<_>>());
+            let ramp: Vec<f64> = (0..40).map(|t| 0.1 * f64::from(t)).collect();
+            assert_close(&along(&ramp[..20]), &along(&ramp)[..20], 0.0, 1e-7);
+            let goes_on = [vec![0.0, 1.0, 3.0, 5.0], vec![6.0; 12]].concat();
+            let (short, long) = (along(&goes_on[..3]), along(&goes_on));
+            assert_close(&short, &long[..3], 0.0, 1e-7);
+        }
+    }
+
+    #[test]
+    fn an_impulse_is_smoothed_to_binomial_shares_and_a_constant_stays() {
+        assert_eq!(smooth(&[0.0, 0.0, 0.0, 16.0, 0.0, 0.0, 0.0]), [0.0, 1.0, 4.0, 6.0, 4.0, 1.0, 0.0]);
+        assert_eq!(smooth(&[16.0, 0.0]), [11.0, 5.0]);
+        assert_eq!(smooth(&[7.0; 3]), [7.0; 3]);
+    }
+}

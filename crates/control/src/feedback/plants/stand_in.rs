@@ -479,4 +479,69 @@ pub(super) mod tests {
         let apart = StandIn::new(quick.unwrap(), (model("stop", 0.0), Vec::new()), (1.0, 1.0), 0.0);
         assert!(apart.unwrap_err().to_string().contains("the other model of the stand-in every 0.001 s"));
     }
+
+    #[test]
+    fn a_draw_adds_its_part_of_the_spread_and_has_its_gain_about_the_start() {
+        let drawn = with_share(0.5).drawn(0.2, 3, 2).unwrap();
+        let (share, Draw { gain, part }) = (drawn.share, drawn.draw);
+        let (k, factor) = part.unwrap();
+        assert!(share.abs() == 0.5 && gain != 1.0 && factor != 0.0, "{:?}", drawn.draw);
+        let [a, b, without] = [&drawn.model, &drawn.other, &drawn.spread[k]].map(of_model);
+        let y = response(&drawn, 0);
+        for t in 0..a.len() {
+            let moved = |x: &[f64]| x[t] - x[0];
+            let other = moved(&b) + factor * (moved(&without) - moved(&b));
+            let expected = a[0] + gain * (moved(&a) + share * (other - moved(&a)));
+            assert!((y[t] - expected).abs() < 1e-9, "{} instead of {expected} at {t}", y[t]);
+        }
+    }
+
+    #[test]
+    fn the_factor_of_the_spread_grows_with_the_root_of_the_fits_without_the_first() {
+        let factor = |fits: usize, i: u64| {
+            let stand_in = StandIn { spread: vec![model("stop", 1.0); fits], ..with_share(0.5) };
+            stand_in.drawn(0.0, 1, i).unwrap().draw.part.map(|(_, factor)| factor)
+        };
+        // The same normal number by 1 and by 2.
+        (0..5).for_each(|i| assert_eq!(factor(5, i), factor(2, i).map(|factor| 2.0 * factor)));
+        assert_eq!([factor(1, 0), factor(0, 0)], [None, None]);
+    }
+
+    #[test]
+    fn from_its_initial_state_it_is_both_models_from_theirs() {
+        let (u, stand_in) = (drive(), with_share(0.25));
+        let [a, b] = [stand_in.model(), stand_in.other()];
+        let [first_a, first_b] = [a, b].map(|model| model.step(&mut model.initial(), 0.0));
+        let ([a, b], y) = ([a, b].map(|model| model.simulate(&u)), stand_in.plant(0).simulate(&u));
+        for t in 0..u.len() {
+            let expected = a[t] + 0.25 * ((b[t] - first_b) - (a[t] - first_a));
+            assert!((y[t] - expected).abs() < 1e-9, "{} instead of {expected} at {t}", y[t]);
+        }
+    }
+
+    #[test]
+    fn its_sentence_states_share_error_and_noise() {
+        let quiet = with_share(0.25);
+        let noisy = StandIn { noise: 0.5, ..with_share(0.25) };
+        assert_eq!([noisy.share(), noisy.error(), noisy.noise()], [0.25, 0.25, 0.5]);
+        let text = quiet.to_string();
+        assert!(text.contains("the model and 25.00 % of its difference from a model with preisach"), "{text}");
+        assert!(text.ends_with("by 0.2500 um rms, as the actuator does"), "{text}");
+        assert!(noisy.to_string().ends_with("as the actuator does; noise 0.5000 um"), "{noisy}");
+    }
+
+    #[test]
+    fn units_that_differ_or_are_no_voltage_and_too_many_fits_are_errors() {
+        let with = |u: &str, y: &str| model("stop", 0.0).with_units(Units { u: u.into(), y: y.into() });
+        let of = |other: Model, part: Model| StandIn::new(with("A", "um"), (other, vec![part]), (1.0, 1.0), 0.0);
+        let amperes = of(with("A", "um"), with("A", "um")).unwrap();
+        assert!(amperes.in_volts().is_err() && with_share(0.5).in_volts().is_ok());
+        for (other, part, what) in [(("V", "um"), ("A", "um"), "input"), (("A", "um"), ("A", "mm"), "output")] {
+            let message = of(with(other.0, other.1), with(part.0, part.1)).unwrap_err().to_string();
+            assert!(message.contains(&format!("the {what} of the other model")), "{message}");
+        }
+        let written = |fits: usize| StandIn { spread: vec![model("stop", 1.0); fits], ..with_share(0.5) }.to_json();
+        assert!(StandIn::from_json(&written(MAX_SPREAD)).is_ok());
+        assert!(StandIn::from_json(&written(MAX_SPREAD + 1)).unwrap_err().to_string().starts_with("spread = 65"));
+    }
 }

@@ -304,4 +304,77 @@ mod tests {
         assert!(!program.solve(&mut x, &low, &high, &mut vec![0.0; program.scratch()]).solved);
         assert!(x.iter().all(|x| x.is_finite()));
     }
+
+    fn seeded(seed: u64) -> rand_chacha::ChaCha8Rng {
+        rand_chacha::ChaCha8Rng::seed_from_u64(seed)
+    }
+
+    #[test]
+    fn limits_that_contradict_each_other_do_not_drive_the_moves_away() {
+        let mut random = seeded(5);
+        let (mut low, mut high) = (vec![-1.0; 23], vec![1.0; 23]);
+        (low[0], high[1], high[8], low[8]) = (0.9, -0.9, 0.1, -0.1);
+        for _ in 0..50 {
+            let program = program(&mut random);
+            let mut x = vec![0.3; 8];
+            let ended = program.solve(&mut x, &low, &high, &mut vec![0.0; program.scratch()]);
+            assert!(!ended.solved && x.iter().all(|x| x.abs() < 1e3), "{x:?}");
+        }
+        assert_eq!(interior::solve(&program(&mut random), &[0.0; 8], &low, &high), None);
+    }
+
+    #[test]
+    fn the_unit_of_the_cost_does_not_matter() {
+        let mut random = seeded(3);
+        for _ in 0..20 {
+            let one = program(&mut random);
+            let g = DVector::from_fn(8, |_, _| random.random_range(-5.0..5.0));
+            let start = Cholesky::new(one.h.clone()).unwrap().solve(&g);
+            let solved = |factor: f64| {
+                let sigma = one.sigma.iter().map(|sigma| factor * sigma).collect();
+                let program = Condensed::new(&one.h * factor, one.a.clone(), sigma).unwrap();
+                let mut x = start.as_slice().to_vec();
+                let ended = program.solve(&mut x, &[-0.4; 23], &[0.5; 23], &mut vec![0.0; program.scratch()]);
+                (x, ended)
+            };
+            let expected = solved(1.0);
+            // Powers of four: every rounding is the same.
+            assert_eq!([solved(2f64.powi(40)), solved(2f64.powi(-40))], [expected.clone(), expected]);
+        }
+    }
+
+    #[test]
+    fn the_row_that_raises_the_cost_most_is_added_first_but_after_those_of_the_last_sample() {
+        let h = DMatrix::from_diagonal(&DVector::from_vec(vec![1.0, 4.0]));
+        let program = Condensed::new(h, DMatrix::identity(2, 2), vec![f64::INFINITY; 2]).unwrap();
+        let worst = |last: [f64; 2]| {
+            let mut scratch = vec![0.0; program.scratch()];
+            let w = program.cut(&mut scratch);
+            w.v.copy_from_slice(&[3.3, 2.2]);
+            w.last.copy_from_slice(&last);
+            let over = program.worst(&[-1.0; 2], &[1.0; 2], 0.0, 0, &w);
+            w.v.copy_from_slice(&[-3.3, -2.2]);
+            [over, program.worst(&[-1.0; 2], &[1.0; 2], 0.0, 0, &w)]
+        };
+        // Beyond their ends by 2.3 and 1.2, over the roots of 1 and of a quarter.
+        assert_eq!(worst([0.0, 0.0]), [Some((1, 1.0)), Some((1, -1.0))]);
+        assert_eq!(worst([1.0, 0.0]), [Some((0, 1.0)), Some((1, -1.0))]);
+        assert_eq!(worst([-1.0, 0.0]), [Some((1, 1.0)), Some((0, -1.0))]);
+    }
+
+    #[test]
+    fn the_buffers_hold_each_row_and_the_most_active_ones_and_a_trial() {
+        let program = program(&mut seeded(4));
+        let mut scratch = vec![0.0; program.scratch()];
+        let Buffers { lambda, last, v, bound, r, factor } = program.cut(&mut scratch);
+        // 23 rows; as many hard ones as moves can be active, and the 8 soft ones.
+        assert_eq!([lambda.len(), last.len(), v.len()], [23; 3]);
+        assert_eq!([bound.len(), r.len(), factor.len()], [17, 17, 17 * 17]);
+    }
+
+    #[test]
+    fn the_operations_of_the_worst_case_are_counted() {
+        // 12 changes, of which 5 add a row (17 + 8) and 7 exchange one (35 + 25 + 10); 42 for v, 28 a change to search.
+        assert_eq!(operations(3, 7, 5), 5 * 25 + 7 * 70 + 42 + 12 * 28);
+    }
 }

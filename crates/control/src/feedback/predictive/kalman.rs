@@ -137,4 +137,17 @@ mod tests {
         let (a, c) = (DMatrix::identity(2, 2), RowDVector::from_vec(vec![1.0, 0.0]));
         assert!(gain(&a, &c, &DMatrix::identity(2, 2), 1.0).unwrap_err().to_string().contains("not observable"));
     }
+
+    #[test]
+    fn only_the_ratio_of_the_covariances_counts() {
+        let (creep, linear) = blocks(1);
+        let model = Realisation::new(&creep, &linear);
+        let p = model.order() - 1;
+        let mut q = &model.b * model.b.transpose() * 1e-2;
+        q[(p, p)] += 1e-3;
+        let of = |scale: f64| gain(&model.a, &model.c, &(&q * scale), 0.3 * scale).unwrap();
+        for scale in [2f64.powi(-60), 2f64.powi(60)] {
+            assert_close(of(scale).as_slice(), of(1.0).as_slice(), 1e-12, 0.0);
+        }
+    }
 }

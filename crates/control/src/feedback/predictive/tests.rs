@@ -1,13 +1,15 @@
 //! Tests of the whole controller on its own model and on other plants.
 
-use super::super::ClosedLoop;
+use super::super::margins::tests::path_of;
 use super::super::tune::detuned;
+use super::super::{ClosedLoop, ControlLoop, MarginTarget};
 use super::realisation::tests::blocks;
 use super::*;
 use nalgebra::DMatrix;
 use piezoid_models::creep::Creep;
 use piezoid_models::driver::DriverModel;
 use piezoid_models::feedback::{FeedbackDynamics, FeedbackMode, FeedbackModel};
+use piezoid_models::hammerstein::Domain;
 use piezoid_models::hysteresis::{Hysteresis, Operator, Proportional, load};
 use piezoid_testing::assert_close;
 use serde_json::json;
@@ -428,4 +430,140 @@ fn mechanics_with_hysteresis_in_feedback_are_controlled_by_their_blocks_in_serie
         (0..20).map(|t| mpc.step(&mut x, &input(t))).collect::<Vec<_>>()
     };
     assert_eq!(run(&blocks.clone().with_feedback(feedback).unwrap()), run(&blocks));
+}
+
+#[test]
+fn a_plan_states_the_displacement_that_its_moves_give() {
+    for delay in [0, 1, 3] {
+        let (creep, linear) = blocks(delay);
+        let model = before(linear).with_creep(creep).unwrap();
+        let mpc = Predictive::new(&model, PredictiveSettings::default()).unwrap();
+        let (mut x, mut truth, mut y, r) = (mpc.settled(0.0), model.settled(0.0), 1.5, sine(5.0, 80));
+        for t in 0..40 {
+            let mut ahead = truth.clone();
+            let plan = mpc.plan(&mut x, &r[t..], y);
+            y = model.step(&mut truth, plan.u);
+            let held = std::iter::repeat_n(plan.z[19], delay);
+            let known: Vec<f64> =
+                plan.z.iter().copied().chain(held).map(|z| model.step(&mut ahead, z)).skip(delay).collect();
+            assert_close(&plan.y, &known, 1e-9, 1e-9);
+        }
+    }
+}
+
+#[test]
+fn the_reach_is_that_of_the_ends_with_all_creep() {
+    let reach = |model: &Model| {
+        let settings = PredictiveSettings { voltage: (-10.0, 30.0), ..Default::default() };
+        let (low, high) = Predictive::new(model, settings).unwrap().reachable();
+        [low, high]
+    };
+    let gain = |k: f64| before(Arx::gain(TS, k).unwrap());
+    assert_close(&reach(&gain(2.0)), &[1.5 - 20.0, 1.5 + 60.0], 1e-12, 0.0);
+    // Creep adds 6 %.
+    let crept = gain(-2.0).with_creep(blocks(1).0).unwrap();
+    assert_close(&reach(&crept), &[1.5 - 63.6, 1.5 + 21.2], 1e-12, 0.0);
+}
+
+#[test]
+fn at_a_limit_of_z_the_voltage_goes_to_its_own_limit_if_the_optimum_lies_beyond() {
+    let settings = PredictiveSettings { voltage: (5.0, 30.0), ..Default::default() };
+    let mpc = Predictive::new(&before(Arx::gain(TS, 2.0).unwrap()), settings).unwrap();
+    let mut x = mpc.settled(15.0);
+    let parts = mpc.parts(&mut x);
+    (parts.low[0], parts.high[0]) = (10.0, 20.0);
+    // Within 25e-6, a millionth of the range of z.
+    let low = [(10.00002, 9.0, 8.0), (10.00003, 9.0, 10.00003), (10.0, 9.99998, 10.0), (10.0, 9.99997, 8.0)];
+    let high = [(19.99998, 21.0, 22.0), (19.99997, 21.0, 19.99997), (20.0, 20.00002, 20.0), (20.0, 20.00003, 22.0)];
+    for (z, free, u) in low.into_iter().chain(high) {
+        parts.z[0] = z;
+        assert_close(&[mpc.voltage(&parts, free, (8.0, 22.0))], &[u], 0.0, 1e-6);
+    }
+}
+
+#[test]
+fn a_measurement_farther_off_than_ten_ranges_counts_as_ten() {
+    let settings = PredictiveSettings { voltage: (-10.0, 30.0), ..Default::default() };
+    let mpc = Predictive::new(&before(Arx::gain(TS, 2.0).unwrap()), settings).unwrap();
+    let disturbance = |y: f64| {
+        let mut x = mpc.settled(0.0);
+        mpc.plan(&mut x, &[1.5], y);
+        mpc.parts(&mut x).s.to_vec()
+    };
+    // y ranges over 80, and is 1.5 at 0 V.
+    for side in [1.0, -1.0] {
+        let most = disturbance(1.5 + side * 800.0);
+        assert_close(&disturbance(side * 1e9), &most, 1e-9, 0.0);
+        assert_close(&disturbance(1.5 + side * 780.0), &[0.975 * most[0]], 1e-9, 0.0);
+    }
+}
+
+#[test]
+fn the_rows_are_limited_by_the_major_loop_the_slowest_slew_and_the_displacement() {
+    let model = Model::new(Arc::new(Proportional::new(TS, 2.0).unwrap()), Arx::gain(TS, 4.0).unwrap(), 1.5).unwrap();
+    let settings = PredictiveSettings { slew: Some(1e3), displacement: Some((-9.0, 13.0)), ..Default::default() };
+    let mpc = Predictive::new(&model, settings).unwrap();
+    let mut x = mpc.settled(3.0);
+    let mut parts = mpc.parts(&mut x);
+    mpc.limit(&mut parts, (2.5, 3.25));
+    // z is twice u, which moves by 0.5 V a sample; y is 4 z and the offset.
+    let rows = |first: f64, major: f64, step: f64, displacement: f64| {
+        [vec![first], vec![major; 19], vec![step; 19], vec![displacement; 20]].concat()
+    };
+    assert_close(parts.low, &rows(5.0, -60.0, -1.0, -2.625), 1e-9, 0.0);
+    assert_close(parts.high, &rows(6.5, 60.0, 1.0, 2.875), 1e-9, 0.0);
+}
+
+#[test]
+fn a_tuned_controller_keeps_the_limits_of_its_loop_and_needs_data_up_to_a_twentieth_of_the_sampling_rate() {
+    let path = ControlLoop { limits: (-12.0, 13.0), slew: 1e3, ..path_of(blocks(1).1, (1.0, 1.0)) };
+    let mpc = (ROW.tune)(&path, &MarginTarget::default()).unwrap();
+    let (mut x, mut plant, mut y) = (mpc.settled(0.0), path.linear().initial(), 0.0);
+    let mut step = || {
+        let u = mpc.step(&mut x, &ControllerInput { y, ahead: &[40.0], ..Default::default() });
+        y = path.linear().step(&mut plant, u);
+        u
+    };
+    let u: Vec<f64> = std::iter::once(0.0).chain((0..40).map(|_| step())).collect();
+    let fastest = u.windows(2).fold(0.0, |most: f64, w| most.max((w[1] - w[0]).abs()));
+    // For the reference it would need 20 V.
+    assert_close(&[fastest, u[40]], &[0.5, 13.0], 0.0, 1e-6);
+
+    let known = |hz: f64| {
+        let domain = Domain { u: [-12.0, 13.0], hz: Some([1.0, hz]), slew: 1e3, mean: [0.0, 0.0] };
+        let known = ControlLoop { model: path.model.clone().with_identified(domain), ..path.clone() };
+        (ROW.tune)(&known, &MarginTarget::default()).is_ok()
+    };
+    let share = MIN_BAND_RATE_SHARE / TS;
+    assert_eq!([known(0.99 * share), known(share)], [false, true]);
+}
+
+#[test]
+fn ends_that_are_no_range_are_refused_by_their_name() {
+    for ends in [(5.0, 5.0), (5.0, 4.0), (f64::NEG_INFINITY, 1.0), (0.0, f64::INFINITY), (f64::NAN, 1.0)] {
+        let voltage = PredictiveSettings { voltage: ends, ..Default::default() };
+        let displacement = PredictiveSettings { displacement: Some(ends), ..Default::default() };
+        for (name, settings) in [("voltage", voltage), ("displacement", displacement)] {
+            let message = settings.check().unwrap_err().to_string();
+            assert!(message.starts_with(&format!("{name} = ")) && message.contains("both finite"), "{message}");
+        }
+    }
+}
+
+#[test]
+fn the_computing_time_of_a_horizon_is_that_of_all_its_multiplications() {
+    // For two states and 3 samples: 10 for the observer, 9 for the free optimum, and the program.
+    let soft = 10 + 9 + condensed::operations(3, 8, 6);
+    let hard = 10 + 9 + condensed::operations(3, 5, 3);
+    for (displacement, needed) in [(Some((-1.0, 1.0)), soft), (None, hard)] {
+        let within = |multiplications: usize| {
+            let multiplications_per_second = 2.0 * multiplications as f64;
+            let settings =
+                PredictiveSettings { horizon: 3, displacement, multiplications_per_second, ..Default::default() };
+            settings.check_computing_time(2, 0.5).map_err(|error| error.to_string())
+        };
+        assert_eq!(within(needed), Ok(()));
+        let message = within(needed - 1).unwrap_err();
+        assert!(message.contains("the longest horizon that fits is 2 samples"), "{message}");
+    }
 }
