@@ -369,14 +369,15 @@ mod tests {
 
     #[test]
     fn residuals_are_those_of_their_definitions() {
-        let record = Record::new(1.0, vec![1.0, 2.0, 0.0, 4.0], vec![2.0, 2.0, 3.0, 8.0]).unwrap();
+        let of = |u: &[f64], y: &[f64]| {
+            let records = [Record::new(1.0, u.to_vec(), y.to_vec()).unwrap()];
+            residuals(&Regression::new(&records, Orders::of(0)).unwrap(), &[2.0])
+        };
         // y - 2 u = 0, -2, 3, 0.
-        let of = |theta: f64| residuals(&Regression::new(&[record.clone()], Orders::of(0)).unwrap(), &[theta]);
-        let found = of(2.0);
+        let found = of(&[1.0, 2.0, 0.0, 4.0], &[2.0, 2.0, 3.0, 8.0]);
         assert_eq!((found.n, found.sum_abs, found.max_abs), (4, 5.0, 3.0));
         assert_close(&[found.rms, found.lag_one], &[(13.0f64 / 4.0).sqrt(), -6.0 / 13.0], 1e-15, 0.0);
-        let exact = Record::new(1.0, vec![1.0, 2.0], vec![2.0, 4.0]).unwrap();
-        assert_eq!(residuals(&Regression::new(&[exact], Orders::of(0)).unwrap(), &[2.0]).lag_one, 0.0);
+        assert_eq!(of(&[1.0, 2.0], &[2.0, 4.0]).lag_one, 0.0);
     }
 
     #[test]
