@@ -233,11 +233,11 @@ mod tests {
 
     /// The names of the rows that remark on a record: of `u`, and of the output of the model for it, changed by `y`.
     fn remarked(rows: &[&Remark], model: &Model, u: Vec<f64>, y: Change) -> Vec<&'static str> {
-        made(rows, model, u, y, &|_| {}).into_iter().map(|(name, _)| name).collect()
+        remarks_with(rows, model, u, y, &|_| {}).into_iter().map(|(name, _)| name).collect()
     }
 
     /// The same with the remarks, if facts are changed too.
-    fn made(
+    fn remarks_with(
         rows: &[&Remark],
         model: &Model,
         u: Vec<f64>,
@@ -319,8 +319,8 @@ mod tests {
         let model = model.with_identified(known);
         let with = |domain: Domain| {
             let change = |facts: &mut Facts| (facts.domain, facts.duration) = (domain, 2.0);
-            let made = made(REMARKS, &model, u.clone(), |_, y| y, &change);
-            made.into_iter().map(|(name, _)| name).collect::<Vec<_>>()
+            let found = remarks_with(REMARKS, &model, u.clone(), |_, y| y, &change);
+            found.into_iter().map(|(name, _)| name).collect::<Vec<_>>()
         };
         let hz = |hz| Domain { hz: Some(hz), ..known };
         let mean = |mean| Domain { mean, ..known };
@@ -355,7 +355,7 @@ mod tests {
         let (slowest, fastest) = model.hysteresis().frequencies().unwrap();
         let remarked = |hz: f64| {
             let change = |facts: &mut Facts| facts.cycle_rates = vec![slowest, hz];
-            made(&[&extrapolation::FREQUENCY], &model, u.clone(), |_, y| y, &change).len()
+            remarks_with(&[&extrapolation::FREQUENCY], &model, u.clone(), |_, y| y, &change).len()
         };
         assert_eq!([0.91 * slowest, 1.09 * fastest].map(remarked), [0; 2]);
         assert_eq!([0.89 * slowest, 1.11 * fastest].map(remarked), [1; 2]);
@@ -366,7 +366,7 @@ mod tests {
         let (model, u) = stock("proportional");
         let remark = |most: f64| {
             let change = |facts: &mut Facts| facts.domain.u = [-20.0, most];
-            made(&[&extrapolation::RANGE], &model, u.clone(), |_, y| y, &change).remove(0).1
+            remarks_with(&[&extrapolation::RANGE], &model, u.clone(), |_, y| y, &change).remove(0).1
         };
         let says = |most: f64| remark(most).contains("; at 101.0 times the range, ");
         assert!(says(4020.0) && !remark(3940.0).contains(" times the range"), "{}", remark(4020.0));

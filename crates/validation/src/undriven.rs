@@ -331,9 +331,9 @@ mod tests {
         let beside = |k: usize| (1.0 + (k / 2) as f64) * if k.is_multiple_of(2) { 1.0 } else { -1.0 };
         let other: Vec<_> = (0..100).map(|k| Complex::from(beside(k))).collect();
         let error: Vec<_> = (0..100).map(|k| response(k) * s[k] + other[k]).collect();
-        // What a response takes of 18 or 16 independent bins is given back.
-        let given = |k: usize| if k < 36 { 18.0 / 17.0 } else { 16.0 / 15.0 };
-        let expected: Vec<f64> = (0..100).map(|k| given(k) * beside(k).powi(2)).collect();
+        // A response takes one of 18 or 16 independent bins.
+        let scale = |k: usize| if k < 36 { 18.0 / 17.0 } else { 16.0 / 15.0 };
+        let expected: Vec<f64> = (0..100).map(|k| scale(k) * beside(k).powi(2)).collect();
         let found = Background::of(&error, &s);
         assert_close(&found.error, &expected, 1e-9, 1e-9);
         assert_close(&found.with_driver, &[1.25; 100], 1e-12, 0.0);

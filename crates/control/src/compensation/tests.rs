@@ -477,9 +477,9 @@ fn the_error_for_a_reference_out_of_reach_states_what_helps() {
         assert!(message.contains(helps) && message.contains("only -20 to 20 um can be held"), "{message}");
     }
     // The preview of a whole reference is 64 samples.
-    let (early, late) = (message(&[5.0; 70], 63), message(&[5.0; 70], 64));
-    assert!(early.contains("5 um at sample 63 (0.0315 s)") && early.contains("begin the reference"), "{early}");
-    assert!(late.contains("5 um at sample 64 (0.032 s)") && late.contains("changes too fast there"), "{late}");
+    let (before, after) = (message(&[5.0; 70], 63), message(&[5.0; 70], 64));
+    assert!(before.contains("5 um at sample 63 (0.0315 s)") && before.contains("begin the reference"), "{before}");
+    assert!(after.contains("5 um at sample 64 (0.032 s)") && after.contains("changes too fast there"), "{after}");
 }
 
 #[test]
