@@ -278,8 +278,7 @@ mod tests {
 
     #[test]
     fn after_three_trials_without_gain_a_growing_error_is_corrected_by_the_measured_response() {
-        let mut harmonics = harmonics();
-        let h = &mut harmonics;
+        let h = &mut harmonics();
         assert_corrected(h, [2.0, 0.05], [6.0, 1.025], [1.0; 2]);
         assert_corrected(h, [3.0, 0.06], [9.0, 1.0425], [1.0; 2]);
         assert_corrected(h, [3.5, 0.07], [12.5, 1.05625], [1.0; 2]);
@@ -293,8 +292,7 @@ mod tests {
 
     #[test]
     fn an_error_that_falls_once_begins_to_grow_anew_and_measured_responses_have_a_limit() {
-        let mut harmonics = harmonics();
-        let h = &mut harmonics;
+        let h = &mut harmonics();
         assert_corrected(h, [2.0, 0.05], [6.0, 1.025], [1.0; 2]);
         assert_corrected(h, [3.0, 0.055], [9.0, 1.04], [1.0; 2]);
         assert_corrected(h, [2.5, 0.06], [11.5, 1.05], [1.0; 2]);

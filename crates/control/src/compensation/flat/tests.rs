@@ -103,6 +103,10 @@ fn a_whole_reference_is_corrected_by_iterations() {
     }
 }
 
+fn limits() -> Limits {
+    Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() }
+}
+
 #[track_caller]
 fn assert_program_is_bit_identical(name: &str, model: &Model, limits: Limits, more: usize) {
     let causal = causal(model, FeedForwardSettings { limits, ..FeedForwardSettings::default() }, more);
@@ -124,7 +128,7 @@ fn assert_program_is_bit_identical(name: &str, model: &Model, limits: Limits, mo
 
 #[test]
 fn the_program_is_bit_identical_to_the_steps() {
-    let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() };
+    let limits = limits();
     for (name, model) in models() {
         for (limits, more) in [(limits, 0), (limits, 3), (Limits { slew: Some(2e4), ..limits }, 0)] {
             assert_program_is_bit_identical(name, &model, limits, more);
@@ -241,15 +245,13 @@ fn z_that_creeps_and_adds_to_the_displacement_is_inverted() {
     let before = x[0];
     let u = causal.resume(&mut x, &[7.0; 40]);
     assert!(u.iter().all(|u| (u - before).abs() < 1e-9), "{u:?} for {before}");
-    let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() };
-    assert_program_is_bit_identical("with z in the displacement", &model, limits, 1);
+    assert_program_is_bit_identical("with z in the displacement", &model, limits(), 1);
 }
 
 #[test]
 fn an_operator_without_a_state_has_a_bit_identical_program() {
-    let limits = Limits { low: Some(-28.0), high: Some(29.0), ..Limits::default() };
     for (name, model) in models() {
-        assert_program_is_bit_identical(name, &without_memory(&model), limits, 0);
+        assert_program_is_bit_identical(name, &without_memory(&model), limits(), 0);
     }
 }
 
